@@ -1,0 +1,51 @@
+# Helpers that make every target of the package alike.
+include(GNUInstallDirs)
+
+# What every one of our own targets is compiled with.
+add_library(extperfc_flags INTERFACE)
+target_compile_features(extperfc_flags INTERFACE cxx_std_17)
+target_compile_options(extperfc_flags INTERFACE
+  -Wall -Wextra -Wpedantic -Wshadow -Wnon-virtual-dtor -Woverloaded-virtual -Wconversion -Wno-sign-conversion
+  $<$<BOOL:${EXTPERFC_WERROR}>:-Werror>)
+if(EXTPERFC_SANITIZE)
+  target_compile_options(extperfc_flags INTERFACE
+    -fsanitize=${EXTPERFC_SANITIZE} -fno-sanitize-recover=all -fno-omit-frame-pointer -g1)
+  target_link_options(extperfc_flags INTERFACE -fsanitize=${EXTPERFC_SANITIZE})
+endif()
+
+# extperfc_add_library(<room> SOURCES ... [LINK public targets ...] [PRIVATE_LINK targets ...])
+# One shared library libextperfc_<room>.so per room, alias extperfc::<room>.
+function(extperfc_add_library room)
+  cmake_parse_arguments(ARG "" "" "SOURCES;LINK;PRIVATE_LINK" ${ARGN})
+  add_library(extperfc_${room} SHARED ${ARG_SOURCES})
+  add_library(extperfc::${room} ALIAS extperfc_${room})
+  target_include_directories(extperfc_${room}
+    PUBLIC $<BUILD_INTERFACE:${PROJECT_SOURCE_DIR}/include> $<INSTALL_INTERFACE:include>
+    PRIVATE ${PROJECT_SOURCE_DIR}/src)
+  target_link_libraries(extperfc_${room}
+    PUBLIC ${ARG_LINK} PRIVATE $<BUILD_INTERFACE:extperfc_flags> ${ARG_PRIVATE_LINK})
+  target_compile_features(extperfc_${room} PUBLIC cxx_std_17)
+  install(TARGETS extperfc_${room} LIBRARY DESTINATION ${CMAKE_INSTALL_LIBDIR})
+endfunction()
+
+# extperfc_add_program(<name> SOURCES ... LINK ...): an executable that tools/ or roslaunch start.
+function(extperfc_add_program name)
+  cmake_parse_arguments(ARG "" "" "SOURCES;LINK" ${ARGN})
+  add_executable(${name} ${ARG_SOURCES})
+  target_include_directories(${name} PRIVATE ${PROJECT_SOURCE_DIR}/src)
+  target_link_libraries(${name} PRIVATE extperfc_flags ${ARG_LINK})
+  install(TARGETS ${name} RUNTIME DESTINATION lib/${PROJECT_NAME})
+endfunction()
+
+# extperfc_add_test(<room>/<name> SOURCES ... LINK ...): a GoogleTest program, run by `tools/test unit`.
+function(extperfc_add_test name)
+  cmake_parse_arguments(ARG "" "" "SOURCES;LINK" ${ARGN})
+  string(REPLACE "/" "_" target test_${name})
+  add_executable(${target} ${ARG_SOURCES})
+  target_include_directories(${target} PRIVATE ${PROJECT_SOURCE_DIR}/src)
+  target_link_libraries(${target} PRIVATE extperfc_flags ${ARG_LINK} GTest::gtest_main)
+  target_compile_definitions(${target} PRIVATE
+    EXTPERFC_TEST_DATA="${PROJECT_SOURCE_DIR}/test/data" EXTPERFC_SOURCE_DIR="${PROJECT_SOURCE_DIR}")
+  add_test(NAME unit/${name} COMMAND ${target})
+  set_tests_properties(unit/${name} PROPERTIES LABELS unit TIMEOUT 120)
+endfunction()
