@@ -1,0 +1,94 @@
+#include "depth/surface_fit.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include <Eigen/Cholesky>
+#include <Eigen/Core>
+
+namespace extperfc::depth {
+
+namespace {
+
+constexpr int kIterations = 4;
+constexpr double kQuantum = 0.001 / 3.4641016151377544;  // sigma of rounding to 1 mm [m]: 1 mm / sqrt(12)
+
+/// Inverse depth as an affine function of position, in units of the spatial scale.
+using Plane = Eigen::Vector3d;
+
+struct Point {
+  Eigen::Vector3d basis;  // 1, u, v
+  double q;               // inverse depth [1/m]
+  double weight;          // by distance from the centre
+};
+
+struct Points {
+  std::array<Point, Samples::kCapacity> items;
+  std::size_t size{0};
+  [[nodiscard]] const Point* begin() const { return items.data(); }
+  [[nodiscard]] const Point* end() const { return items.data() + size; }
+};
+
+void select(const Samples& samples, const Layer& layer, double scale_px, Points& out) {
+  for (const auto& s : samples) {
+    if (s.depth_m < layer.near_m || s.depth_m > layer.far_m) continue;
+    const double u = s.dx / scale_px;
+    const double v = s.dy / scale_px;
+    const double near = 1.0 / (1.0 + u * u + v * v);
+    out.items[out.size++] = {{1.0, u, v}, 1.0 / s.depth_m, near * near};
+  }
+}
+
+double cauchy(double residual, double scale) {
+  const double r = residual / scale;
+  return 1.0 / (1.0 + r * r);
+}
+
+struct Sums {
+  Eigen::Matrix3d normal{Eigen::Matrix3d::Zero()};
+  Eigen::Vector3d right{Eigen::Vector3d::Zero()};
+  double weight{0};
+  double weight2{0};
+  double residual2{0};
+};
+
+Sums accumulate(const Points& points, const Plane& plane, double scale) {
+  Sums sums;
+  for (const auto& p : points) {
+    const double residual = p.q - plane.dot(p.basis);
+    const double w = p.weight * cauchy(residual, scale);
+    sums.normal += w * p.basis * p.basis.transpose();
+    sums.right += (w * p.q) * p.basis;
+    sums.weight += w;
+    sums.weight2 += w * w;
+    sums.residual2 += w * residual * residual;
+  }
+  return sums;
+}
+
+}  // namespace
+
+SurfaceFit fit_surface(const Samples& samples, const Layer& layer, const BoxDepthParams& params) {
+  Points points;
+  select(samples, layer, 0.5 * params.window_px, points);
+  Plane plane(2.0 / (static_cast<double>(layer.near_m) + layer.far_m), 0.0, 0.0);
+  const double q_near = 1.0 / layer.near_m;
+  const double q_far = 1.0 / layer.far_m;
+  const double noise = std::hypot(params.noise.sigma_inverse_depth(), kQuantum * plane[0] * plane[0]);
+  double scale = std::max(2.0 * noise, 0.5 * (q_near - q_far));
+  Sums sums;
+  for (int i = 0; i < kIterations; ++i) {
+    sums = accumulate(points, plane, scale);
+    Eigen::Matrix3d normal = sums.normal;
+    normal(1, 1) += 0.02 * sums.weight;
+    normal(2, 2) += 0.02 * sums.weight;
+    plane = normal.ldlt().solve(sums.right);
+    scale = std::max(2.0 * noise, 0.5 * scale);
+  }
+  const double q = std::clamp(plane[0], q_far, q_near);
+  const double z = 1.0 / q;
+  return {z, sums.residual2 / sums.weight * z * z * z * z, sums.weight * sums.weight / sums.weight2};
+}
+
+}  // namespace extperfc::depth

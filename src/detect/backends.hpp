@@ -1,0 +1,31 @@
+#pragma once
+
+#include <memory>
+#include <string>
+#include <string_view>
+
+#include "extperfc/base/error.hpp"
+#include "extperfc/detect/inference.hpp"
+#include "extperfc/detect/model_spec.hpp"
+
+namespace extperfc::detect {
+
+// One loader per library. Errors name the library's complaint; make_backend() adds model, back end and device.
+[[nodiscard]] Result<std::unique_ptr<InferenceBackend>> load_opencv(const ModelSpec& spec,
+                                                                    const InferenceOptions& options);
+[[nodiscard]] std::string opencv_version();
+[[nodiscard]] Result<std::unique_ptr<InferenceBackend>> load_openvino(const ModelSpec& spec,
+                                                                      const InferenceOptions& options);
+[[nodiscard]] std::string openvino_version();
+
+/// The essence of a library's message: its last line that says something, at most 200 characters.
+[[nodiscard]] std::string shortened(std::string_view library_text);
+
+/// "a, b, c", or "none".
+[[nodiscard]] std::string joined(const std::vector<std::string>& names);
+
+/// The error for tensors that model.yaml names and the network does not have.
+[[nodiscard]] tl::unexpected<Error> no_such_tensor(const std::string& kind, const std::string& name,
+                                                   const std::vector<std::string>& existing);
+
+}  // namespace extperfc::detect

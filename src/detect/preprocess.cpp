@@ -1,0 +1,162 @@
+#include "extperfc/detect/preprocess.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <string>
+#include <utility>
+
+#include <opencv2/imgproc.hpp>
+
+namespace extperfc::detect {
+
+namespace {
+
+constexpr float kPadding = 114.0F;           // grey of the letterbox bars, as YOLO is trained with
+constexpr double kMono16ToByte = 1.0 / 257;  // 65535 -> 255
+
+/// How OpenCV sees a picture format.
+struct FormatTraits {
+  int type;                     ///< of the cv::Mat around the picture
+  int conversion;               ///< code that makes it BGR, kDirect when it can be resized as it is
+  std::array<int, 3> channels;  ///< where red, green and blue are after the conversion
+};
+
+constexpr int kDirect = -1;
+constexpr std::array<int, 3> kRgb{0, 1, 2};
+constexpr std::array<int, 3> kBgr{2, 1, 0};
+constexpr std::array<int, 3> kGrey{0, 0, 0};
+
+// OpenCV names a Bayer pattern after the second row's second and third pixel, ROS after the first 2 x 2 pixels.
+FormatTraits traits_of(PixelFormat format) {
+  switch (format) {
+    case PixelFormat::kRgb8:
+      return {CV_8UC3, kDirect, kRgb};
+    case PixelFormat::kBgr8:
+      return {CV_8UC3, kDirect, kBgr};
+    case PixelFormat::kRgba8:
+      return {CV_8UC4, kDirect, kRgb};
+    case PixelFormat::kBgra8:
+      return {CV_8UC4, kDirect, kBgr};
+    case PixelFormat::kMono8:
+      return {CV_8UC1, kDirect, kGrey};
+    case PixelFormat::kMono16:
+      return {CV_16UC1, kDirect, kGrey};
+    case PixelFormat::kBayerRggb8:
+      return {CV_8UC1, cv::COLOR_BayerBG2BGR, kBgr};
+    case PixelFormat::kBayerBggr8:
+      return {CV_8UC1, cv::COLOR_BayerRG2BGR, kBgr};
+    case PixelFormat::kBayerGbrg8:
+      return {CV_8UC1, cv::COLOR_BayerGR2BGR, kBgr};
+    case PixelFormat::kBayerGrbg8:
+      return {CV_8UC1, cv::COLOR_BayerGB2BGR, kBgr};
+    case PixelFormat::kYuv422:
+      return {CV_8UC2, cv::COLOR_YUV2BGR_UYVY, kBgr};
+    case PixelFormat::kYuv422Yuy2:
+      return {CV_8UC2, cv::COLOR_YUV2BGR_YUY2, kBgr};
+    case PixelFormat::kDepth16Mm:
+    case PixelFormat::kDepth32M:
+      break;
+  }
+  return {CV_8UC1, kDirect, kGrey};
+}
+
+Result<void> check_picture(const ImageView& image) {
+  const std::string size = std::to_string(image.width) + " x " + std::to_string(image.height);
+  const std::string encoding(encoding_of(image.format));
+  if (image.empty()) return fail(ErrorCode::kInvalidArgument, "the picture is empty (" + size + " pixels)");
+  if (is_depth(image.format))
+    return fail(ErrorCode::kUnsupported,
+                "a depth picture (" + encoding + ") cannot be searched for objects: give a colour picture");
+  const auto least = static_cast<std::size_t>(image.width) * bytes_per_pixel(image.format);
+  if (image.row_bytes < least)
+    return fail(ErrorCode::kInvalidArgument,
+                "a row of the " + size + " " + encoding + " picture needs " + std::to_string(least) +
+                    " bytes, but its step is " + std::to_string(image.row_bytes));
+  return {};
+}
+
+/// Where the picture goes in the input.
+cv::Rect target_area(const InputSpec& spec, int width, int height) {
+  if (spec.resize == Resize::kStretch) return {0, 0, spec.width, spec.height};
+  const double scale =
+      std::min(static_cast<double>(spec.width) / width, static_cast<double>(spec.height) / height);
+  const int w = std::clamp(static_cast<int>(std::lround(width * scale)), 1, spec.width);
+  const int h = std::clamp(static_cast<int>(std::lround(height * scale)), 1, spec.height);
+  return {(spec.width - w) / 2, (spec.height - h) / 2, w, h};
+}
+
+/// From the area in whole pixels, so that boxes map back exactly.
+Placement placement_of(const cv::Rect& area, int width, int height) {
+  return {static_cast<float>(area.width) / static_cast<float>(width),
+          static_cast<float>(area.height) / static_cast<float>(height), static_cast<float>(area.x),
+          static_cast<float>(area.y)};
+}
+
+/// Fills what a letterbox leaves free of one plane.
+void fill_around(cv::Mat& plane, const cv::Rect& area, float value) {
+  plane.rowRange(0, area.y).setTo(value);
+  plane.rowRange(area.br().y, plane.rows).setTo(value);
+  plane(cv::Rect(0, area.y, area.x, area.height)).setTo(value);
+  plane(cv::Rect(area.br().x, area.y, plane.cols - area.br().x, area.height)).setTo(value);
+}
+
+}  // namespace
+
+Box2 Placement::to_picture(const Box2& input_box) const {
+  return {(input_box.x_min - offset_x) / scale_x, (input_box.y_min - offset_y) / scale_y,
+          (input_box.x_max - offset_x) / scale_x, (input_box.y_max - offset_y) / scale_y};
+}
+
+/// Kept from picture to picture, so that nothing is allocated while the picture's size stays.
+struct Preprocessor::Scratch {
+  cv::Mat colour;                  ///< full size, for formats that cannot be resized as they are
+  cv::Mat small;                   ///< as large as the area it fills
+  std::array<cv::Mat, 4> channels; ///< of `small`
+
+  /// The picture in the input's size, one matrix per channel.
+  void resize(const ImageView& image, const FormatTraits& traits, cv::Size size, int interpolation) {
+    // cv::Mat has no read-only form; nothing writes to it.
+    const cv::Mat picture(image.height, image.width, traits.type, const_cast<std::uint8_t*>(image.data),
+                          image.row_bytes);
+    if (traits.conversion != kDirect) cv::cvtColor(picture, colour, traits.conversion);
+    cv::resize(traits.conversion == kDirect ? picture : colour, small, size, 0, 0, interpolation);
+    if (small.channels() == 1)
+      channels[0] = small;
+    else
+      cv::split(small, channels.data());
+  }
+};
+
+Preprocessor::Preprocessor(InputSpec spec) : spec_(std::move(spec)), scratch_(std::make_unique<Scratch>()) {}
+Preprocessor::~Preprocessor() = default;
+Preprocessor::Preprocessor(Preprocessor&&) noexcept = default;
+Preprocessor& Preprocessor::operator=(Preprocessor&&) noexcept = default;
+
+Result<Placement> Preprocessor::run(const ImageView& image, float* planes) try {
+  if (const auto checked = check_picture(image); !checked) return tl::unexpected(checked.error());
+  const FormatTraits traits = traits_of(image.format);
+  const cv::Rect area = target_area(spec_, image.width, image.height);
+  scratch_->resize(image, traits, area.size(),
+                   spec_.interpolation == Interpolation::kArea ? cv::INTER_AREA : cv::INTER_LINEAR);
+
+  const double unit = traits.type == CV_16UC1 ? kMono16ToByte : 1.0;
+  const std::size_t plane_size = static_cast<std::size_t>(spec_.width) * static_cast<std::size_t>(spec_.height);
+  for (std::size_t c = 0; c < 3; ++c) {
+    cv::Mat plane(spec_.height, spec_.width, CV_32F, planes + c * plane_size);
+    cv::Mat inside = plane(area);
+    const int channel = traits.channels[spec_.bgr ? 2 - c : c];
+    const float mean = spec_.mean[c];
+    const float scale = spec_.scale[c];
+    scratch_->channels[static_cast<std::size_t>(channel)].convertTo(inside, CV_32F, unit * scale,
+                                                                    -static_cast<double>(mean) * scale);
+    if (area.size() != plane.size()) fill_around(plane, area, (kPadding - mean) * scale);
+  }
+  return placement_of(area, image.width, image.height);
+} catch (const cv::Exception& error) {
+  return fail(ErrorCode::kInvalidArgument, "cannot convert a picture of " + std::to_string(image.width) + " x " +
+                                               std::to_string(image.height) + " pixels, " +
+                                               std::string(encoding_of(image.format)) + ": " + error.err);
+}
+
+}  // namespace extperfc::detect

@@ -1,0 +1,313 @@
+#include <memory>
+#include <mutex>
+#include <optional>
+#include <stdexcept>
+#include <string>
+#include <thread>
+#include <vector>
+
+#include <diagnostic_updater/diagnostic_updater.h>
+#include <nodelet/nodelet.h>
+#include <pluginlib/class_list_macros.hpp>
+#include <tf2_eigen/tf2_eigen.h>
+#include <tf2_ros/buffer.h>
+#include <tf2_ros/transform_listener.h>
+#include <vision_msgs/VisionInfo.h>
+
+#include "extperfc/base/latest_slot.hpp"
+#include "extperfc/base/stamp_matcher.hpp"
+#include "extperfc/base/stopwatch.hpp"
+#include "extperfc/depth/box_depth.hpp"
+#include "ros/convert/detections.hpp"
+#include "ros/convert/image.hpp"
+#include "ros/health/stream_health.hpp"
+#include "ros/params/box_depth_params.hpp"
+#include "ros/params/detector_params.hpp"
+
+namespace extperfc {
+
+/// Puts detected boxes into space with the depth picture that belongs to them.
+///
+/// Subscribes (only while somebody listens to one of the outputs):
+///   detections                               vision_msgs/Detection2DArray
+///   camera/aligned_depth_to_color/image_raw  sensor_msgs/Image 16UC1 [mm] or 32FC1 [m], aligned to the colour picture
+///   camera/color/camera_info                 sensor_msgs/CameraInfo of the colour camera, the size of the depth picture
+///   vision_info                              vision_msgs/VisionInfo: class names for the markers
+/// Publishes:
+///   detections_3d     vision_msgs/Detection3DArray   stamp of the detections; results[0].pose is the measured surface
+///                     point with its covariance, bbox.center and bbox.size the estimated extent. Boxes without a valid
+///                     depth are left out and counted.
+///   objects/markers   visualization_msgs/MarkerArray
+///   diagnostics       diagnostic_msgs/DiagnosticArray
+/// Parameters (private; unknown keys are refused):
+///   estimator           nearest_mode | median | trimmed_mean | mean (the paper's)   default: nearest_mode
+///   window_px           side of the window of mean, median, trimmed_mean [px]       20, [1, 1000]
+///   central_fraction    part of the box that nearest_mode looks at                  0.4, [0.01, 1]
+///   min_depth_m, max_depth_m   values outside are no measurement [m]                0.105, 10; [0, 100]
+///   min_valid_px        fewer valid pixels give no estimate                         5, >= 1
+///   noise_focal_px, noise_baseline_m, noise_subpixel_px   depth noise (D435i)       424, 0.05, 0.08
+///   target_frame        frame of the results                                        "": the picture's
+///   stamp_tolerance_s   largest stamp difference of detection and depth [s]         0.02, [0, 1]
+///   transform_timeout_s wait for the transform at the picture's stamp [s]           0.1, [0, 5]
+///   depth_queue         depth pictures remembered while the detector works          30, [1, 300]
+///   marker_lifetime_s   [s]                                                         1, [0, 60]
+///   timeout_s           silence after which diagnostics warn [s]                    5, [0.1, 3600]
+/// Frames: needs optical frame -> target_frame at the picture's stamp when target_frame is set.
+/// Diagnostics: rates, latency, how pictures arrive, boxes without depth, results without a matching picture; ERROR while
+///   inputs do not fit together (sizes, encodings, stamps, transforms).
+/// Threads: callbacks only match stamps; one worker computes. The newest matched pair replaces a waiting one.
+class BoxDepthNodelet : public nodelet::Nodelet {
+ public:
+  ~BoxDepthNodelet() override {
+    diagnostics_timer_.stop();
+    for (auto* subscriber : {&detections_subscriber_, &depth_subscriber_, &info_subscriber_, &names_subscriber_})
+      subscriber->shutdown();
+    pairs_.close();
+    if (worker_.joinable()) worker_.join();
+  }
+
+ private:
+  // Events instead of plain messages, because they know their publisher.
+  using DetectionsEvent = ros::MessageEvent<const vision_msgs::Detection2DArray>;
+  using DepthEvent = ros::MessageEvent<const sensor_msgs::Image>;
+  using InfoEvent = ros::MessageEvent<const sensor_msgs::CameraInfo>;
+  using Matcher = StampMatcher<vision_msgs::Detection2DArrayConstPtr, sensor_msgs::ImageConstPtr>;
+  static constexpr const char* kDetectionsTopic = "detections";
+  static constexpr const char* kDepthTopic = "camera/aligned_depth_to_color/image_raw";
+  static constexpr const char* kInfoTopic = "camera/color/camera_info";
+
+  struct Objects {
+    vision_msgs::Detection3DArray message;
+    std::uint64_t without_depth{0};
+  };
+
+  void onInit() override;
+  void advertise();
+  void update_subscription();
+  void on_detections(const DetectionsEvent& event);
+  void on_depth(const DepthEvent& event);
+  void on_info(const InfoEvent& event);
+  void on_names(const vision_msgs::VisionInfoConstPtr& message);
+  void process(const Matcher::Pair& pair);
+  Result<Objects> locate_all(const Matcher::Pair& pair);
+  Result<CameraModel> camera_for(const ImageView& depth);
+  Result<Eigen::Isometry3d> transform_at(const std_msgs::Header& header);
+  void report(diagnostic_updater::DiagnosticStatusWrapper& status);
+
+  ros_params::BoxDepthNodeletParams params_;
+  std::unique_ptr<tf2_ros::Buffer> tf_buffer_;
+  std::unique_ptr<tf2_ros::TransformListener> tf_listener_;
+  std::unique_ptr<diagnostic_updater::Updater> updater_;
+  ros::WallTimer diagnostics_timer_;
+  health::InputHealth detections_health_{"detections"};
+  health::InputHealth depth_health_{"depth"};
+  health::InputHealth info_health_{"camera info"};
+  health::WorkHealth work_health_;
+
+  std::mutex subscription_mutex_;
+  ros::Publisher objects_publisher_;
+  ros::Publisher markers_publisher_;
+  ros::Subscriber detections_subscriber_;
+  ros::Subscriber depth_subscriber_;
+  ros::Subscriber info_subscriber_;
+  ros::Subscriber names_subscriber_;
+
+  std::mutex state_mutex_;  ///< guards what follows, never held over work or a publish
+  std::optional<Matcher> matcher_;
+  sensor_msgs::CameraInfoConstPtr info_;
+  std::vector<std::string> class_names_;
+  std::uint64_t without_depth_{0};
+  std::uint64_t unmatched_at_report_{0};
+
+  LatestSlot<Matcher::Pair> pairs_;
+  std::thread worker_;
+};
+
+void BoxDepthNodelet::onInit() {
+  auto params = ros_params::load_box_depth_params(getPrivateNodeHandle());
+  if (!params) {
+    NODELET_FATAL("%s", params.error().message.c_str());
+    throw std::runtime_error(params.error().message);
+  }
+  params_ = *params;
+  Matcher::Limits limits;
+  limits.tolerance_ns = static_cast<std::int64_t>(1e9 * params_.stamp_tolerance_s);
+  limits.fast_kept = static_cast<std::size_t>(params_.depth_queue);
+  matcher_.emplace(limits);
+  if (!params_.target_frame.empty()) {
+    tf_buffer_ = std::make_unique<tf2_ros::Buffer>();
+    tf_listener_ = std::make_unique<tf2_ros::TransformListener>(*tf_buffer_);
+  }
+  updater_ = std::make_unique<diagnostic_updater::Updater>(getNodeHandle(), getPrivateNodeHandle(), getName());
+  updater_->setHardwareID("none");
+  updater_->add("box_depth", this, &BoxDepthNodelet::report);
+  diagnostics_timer_ =
+      getNodeHandle().createWallTimer(ros::WallDuration(0.2), [this](const auto&) { updater_->update(); });
+  worker_ = std::thread([this] {
+    while (const auto pair = pairs_.take()) process(*pair);
+  });
+  advertise();
+}
+
+void BoxDepthNodelet::advertise() {
+  const std::lock_guard lock(subscription_mutex_);  // the callbacks must not run before both publishers exist
+  const auto changed = [this](const ros::SingleSubscriberPublisher&) { update_subscription(); };
+  auto& nh = getNodeHandle();
+  objects_publisher_ = nh.advertise<vision_msgs::Detection3DArray>("detections_3d", 5, changed, changed);
+  markers_publisher_ = nh.advertise<visualization_msgs::MarkerArray>("objects/markers", 2, changed, changed);
+}
+
+void BoxDepthNodelet::update_subscription() {
+  const std::lock_guard lock(subscription_mutex_);
+  const bool wanted = objects_publisher_.getNumSubscribers() > 0 || markers_publisher_.getNumSubscribers() > 0;
+  for (auto* input : {&detections_health_, &depth_health_, &info_health_}) input->listening(wanted);
+  if (!wanted) {
+    for (auto* subscriber : {&detections_subscriber_, &depth_subscriber_, &info_subscriber_, &names_subscriber_})
+      subscriber->shutdown();
+    return;
+  }
+  if (detections_subscriber_) return;
+  auto& nh = getNodeHandle();
+  names_subscriber_ = nh.subscribe("vision_info", 1, &BoxDepthNodelet::on_names, this);
+  info_subscriber_ = nh.subscribe(kInfoTopic, 1, &BoxDepthNodelet::on_info, this);
+  depth_subscriber_ = nh.subscribe(kDepthTopic, 5, &BoxDepthNodelet::on_depth, this);
+  detections_subscriber_ = nh.subscribe(kDetectionsTopic, 5, &BoxDepthNodelet::on_detections, this);
+}
+
+void BoxDepthNodelet::on_detections(const DetectionsEvent& event) {
+  const auto& message = event.getConstMessage();
+  detections_health_.received(message->header.stamp, message.get(), health::came_by_pointer(event));
+  std::optional<Matcher::Pair> pair;
+  {
+    const std::lock_guard lock(state_mutex_);
+    pair = matcher_->add_slow(static_cast<std::int64_t>(message->header.stamp.toNSec()), message);
+  }
+  if (pair) pairs_.put(std::move(*pair));
+}
+
+void BoxDepthNodelet::on_depth(const DepthEvent& event) {
+  const auto& message = event.getConstMessage();
+  depth_health_.received(message->header.stamp, message->data.data(), health::came_by_pointer(event));
+  std::optional<Matcher::Pair> pair;
+  {
+    const std::lock_guard lock(state_mutex_);
+    pair = matcher_->add_fast(static_cast<std::int64_t>(message->header.stamp.toNSec()), message);
+  }
+  if (pair) pairs_.put(std::move(*pair));
+}
+
+void BoxDepthNodelet::on_info(const InfoEvent& event) {
+  const auto& message = event.getConstMessage();
+  info_health_.received(message->header.stamp, message.get(), health::came_by_pointer(event));
+  const std::lock_guard lock(state_mutex_);
+  info_ = message;
+}
+
+void BoxDepthNodelet::on_names(const vision_msgs::VisionInfoConstPtr& message) {
+  auto names = ros_params::load_class_names(message->database_location);
+  const std::lock_guard lock(state_mutex_);
+  class_names_ = std::move(names);
+}
+
+void BoxDepthNodelet::process(const Matcher::Pair& pair) {
+  const Stopwatch watch;
+  auto objects = locate_all(pair);
+  if (!objects) {
+    if (work_health_.failed(objects.error().message)) NODELET_ERROR("%s", objects.error().message.c_str());
+    return;
+  }
+  std::vector<std::string> names;
+  {
+    const std::lock_guard lock(state_mutex_);
+    without_depth_ += objects->without_depth;
+    names = class_names_;
+  }
+  const double work_ms = watch.milliseconds();
+  const auto message = boost::make_shared<vision_msgs::Detection3DArray>(std::move(objects->message));
+  objects_publisher_.publish(message);
+  work_health_.done(work_ms, 1e3 * (ros::Time::now() - message->header.stamp).toSec());
+  if (markers_publisher_.getNumSubscribers() > 0)
+    markers_publisher_.publish(boost::make_shared<visualization_msgs::MarkerArray>(
+        convert::to_markers(*message, names, params_.marker_lifetime_s)));
+}
+
+Result<BoxDepthNodelet::Objects> BoxDepthNodelet::locate_all(const Matcher::Pair& pair) {
+  const auto& [detections, depth_message] = pair;
+  const auto depth = convert::share_image(depth_message);
+  if (!depth) return tl::unexpected(Error{depth.error().code, "depth: " + depth.error().message});
+  if (!is_depth(depth->view.format))
+    return fail(ErrorCode::kUnsupported, "depth: encoding '" + depth_message->encoding +
+                                             "' is not depth; use 16UC1 [mm] or 32FC1 [m]");
+  const auto camera = camera_for(depth->view);
+  if (!camera) return tl::unexpected(camera.error());
+  const auto target_T_optical = transform_at(depth_message->header);
+  if (!target_T_optical) return tl::unexpected(target_T_optical.error());
+
+  Objects objects;
+  objects.message.header = detections->header;
+  if (!params_.target_frame.empty()) objects.message.header.frame_id = params_.target_frame;
+  for (const auto& detection : convert::from_message(*detections)) {
+    const auto estimate = depth::estimate_depth(depth->view, detection.box, params_.estimate);
+    if (!estimate) {
+      ++objects.without_depth;
+      continue;
+    }
+    const auto object = depth::locate(*camera, detection.box, *estimate);
+    objects.message.detections.push_back(
+        convert::to_message(detection, object, *target_T_optical, objects.message.header));
+  }
+  return objects;
+}
+
+Result<CameraModel> BoxDepthNodelet::camera_for(const ImageView& depth) {
+  sensor_msgs::CameraInfoConstPtr info;
+  {
+    const std::lock_guard lock(state_mutex_);
+    info = info_;
+  }
+  if (!info)
+    return fail(ErrorCode::kNotFound,
+                "no camera info on " + getNodeHandle().resolveName(kInfoTopic) + " yet: positions need intrinsics");
+  auto camera = convert::to_camera_model(*info);
+  if (camera && (camera->width != depth.width || camera->height != depth.height))
+    return fail(ErrorCode::kInvalidArgument,
+                "camera info is for " + std::to_string(camera->width) + " x " + std::to_string(camera->height) +
+                    " pixels, but the depth picture has " + std::to_string(depth.width) + " x " +
+                    std::to_string(depth.height) + ": use depth aligned to colour, and the colour camera's info");
+  return camera;
+}
+
+Result<Eigen::Isometry3d> BoxDepthNodelet::transform_at(const std_msgs::Header& header) {
+  if (params_.target_frame.empty()) return Eigen::Isometry3d::Identity();
+  try {
+    return tf2::transformToEigen(tf_buffer_->lookupTransform(params_.target_frame, header.frame_id, header.stamp,
+                                                             ros::Duration(params_.transform_timeout_s)));
+  } catch (const tf2::TransformException& error) {
+    return fail(ErrorCode::kNotFound, "no transform from " + header.frame_id + " to " + params_.target_frame +
+                                          " at the picture's stamp; is tf published?");
+  }
+}
+
+void BoxDepthNodelet::report(diagnostic_updater::DiagnosticStatusWrapper& status) {
+  status.summary(diagnostic_msgs::DiagnosticStatus::OK, "running");
+  status.add("estimator", depth::to_string(params_.estimate.estimator));
+  status.add("dropped", pairs_.dropped());
+  auto& nh = getNodeHandle();
+  detections_health_.report(status, nh.resolveName(kDetectionsTopic), params_.timeout_s);
+  depth_health_.report(status, nh.resolveName(kDepthTopic), params_.timeout_s);
+  info_health_.report(status, nh.resolveName(kInfoTopic), params_.timeout_s);
+  work_health_.report(status);
+  const std::lock_guard lock(state_mutex_);
+  status.add("boxes without depth", without_depth_);
+  status.add("detections without a depth picture", matcher_->unmatched());
+  if (matcher_->unmatched() > unmatched_at_report_)
+    status.mergeSummaryf(diagnostic_msgs::DiagnosticStatus::WARN,
+                         "%s has no picture within %.3f s of the stamp of some detections: are both stamped by the same "
+                         "camera driver? raise stamp_tolerance_s if so",
+                         nh.resolveName(kDepthTopic).c_str(), params_.stamp_tolerance_s);
+  unmatched_at_report_ = matcher_->unmatched();
+}
+
+}  // namespace extperfc
+
+PLUGINLIB_EXPORT_CLASS(extperfc::BoxDepthNodelet, nodelet::Nodelet)

@@ -1,0 +1,227 @@
+#include <memory>
+#include <mutex>
+#include <optional>
+#include <stdexcept>
+#include <string>
+#include <thread>
+#include <vector>
+
+#include <diagnostic_updater/diagnostic_updater.h>
+#include <image_transport/image_transport.h>
+#include <nodelet/nodelet.h>
+#include <pluginlib/class_list_macros.hpp>
+#include <ros/package.h>
+#include <vision_msgs/Detection2DArray.h>
+#include <vision_msgs/VisionInfo.h>
+
+#include "extperfc/base/in_order.hpp"
+#include "extperfc/base/latest_slot.hpp"
+#include "extperfc/base/stopwatch.hpp"
+#include "extperfc/detect/detector.hpp"
+#include "ros/convert/annotate.hpp"
+#include "ros/convert/detections.hpp"
+#include "ros/convert/image.hpp"
+#include "ros/health/stream_health.hpp"
+#include "ros/params/detector_params.hpp"
+
+namespace extperfc {
+
+/// Finds objects in a colour picture with a neural network.
+///
+/// Subscribes (only while somebody listens to one of the outputs):
+///   camera/color/image_raw   sensor_msgs/Image   rgb8, bgr8, rgba8, bgra8, mono8, mono16, bayer_*8, yuv422(_yuy2)
+/// Publishes:
+///   detections               vision_msgs/Detection2DArray   stamp and frame of the picture; id = index into the classes
+///   detections/image         sensor_msgs/Image bgr8         picture with boxes, drawn only while somebody listens
+///   vision_info              vision_msgs/VisionInfo         latched; names the parameter that holds the class names
+///   diagnostics              diagnostic_msgs/DiagnosticArray
+/// Parameters (private; unknown keys are refused):
+///   model            path of a model folder, see models/README.md   default: models/shapes of this package
+///   backend          auto | openvino | opencv                       auto: the fastest that loads the model
+///   device           CPU | GPU | NPU | AUTO                         CPU
+///   threads          [0, 256]                                       0: the library's choice
+///   precision        f32 | f16 | bf16                               f32
+///   mode             latency | throughput                           latency
+///   cache_dir        folder for compiled models                     "": none
+///   score_threshold  [-1, 1]                                        -1: the model's own
+///   image_transport  transport hint                                 raw
+///   timeout_s        silence after which diagnostics warn [s]       5, [0.1, 3600]
+///   classes          WRITTEN by the nodelet: list of class names
+/// Frames: none of its own; boxes are in pixels.
+/// Diagnostics: model, what executes, rates, work and latency percentiles, drops, how pictures arrive; WARN when the
+///   topic is silent, ERROR while pictures are refused.
+/// Threads: the callback only stores the picture; one worker per back-end slot. The newest picture replaces a waiting one.
+class DetectorNodelet : public nodelet::Nodelet {
+ public:
+  ~DetectorNodelet() override {
+    diagnostics_timer_.stop();
+    raw_subscriber_.shutdown();
+    decoding_subscriber_.shutdown();
+    pictures_.close();
+    for (auto& worker : workers_) worker.join();
+  }
+
+ private:
+  using ImageEvent = ros::MessageEvent<const sensor_msgs::Image>;
+  static constexpr const char* kImageTopic = "camera/color/image_raw";
+
+  struct Job {
+    sensor_msgs::ImageConstPtr message;
+    std::uint64_t ticket{0};
+  };
+
+  void onInit() override;
+  void load();
+  void advertise();
+  void update_subscription();
+  void on_image(const sensor_msgs::ImageConstPtr& message, bool by_pointer);
+  void work(int slot);
+  std::optional<Job> next_job();
+  void process(const Job& job, int slot);
+  void publish(const std_msgs::Header& header, const convert::SharedImage& image,
+               const detect::DetectorOutput& output, double work_ms);
+  void report(diagnostic_updater::DiagnosticStatusWrapper& status);
+
+  ros_params::DetectorParams params_;
+  std::optional<detect::Detector> detector_;
+  health::InputHealth input_{"image"};
+  health::WorkHealth work_health_;
+  std::unique_ptr<diagnostic_updater::Updater> updater_;
+  ros::WallTimer diagnostics_timer_;
+
+  std::mutex subscription_mutex_;
+  std::unique_ptr<image_transport::ImageTransport> transport_;
+  ros::Subscriber raw_subscriber_;                   ///< raw pictures: pointers inside one manager
+  image_transport::Subscriber decoding_subscriber_;  ///< any other transport
+  image_transport::Publisher annotated_publisher_;
+  ros::Publisher detections_publisher_;
+  ros::Publisher info_publisher_;
+
+  LatestSlot<sensor_msgs::ImageConstPtr> pictures_;
+  std::mutex take_mutex_;  ///< a picture and its ticket are taken together
+  InOrder order_;
+  std::vector<std::thread> workers_;
+};
+
+void DetectorNodelet::onInit() {
+  load();
+  updater_ = std::make_unique<diagnostic_updater::Updater>(getNodeHandle(), getPrivateNodeHandle(), getName());
+  updater_->setHardwareID("none");
+  updater_->add("detector", this, &DetectorNodelet::report);
+  diagnostics_timer_ =
+      getNodeHandle().createWallTimer(ros::WallDuration(0.2), [this](const auto&) { updater_->update(); });
+  for (int slot = 0; slot < detector_->slots(); ++slot) workers_.emplace_back([this, slot] { work(slot); });
+  advertise();
+}
+
+/// Everything that can be refused is refused here, before anything is advertised.
+void DetectorNodelet::load() {
+  const auto give_up = [this](const Error& error) {
+    NODELET_FATAL("%s", error.message.c_str());
+    throw std::runtime_error(error.message);
+  };
+  auto params = ros_params::load_detector_params(getPrivateNodeHandle());
+  if (!params) give_up(params.error());
+  params_ = *params;
+  auto spec = detect::load_model_spec(params_.model, ros::package::getPath("extperfc") + "/config/models");
+  if (!spec) give_up(spec.error());
+  if (params_.score_threshold >= 0.0) spec->thresholds.score = static_cast<float>(params_.score_threshold);
+  auto detector = detect::Detector::create(*spec, params_.inference);
+  if (!detector) give_up(detector.error());
+  detector_.emplace(std::move(*detector));
+  NODELET_INFO("model %s, %zu classes, runs on %s", detector_->spec().name.c_str(),
+               detector_->spec().classes.size(), detector_->execution().c_str());
+}
+
+void DetectorNodelet::advertise() {
+  auto& nh = getNodeHandle();
+  ros_params::store_class_names(getPrivateNodeHandle(), detector_->spec().classes);
+  info_publisher_ = nh.advertise<vision_msgs::VisionInfo>("vision_info", 1, true);
+  vision_msgs::VisionInfo info;
+  info.header.stamp = ros::Time::now();
+  info.method = detector_->spec().name + ", " + detector_->execution();
+  info.database_location = getPrivateNodeHandle().resolveName("classes");
+  info_publisher_.publish(info);
+
+  transport_ = std::make_unique<image_transport::ImageTransport>(nh);
+  const std::lock_guard lock(subscription_mutex_);  // the callbacks below must not run before all of this is set
+  const auto changed = [this](const auto&) { update_subscription(); };
+  detections_publisher_ = nh.advertise<vision_msgs::Detection2DArray>("detections", 5, changed, changed);
+  annotated_publisher_ = transport_->advertise("detections/image", 1, changed, changed);
+}
+
+void DetectorNodelet::update_subscription() {
+  const std::lock_guard lock(subscription_mutex_);
+  const bool wanted = detections_publisher_.getNumSubscribers() > 0 || annotated_publisher_.getNumSubscribers() > 0;
+  input_.listening(wanted);
+  if (!wanted) {
+    raw_subscriber_.shutdown();
+    decoding_subscriber_.shutdown();
+  } else if (params_.image_transport == "raw") {
+    if (!raw_subscriber_)
+      raw_subscriber_ = getNodeHandle().subscribe<sensor_msgs::Image>(
+          kImageTopic, 1, boost::function<void(const ImageEvent&)>([this](const ImageEvent& event) {
+            on_image(event.getConstMessage(), health::came_by_pointer(event));
+          }));
+  } else if (!decoding_subscriber_) {
+    decoding_subscriber_ = transport_->subscribe(
+        kImageTopic, 1, [this](const sensor_msgs::ImageConstPtr& message) { on_image(message, false); }, {},
+        image_transport::TransportHints(params_.image_transport));
+  }
+}
+
+void DetectorNodelet::on_image(const sensor_msgs::ImageConstPtr& message, bool by_pointer) {
+  input_.received(message->header.stamp, message->data.data(), by_pointer);
+  pictures_.put(message);
+}
+
+void DetectorNodelet::work(int slot) {
+  while (const auto job = next_job()) process(*job, slot);
+}
+
+std::optional<DetectorNodelet::Job> DetectorNodelet::next_job() {
+  const std::lock_guard lock(take_mutex_);
+  auto message = pictures_.take();
+  if (!message) return std::nullopt;
+  return Job{std::move(*message), order_.begin()};
+}
+
+void DetectorNodelet::process(const Job& job, int slot) {
+  const Stopwatch watch;
+  const auto image = convert::share_image(job.message);
+  auto output = image ? detector_->detect(image->view, slot) : tl::unexpected(image.error());
+  const double work_ms = watch.milliseconds();
+  order_.finish(job.ticket, [&] {
+    if (output) {
+      publish(job.message->header, *image, *output, work_ms);
+    } else if (work_health_.failed(output.error().message)) {
+      NODELET_ERROR("picture refused: %s", output.error().message.c_str());
+    }
+  });
+}
+
+void DetectorNodelet::publish(const std_msgs::Header& header, const convert::SharedImage& image,
+                              const detect::DetectorOutput& output, double work_ms) {
+  detections_publisher_.publish(
+      boost::make_shared<vision_msgs::Detection2DArray>(convert::to_message(output.detections, header)));
+  work_health_.done(work_ms, 1e3 * (ros::Time::now() - header.stamp).toSec());
+  if (annotated_publisher_.getNumSubscribers() == 0) return;
+  if (auto annotated = convert::annotate(image, output.detections, detector_->spec().classes)) {
+    annotated_publisher_.publish(*annotated);
+  } else {
+    NODELET_WARN_THROTTLE(10.0, "%s", annotated.error().message.c_str());
+  }
+}
+
+void DetectorNodelet::report(diagnostic_updater::DiagnosticStatusWrapper& status) {
+  status.summary(diagnostic_msgs::DiagnosticStatus::OK, "running");
+  status.add("model", detector_->spec().name);
+  status.add("executes", detector_->execution());
+  status.add("dropped", pictures_.dropped());
+  input_.report(status, getNodeHandle().resolveName(kImageTopic), params_.timeout_s);
+  work_health_.report(status);
+}
+
+}  // namespace extperfc
+
+PLUGINLIB_EXPORT_CLASS(extperfc::DetectorNodelet, nodelet::Nodelet)
