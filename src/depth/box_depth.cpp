@@ -5,6 +5,7 @@
 #include <cmath>
 #include <cstddef>
 
+#include "depth/box_error.hpp"
 #include "depth/nearest_layer.hpp"
 #include "depth/samples.hpp"
 #include "depth/surface_fit.hpp"
@@ -18,6 +19,7 @@ struct Estimate {
   double depth_m{0};
   double variance_m2{0};  ///< of one sample around it
   double effective{0};    ///< number of samples that a plain mean of the same certainty would need
+  double by_box_m{0};     ///< error through a box that is a little off on a slanted surface
 };
 
 using Values = std::array<float, Samples::kCapacity>;
@@ -69,22 +71,33 @@ Estimate window_estimate(const Samples& samples, Estimator estimator) {
   }
 }
 
-Estimate nearest_mode(const Samples& samples, const BoxDepthParams& params) {
+Estimate nearest_mode(const Samples& samples, const Box2& box, const BoxDepthParams& params) {
   const SurfaceFit fit = fit_surface(samples, nearest_layer(samples, params.noise), params);
-  return {fit.depth_m, fit.variance_m2, fit.effective};
+  const double by_box =
+      std::hypot(fit.slope_x * center_sigma_px(box.width()), fit.slope_y * center_sigma_px(box.height()));
+  return {fit.depth_m, fit.variance_m2, fit.effective, by_box};
 }
 
 /// The spread inside a patch smaller than the noise's correlation says nothing about the noise, so the model
-/// is the lower bound; where background or slant spread the samples more than noise can, the spread counts.
+/// is the lower bound; where background or shape spread the samples more than noise can, the spread counts.
 double sigma(const Estimate& e, const Samples& samples, const StereoNoiseModel& noise) {
   const double model = noise.sigma(e.depth_m);
   const double variance = std::max(model * model, e.variance_m2);
-  return std::sqrt(variance * noise.variance_left(samples.pixels(e.effective)));
+  return std::hypot(std::sqrt(variance * noise.variance_left(samples.pixels(e.effective))), e.by_box_m);
 }
 
 bool readable(const ImageView& depth) {
   return !depth.empty() && is_depth(depth.format) &&
          depth.row_bytes >= static_cast<std::size_t>(depth.width) * bytes_per_pixel(depth.format);
+}
+
+/// The middle of the box, or all of it where the middle has too few valid pixels (holes, the occlusion
+/// shadow).
+void collect_box(const ImageView& depth, const Box2& box, const BoxDepthParams& params, Samples& out) {
+  const Region middle = central_part(box, params.central_fraction, depth.width, depth.height);
+  collect(depth, middle, box, params, out);
+  if (out.size < params.min_valid_px)
+    collect(depth, central_part(box, 1.0, depth.width, depth.height), box, params, out);
 }
 
 }  // namespace
@@ -94,13 +107,16 @@ std::optional<BoxDepth> estimate_depth(const ImageView& depth, const Box2& box,
   if (!readable(depth)) return std::nullopt;
   const auto inside = clip_box(box, depth.width, depth.height);
   if (!inside) return std::nullopt;
-  const bool whole_box = params.estimator == Estimator::kNearestMode;
-  const Region region = whole_box ? central_part(*inside, params.central_fraction, depth.width, depth.height)
-                                  : center_window(*inside, params.window_px, depth.width, depth.height);
+  const bool by_mode = params.estimator == Estimator::kNearestMode;
   Samples samples;
-  collect(depth, region, *inside, params, samples);
+  if (by_mode)
+    collect_box(depth, *inside, params, samples);
+  else
+    collect(depth, center_window(*inside, params.window_px, depth.width, depth.height), *inside, params,
+            samples);
   if (samples.size < params.min_valid_px) return std::nullopt;
-  const Estimate e = whole_box ? nearest_mode(samples, params) : window_estimate(samples, params.estimator);
+  const Estimate e =
+      by_mode ? nearest_mode(samples, *inside, params) : window_estimate(samples, params.estimator);
   return BoxDepth{e.depth_m, sigma(e, samples, params.noise), samples.size,
                   static_cast<double>(samples.size) / samples.looked_at};
 }

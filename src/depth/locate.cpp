@@ -3,21 +3,16 @@
 
 #include "extperfc/depth/box_depth.hpp"
 
+#include "depth/box_error.hpp"
+
 namespace extperfc::depth {
 
 namespace {
 
-/// A detector's box edges miss by about this part of the box's side (standard deviation), and by a pixel at
-/// least.
-constexpr double kBoxJitter = 0.03;
 /// The centre of an unknown shape lies between 1/4 and 3/4 of the extent behind its surface (cone to cube on
-/// edge); a uniform distribution over that range has this standard deviation, as a part of the extent: 0.5 /
+/// edge). A uniform distribution over that range has this standard deviation, as a part of the extent: 0.5 /
 /// sqrt(12).
 constexpr double kPushSigma = 0.144;
-
-double center_sigma_px(double side_px) {
-  return std::max(1.0, kBoxJitter * side_px);
-}
 
 }  // namespace
 

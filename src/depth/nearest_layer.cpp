@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <limits>
 
 namespace extperfc::depth {
 
@@ -12,7 +13,7 @@ constexpr int kBins = 512;
 constexpr double kRelativeWidth = 0.02;  // of a bin where noise does not matter: slant and shape of an object
 constexpr double kNoiseWidth = 2.0;      // of a bin where noise rules, in standard deviations
 constexpr float kMinShare = 0.15F;       // of all samples in a mode; less is a flying pixel or an edge
-constexpr float kEdgeShare = 0.15F;      // of the mode's height, down to which its slopes belong to it
+constexpr float kEdgeShare = 0.5F;       // of the mode's height, down to which its slopes belong to it
 
 /// Depth axis on which a bin is `width(z) = kRelativeWidth * z + kNoiseWidth * sigma(z)` wide everywhere.
 /// With sigma(z) = c z^2 the position is the closed integral of dz / width(z).
@@ -21,15 +22,19 @@ class Axis {
   Axis(const StereoNoiseModel& noise, float nearest_m)
       : c_(static_cast<float>(kNoiseWidth * noise.sigma_inverse_depth())), origin_(position(nearest_m)) {}
 
+  /// Depth at which a bin begins.
+  [[nodiscard]] float depth(int bin) const {
+    const float e = std::exp(kR * (static_cast<float>(bin) + origin_));
+    const float rest = 1.0F - c_ * e;
+    return rest > 0.0F ? kR * e / rest : std::numeric_limits<float>::max();
+  }
   [[nodiscard]] int bin(float z) const {
     return std::clamp(static_cast<int>(position(z) - origin_), 0, kBins - 1);
   }
 
  private:
-  [[nodiscard]] float position(float z) const {
-    constexpr auto kR = static_cast<float>(kRelativeWidth);
-    return std::log(z / (kR + c_ * z)) / kR;
-  }
+  static constexpr auto kR = static_cast<float>(kRelativeWidth);
+  [[nodiscard]] float position(float z) const { return std::log(z / (kR + c_ * z)) / kR; }
   float c_;
   float origin_;
 };
@@ -54,28 +59,24 @@ int find_mode(const Histogram& h, float total) {
 }  // namespace
 
 Layer nearest_layer(const Samples& samples, const StereoNoiseModel& noise) {
+  constexpr float kRounding = 1e-4F;  // a sample on the edge of its bin belongs to the layer all the same
   const auto nearer = [](const Sample& a, const Sample& b) { return a.depth_m < b.depth_m; };
-  const Axis axis(noise, std::min_element(samples.begin(), samples.end(), nearer)->depth_m);
+  const auto [nearest, farthest] = std::minmax_element(samples.begin(), samples.end(), nearer);
+  const Axis axis(noise, nearest->depth_m);
   Histogram histogram{};
   for (const auto& s : samples) histogram[static_cast<std::size_t>(axis.bin(s.depth_m))] += 1.0F;
 
   const int mode = find_mode(histogram, static_cast<float>(samples.size));
-  const float edge = kEdgeShare * histogram[static_cast<std::size_t>(mode)];
+  const auto belongs = [&](int bin) {
+    return bin >= 0 && bin < kBins &&
+           histogram[static_cast<std::size_t>(bin)] > kEdgeShare * histogram[static_cast<std::size_t>(mode)];
+  };
   int first = mode;
   int last = mode;
-  while (first > 0 && histogram[static_cast<std::size_t>(first - 1)] > edge) --first;
-  while (last + 1 < kBins && histogram[static_cast<std::size_t>(last + 1)] > edge) ++last;
-
-  Layer layer{0.0F, 0.0F};
-  bool found = false;
-  for (const auto& s : samples) {
-    const int bin = axis.bin(s.depth_m);
-    if (bin < first || bin > last) continue;
-    layer.near_m = found ? std::min(layer.near_m, s.depth_m) : s.depth_m;
-    layer.far_m = found ? std::max(layer.far_m, s.depth_m) : s.depth_m;
-    found = true;
-  }
-  return layer;
+  while (belongs(first - 1)) --first;
+  while (belongs(last + 1)) ++last;
+  return {axis.depth(first) * (1.0F - kRounding),
+          std::min(axis.depth(last + 1), farthest->depth_m) * (1.0F + kRounding)};
 }
 
 }  // namespace extperfc::depth

@@ -67,28 +67,40 @@ Sums accumulate(const Points& points, const Plane& plane, double scale) {
   return sums;
 }
 
+/// Weighted least squares. Slopes are drawn a little towards zero: where all samples lie on one side of the
+/// centre they would be little more than noise, and the centre is extrapolated.
+Plane solve(const Sums& sums) {
+  constexpr double kRidge = 0.1;
+  Eigen::Matrix3d normal = sums.normal;
+  normal(1, 1) += kRidge * sums.weight;
+  normal(2, 2) += kRidge * sums.weight;
+  return normal.ldlt().solve(sums.right);
+}
+
 }  // namespace
 
 SurfaceFit fit_surface(const Samples& samples, const Layer& layer, const BoxDepthParams& params) {
+  const double scale_px = 0.5 * params.window_px;
   Points points;
-  select(samples, layer, 0.5 * params.window_px, points);
-  Plane plane(2.0 / (static_cast<double>(layer.near_m) + layer.far_m), 0.0, 0.0);
+  select(samples, layer, scale_px, points);
+
   const double q_near = 1.0 / layer.near_m;
   const double q_far = 1.0 / layer.far_m;
-  const double noise = std::hypot(params.noise.sigma_inverse_depth(), kQuantum * plane[0] * plane[0]);
-  double scale = std::max(2.0 * noise, 0.5 * (q_near - q_far));
+  Plane plane(0.5 * (q_near + q_far), 0.0, 0.0);
+  const double rounding = kQuantum * plane[0] * plane[0];
+  const double narrowest = 2.0 * std::hypot(params.noise.sigma_inverse_depth(), rounding);
+  double scale = std::max(narrowest, 0.5 * (q_near - q_far));
   Sums sums;
   for (int i = 0; i < kIterations; ++i) {
     sums = accumulate(points, plane, scale);
-    Eigen::Matrix3d normal = sums.normal;
-    normal(1, 1) += 0.02 * sums.weight;
-    normal(2, 2) += 0.02 * sums.weight;
-    plane = normal.ldlt().solve(sums.right);
-    scale = std::max(2.0 * noise, 0.5 * scale);
+    plane = solve(sums);
+    scale = std::max(narrowest, 0.5 * scale);
   }
-  const double q = std::clamp(plane[0], q_far, q_near);
-  const double z = 1.0 / q;
-  return {z, sums.residual2 / sums.weight * z * z * z * z, sums.weight * sums.weight / sums.weight2};
+
+  const double z = 1.0 / std::clamp(plane[0], q_far, q_near);
+  const double by_q = z * z;  // |dz/dq|
+  return {z, by_q * by_q * sums.residual2 / sums.weight, sums.weight * sums.weight / sums.weight2,
+          -by_q * plane[1] / scale_px, -by_q * plane[2] / scale_px};
 }
 
 }  // namespace extperfc::depth

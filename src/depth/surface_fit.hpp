@@ -9,6 +9,8 @@ struct SurfaceFit {
   double depth_m{0};
   double variance_m2{0};  ///< of one sample around the surface
   double effective{0};    ///< samples that count, as a weighted number
+  double slope_x{0};      ///< change of depth towards the right [m/px]
+  double slope_y{0};      ///< change of depth downwards [m/px]
 };
 
 /// Fits a plane to the samples inside `layer` and evaluates it at the centre of the box. O(samples).

@@ -35,9 +35,9 @@ class QuietOpenCv {
 /// everything else here that uses OpenCV, and the last model loaded decides.
 class OpenCvBackend : public InferenceBackend {
  public:
-  OpenCvBackend(cv::dnn::Net net, const ModelSpec& spec)
-      : net_(std::move(net)), input_name_(spec.input.name), output_names_(spec.output.names) {
-    const int shape[] = {1, 3, spec.input.height, spec.input.width};
+  OpenCvBackend(cv::dnn::Net net, const InputSpec& input, std::vector<std::string> outputs)
+      : net_(std::move(net)), input_name_(input.name), output_names_(std::move(outputs)) {
+    const int shape[] = {1, 3, input.height, input.width};
     input_ = cv::Mat(4, shape, CV_32F, cv::Scalar(0));
   }
 
@@ -82,12 +82,11 @@ Result<void> check_options(const InferenceOptions& options) {
   return {};
 }
 
-Result<void> check_output_names(const cv::dnn::Net& net, const ModelSpec& spec) {
-  const auto existing = net.getUnconnectedOutLayersNames();
-  for (const auto& name : spec.output.names)
-    if (std::find(existing.begin(), existing.end(), name) == existing.end())
-      return no_such_tensor("output", name, existing);
-  return {};
+Result<void> check_input_name(cv::dnn::Net& net, const InputSpec& input) {
+  constexpr int kInputLayer = 0;
+  if (input.name.empty() || net.getLayer(kInputLayer)->outputNameToIndex(input.name) >= 0) return {};
+  return fail(ErrorCode::kInvalidArgument, "the network has no input \"" + input.name +
+                                               "\": correct input.name in model.yaml, or leave it out");
 }
 
 }  // namespace
@@ -99,9 +98,15 @@ Result<std::unique_ptr<InferenceBackend>> load_opencv(const ModelSpec& spec, con
     cv::dnn::Net net = cv::dnn::readNetFromONNX(spec.file.string());
     net.setPreferableBackend(cv::dnn::DNN_BACKEND_OPENCV);
     net.setPreferableTarget(cv::dnn::DNN_TARGET_CPU);
-    if (const auto checked = check_output_names(net, spec); !checked) return tl::unexpected(checked.error());
+    if (const auto checked = check_input_name(net, spec.input); !checked) return tl::unexpected(checked.error());
+    const auto existing = net.getUnconnectedOutLayersNames();
+    const auto outputs = output_names(spec, existing, existing.size());
+    if (!outputs) return tl::unexpected(outputs.error());
     if (options.threads > 0) cv::setNumThreads(options.threads);
-    return std::make_unique<OpenCvBackend>(std::move(net), spec);
+    auto backend = std::make_unique<OpenCvBackend>(std::move(net), spec.input, *outputs);
+    // Shapes that do not fit show only now; here, while OpenCV is quiet.
+    if (const auto tried = backend->infer(0); !tried) return tl::unexpected(tried.error());
+    return backend;
   } catch (const cv::Exception& error) {
     return fail(ErrorCode::kCorrupt, "not an ONNX network that OpenCV can read: " + shortened(error.err));
   }

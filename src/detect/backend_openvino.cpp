@@ -2,6 +2,7 @@
 #include <optional>
 #include <utility>
 
+#include <openvino/frontend/manager.hpp>
 #include <openvino/openvino.hpp>
 
 #include "detect/backends.hpp"
@@ -46,8 +47,8 @@ std::optional<T> property_of(const ov::CompiledModel& model, const ov::Property<
 /// keep busy.
 class OpenVinoBackend : public InferenceBackend {
  public:
-  OpenVinoBackend(ov::CompiledModel model, const ModelSpec& spec, int slot_count)
-      : model_(std::move(model)), output_names_(spec.output.names) {
+  OpenVinoBackend(ov::CompiledModel model, std::vector<std::string> outputs, int slot_count)
+      : model_(std::move(model)), output_names_(std::move(outputs)) {
     for (int i = 0; i < slot_count; ++i) requests_.push_back(model_.create_infer_request());
   }
 
@@ -97,37 +98,38 @@ Result<void> check_device(const std::string& device) {
                                            joined(existing) + ": set device to one of these or AUTO");
 }
 
-std::vector<std::string> names_of(const ov::OutputVector& ports) {
+/// All names of all ports; a port may have several.
+template <typename Ports>
+std::vector<std::string> names_of(const Ports& ports) {
   std::vector<std::string> names;
-  for (const auto& port : ports) names.push_back(port.get_names().empty() ? "?" : port.get_any_name());
+  for (const auto& port : ports) {
+    const auto& of_port = port.get_names();
+    names.insert(names.end(), of_port.begin(), of_port.end());
+  }
   return names;
 }
 
-bool has_name(const ov::OutputVector& ports, const std::string& name) {
-  return std::any_of(ports.begin(), ports.end(),
-                     [&name](const auto& port) { return port.get_names().count(name) > 0; });
-}
-
-Result<void> check_names(ov::Model& model, const ModelSpec& spec) {
-  const auto inputs = model.inputs();
-  if (inputs.size() != 1)
+Result<void> check_input(const ov::Model& model, const InputSpec& input) {
+  const auto names = names_of(model.inputs());
+  if (model.inputs().size() != 1)
     return fail(ErrorCode::kUnsupported,
-                "the network has the inputs " + joined(names_of(inputs)) + ", but only one input can be fed");
-  if (!spec.input.name.empty() && !has_name(inputs, spec.input.name))
-    return no_such_tensor("input", spec.input.name, names_of(inputs));
-  for (const auto& name : spec.output.names)
-    if (!has_name(model.outputs(), name)) return no_such_tensor("output", name, names_of(model.outputs()));
-  return {};
+                "the network has the inputs " + joined(names) + ", but only one input can be fed");
+  if (input.name.empty() || std::find(names.begin(), names.end(), input.name) != names.end()) return {};
+  return fail(ErrorCode::kInvalidArgument, "the network has no input \"" + input.name + "\", only " + joined(names) +
+                                               ": correct input.name in model.yaml");
 }
 
-/// Fixes the input to [1, 3, height, width].
+/// Fixes the input to [1, 3, height, width], which a network without fixed sizes inside allows.
 Result<void> fix_shape(ov::Model& model, const InputSpec& input) {
   const ov::PartialShape wanted{1, 3, input.height, input.width};
-  const ov::PartialShape actual = model.input().get_partial_shape();
-  if (!actual.compatible(wanted))
-    return fail(ErrorCode::kInvalidArgument, "the network's input is " + actual.to_string() + ", but model.yaml says " +
-                                                 wanted.to_string() + ": correct input.width and input.height");
-  if (actual.is_dynamic()) model.reshape(wanted);
+  const std::string actual = model.input().get_partial_shape().to_string();
+  try {
+    if (model.input().get_partial_shape() != wanted) model.reshape(wanted);
+  } catch (const std::exception&) {
+    return fail(ErrorCode::kInvalidArgument, "the network's input is " + actual + " and cannot be made " +
+                                                 wanted.to_string() +
+                                                 ": correct input.width and input.height in model.yaml");
+  }
   return {};
 }
 
@@ -159,11 +161,15 @@ ov::AnyMap configuration(const InferenceOptions& options) {
 Result<std::shared_ptr<ov::Model>> read_network(const ModelSpec& spec) {
   std::shared_ptr<ov::Model> model;
   try {
-    model = core().read_model(spec.file.string());
+    // Not Core::read_model(): it tries every format in turn, and their readers complain on stderr about a damaged file.
+    const auto reader = ov::frontend::FrontEndManager().load_by_framework("onnx");
+    model = reader->convert(reader->load(spec.file.string()));
   } catch (const std::exception& error) {
     return fail(ErrorCode::kCorrupt, "not an ONNX network that OpenVINO can read: " + shortened(error.what()));
   }
-  if (const auto checked = check_names(*model, spec); !checked) return tl::unexpected(checked.error());
+  if (model->inputs().empty() || model->outputs().empty())
+    return fail(ErrorCode::kCorrupt, "not an ONNX network that OpenVINO can read: it has no inputs or no outputs");
+  if (const auto checked = check_input(*model, spec.input); !checked) return tl::unexpected(checked.error());
   if (const auto fixed = fix_shape(*model, spec.input); !fixed) return tl::unexpected(fixed.error());
   return with_float_ends(model);
 }
@@ -174,11 +180,13 @@ Result<std::unique_ptr<InferenceBackend>> load_openvino(const ModelSpec& spec, c
   if (const auto checked = check_device(options.device); !checked) return tl::unexpected(checked.error());
   const auto network = read_network(spec);
   if (!network) return tl::unexpected(network.error());
+  const auto outputs = output_names(spec, names_of((*network)->outputs()), (*network)->outputs().size());
+  if (!outputs) return tl::unexpected(outputs.error());
   auto model = core().compile_model(*network, options.device, configuration(options));
   const int slots = options.mode == Mode::kThroughput
                         ? static_cast<int>(std::max(1U, model.get_property(ov::optimal_number_of_infer_requests)))
                         : 1;
-  return std::make_unique<OpenVinoBackend>(std::move(model), spec, slots);
+  return std::make_unique<OpenVinoBackend>(std::move(model), *outputs, slots);
 } catch (const std::exception& error) {
   return fail(ErrorCode::kFailed, "compiling the network: " + shortened(error.what()));
 }

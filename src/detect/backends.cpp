@@ -1,5 +1,7 @@
 #include "detect/backends.hpp"
 
+#include <algorithm>
+
 namespace extperfc::detect {
 
 namespace {
@@ -29,11 +31,18 @@ std::string joined(const std::vector<std::string>& names) {
   return text.empty() ? "none" : text;
 }
 
-tl::unexpected<Error> no_such_tensor(const std::string& kind, const std::string& name,
-                                     const std::vector<std::string>& existing) {
-  return fail(ErrorCode::kInvalidArgument, "the network has no " + kind + " \"" + name + "\", only " +
-                                               joined(existing) + ": correct " + kind +
-                                               (kind == "input" ? ".name" : ".names") + " in model.yaml");
+Result<std::vector<std::string>> output_names(const ModelSpec& spec, const std::vector<std::string>& existing,
+                                              std::size_t output_count) {
+  const auto& wanted = spec.output.names;
+  if (wanted.empty() && output_count == 1 && !existing.empty()) return std::vector<std::string>{existing.front()};
+  if (wanted.empty())
+    return fail(ErrorCode::kInvalidArgument,
+                "the network has the outputs " + joined(existing) + ": say with output.names in model.yaml which to use");
+  for (const auto& name : wanted)
+    if (std::find(existing.begin(), existing.end(), name) == existing.end())
+      return fail(ErrorCode::kInvalidArgument, "the network has no output \"" + name + "\", only " +
+                                                   joined(existing) + ": correct output.names in model.yaml");
+  return wanted;
 }
 
 }  // namespace extperfc::detect

@@ -3,6 +3,7 @@
 #include <memory>
 #include <string>
 #include <string_view>
+#include <vector>
 
 #include "extperfc/base/error.hpp"
 #include "extperfc/detect/inference.hpp"
@@ -24,8 +25,10 @@ namespace extperfc::detect {
 /// "a, b, c", or "none".
 [[nodiscard]] std::string joined(const std::vector<std::string>& names);
 
-/// The error for tensors that model.yaml names and the network does not have.
-[[nodiscard]] tl::unexpected<Error> no_such_tensor(const std::string& kind, const std::string& name,
-                                                   const std::vector<std::string>& existing);
+/// The tensors of OutputSpec::names, or the network's only output when none are named; `existing` are the names of its
+/// `output_count` outputs. Errors: a name that does not exist, several outputs and no names.
+[[nodiscard]] Result<std::vector<std::string>> output_names(const ModelSpec& spec,
+                                                            const std::vector<std::string>& existing,
+                                                            std::size_t output_count);
 
 }  // namespace extperfc::detect

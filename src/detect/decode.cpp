@@ -25,6 +25,8 @@ bool matches(std::vector<int> shape, const std::vector<int>& expected) {
   return true;
 }
 
+int cells_along(int pixels, int stride) { return (pixels + stride - 1) / stride; }
+
 /// What the layout asks of every tensor.
 std::vector<std::vector<int>> expected_shapes(const ModelSpec& spec) {
   const int classes = static_cast<int>(spec.classes.size());
@@ -43,7 +45,7 @@ std::vector<std::vector<int>> expected_shapes(const ModelSpec& spec) {
     case OutputLayout::kYoloAnchors:
       for (const AnchorLevel& level : spec.output.anchors)
         shapes.push_back({static_cast<int>(level.sizes_px.size()) * (5 + classes),
-                          spec.input.height / level.stride, spec.input.width / level.stride});
+                          cells_along(spec.input.height, level.stride), cells_along(spec.input.width, level.stride)});
       return shapes;
     case OutputLayout::kYoloGrid:
       return {{5 + classes, kAny, kAny}};

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 #include <vector>
@@ -30,8 +31,11 @@ namespace extperfc::detect {
 
 [[nodiscard]] inline float sigmoid(float x) { return 1.0F / (1.0F + std::exp(-x)); }
 
-/// Inverse of sigmoid(); infinite at 0 and 1.
-[[nodiscard]] inline float logit(float p) { return std::log(p / (1.0F - p)); }
+/// A lower bound, nearly exact, of the logits whose sigmoid reaches `p`: sigmoid() itself rounds to 1 from about 17 on.
+[[nodiscard]] inline float least_logit(float p) {
+  const float below_one = std::min(p, 0.999999F);
+  return std::log(below_one / (1.0F - below_one)) - 1e-4F;
+}
 
 [[nodiscard]] inline Box2 box_around(float cx, float cy, float w, float h) {
   return {cx - 0.5F * w, cy - 0.5F * h, cx + 0.5F * w, cy + 0.5F * h};

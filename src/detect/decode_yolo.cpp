@@ -29,7 +29,7 @@ void decode_anchor(const ModelSpec& spec, const float* planes, int columns, int 
   const auto area = static_cast<std::size_t>(columns) * static_cast<std::size_t>(rows);
   const auto stride = static_cast<float>(stride_px);
   // The score is at most the objectness.
-  scan(planes + 4 * area, columns * rows, logit(spec.thresholds.score), [&](int cell) {
+  scan(planes + 4 * area, columns * rows, least_logit(spec.thresholds.score), [&](int cell) {
     const float* at = planes + cell;
     const BestClass best = best_class(at + 5 * area, class_count(spec), area);
     const float score = sigmoid(at[4 * area]) * sigmoid(best.value);

@@ -109,13 +109,14 @@ OutputSpec parse_output(YamlSection section, const InputSpec& input) {
   const std::string word = section.text("layout");
   const auto layout = layout_from_name(word);
   if (!layout && !word.empty()) section.problem("layout", layout.error().message, ErrorCode::kUnsupported);
-  output.names = section.texts("names");
   if (!layout) return output;  // which other keys belong here is not known
 
   output.layout = *layout;
   if (*layout == OutputLayout::kSsd || *layout == OutputLayout::kSsdPriors)
     parse_ssd_keys(section, input, output);
   if (*layout == OutputLayout::kYoloAnchors) output.anchors = parse_anchors(section);
+  const bool only_output = tensor_count(output) == 1 && !section.has("names");
+  if (!only_output) output.names = section.texts("names");
   if (!output.names.empty() && output.names.size() != tensor_count(output))
     section.problem("names", "layout " + word + " has " + std::to_string(tensor_count(output)) +
                                  " output tensors, but " + std::to_string(output.names.size()) +

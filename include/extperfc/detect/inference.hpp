@@ -27,7 +27,8 @@ struct InferenceOptions {
   int threads{0};               ///< 0 = as many as the library chooses
   Precision precision{Precision::kF32};
   Mode mode{Mode::kLatency};
-  std::filesystem::path cache_dir;  ///< where OpenVINO keeps compiled models; empty = nowhere
+  /// Where OpenVINO keeps compiled models and auto remembers which back end was the fastest; empty = nowhere.
+  std::filesystem::path cache_dir;
 };
 
 /// A float32 tensor inside a back end's memory: row-major. Valid until the next infer() on the same slot.
@@ -63,7 +64,8 @@ class InferenceBackend {
 /// Names of the back ends in this build, fastest first: "openvino" (if built with it), "opencv".
 [[nodiscard]] std::vector<std::string> available_backends();
 
-/// Loads the model. For "auto" every available back end that loads it is timed (ten inferences) and the fastest is
+/// Loads the model. OpenCV's number of threads is one setting for the process: `threads` changes it for all who use OpenCV
+/// there. For "auto" every available back end that loads it is timed (ten inferences) and the fastest is
 /// kept. Runs one inference before it returns, so that a network which loads but cannot run is an error here.
 /// Errors name model, back end and device, list the devices that exist, and say what to change.
 [[nodiscard]] Result<std::unique_ptr<InferenceBackend>> make_backend(const ModelSpec& spec,

@@ -55,7 +55,8 @@ struct AnchorLevel {
 
 struct OutputSpec {
   OutputLayout layout{OutputLayout::kYoloV8};
-  std::vector<std::string> names;     ///< tensors in the order that the layout lists; bound by name
+  std::vector<std::string> names;     ///< tensors in the order that the layout lists, bound by name; empty = the
+                                      ///< network's only output
   int background_class{-1};           ///< SSD: index of the background in the score tensor, -1 = none
   bool apply_softmax{false};          ///< SSD: scores are logits
   std::array<float, 2> variances{0.1F, 0.2F};  ///< SSD priors: centre and size variance

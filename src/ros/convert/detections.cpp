@@ -135,7 +135,7 @@ vision_msgs::Detection3D to_message(const Detection& detection, const depth::Obj
 
 visualization_msgs::MarkerArray to_markers(const vision_msgs::Detection3DArray& objects,
                                            const std::vector<std::string>& class_names, double lifetime_s) {
-  constexpr float kSeeThrough = 0.45F;
+  constexpr float kSeeThrough = 0.3F;
   visualization_msgs::MarkerArray array;
   visualization_msgs::Marker clear;
   clear.header = objects.header;

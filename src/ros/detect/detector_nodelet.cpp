@@ -147,7 +147,7 @@ void DetectorNodelet::advertise() {
   const std::lock_guard lock(subscription_mutex_);  // the callbacks below must not run before all of this is set
   const auto changed = [this](const auto&) { update_subscription(); };
   detections_publisher_ = nh.advertise<vision_msgs::Detection2DArray>("detections", 5, changed, changed);
-  annotated_publisher_ = transport_->advertise("detections/image", 1, changed, changed);
+  annotated_publisher_ = transport_->advertise("detections/image", 5, changed, changed);
 }
 
 void DetectorNodelet::update_subscription() {

@@ -32,6 +32,12 @@ sensor_msgs::ImagePtr to_message(const cv::Mat& image) {
   return cv_bridge::CvImage(std_msgs::Header(), encoding, image).toImageMsg();
 }
 
+void add_last(diagnostic_updater::DiagnosticStatusWrapper& status, const char* key, const sensor_msgs::ImagePtr& image) {
+  if (!image) return;
+  const auto& stamp = image->header.stamp;
+  status.addf(key, "%u.%09u @ %p", stamp.sec, stamp.nsec, static_cast<const void*>(image->data.data()));
+}
+
 }  // namespace
 
 RecordingPlayer::RecordingPlayer(ros::NodeHandle handle, ros_params::SourceParams params,
@@ -77,9 +83,11 @@ bool RecordingPlayer::wait_for_listener() {
   const auto listened = [this] {
     return color_publisher_.getNumSubscribers() > 0 || depth_publisher_.getNumSubscribers() > 0;
   };
-  while (params_.wait_for_subscriber && !listened())
+  if (!params_.wait_for_subscriber) return !stopping_;
+  while (!listened())
     if (!sleep_until(ros::WallTime::now() + ros::WallDuration(0.05))) return false;
-  return !stopping_;
+  // One listener rarely comes alone: the others of its pipeline connect within a moment and want the first frame too.
+  return sleep_until(ros::WallTime::now() + ros::WallDuration(0.5));
 }
 
 bool RecordingPlayer::sleep_until(ros::WallTime when) {
@@ -132,7 +140,13 @@ void RecordingPlayer::publish(const Messages& messages) {
     messages.color->header = header;
     color_publisher_.publish(messages.color);
   }
+  remember(messages);
   ++played_;
+}
+
+void RecordingPlayer::remember(const Messages& messages) {
+  const std::lock_guard lock(last_mutex_);
+  last_ = messages;
 }
 
 void RecordingPlayer::report(diagnostic_updater::DiagnosticStatusWrapper& status) const {
@@ -141,6 +155,11 @@ void RecordingPlayer::report(diagnostic_updater::DiagnosticStatusWrapper& status
   status.add("frames", recording_->size());
   status.add("played", played_.load());
   status.add("unreadable", unreadable_.load());
+  {
+    const std::lock_guard lock(last_mutex_);
+    add_last(status, "color last", last_.color);
+    add_last(status, "depth last", last_.depth);
+  }
   if (unreadable_ > 0)
     status.mergeSummaryf(diagnostic_msgs::DiagnosticStatus::WARN, "%lu frames could not be read",
                          static_cast<unsigned long>(unreadable_.load()));

@@ -3,6 +3,7 @@
 #include <atomic>
 #include <cstdint>
 #include <memory>
+#include <mutex>
 #include <optional>
 #include <thread>
 
@@ -22,7 +23,8 @@ namespace extperfc {
 /// Publishes:
 ///   camera/color/image_raw, camera/color/camera_info
 ///   camera/aligned_depth_to_color/image_raw (16UC1 [mm]), camera/aligned_depth_to_color/camera_info
-/// All four carry one stamp. Pictures travel as pointers inside one manager.
+/// All four carry one stamp. Pictures travel as pointers inside one manager; `color last` and `depth last` in diagnostics
+/// are stamp and address of what was published, which every subscriber in the manager reports too.
 /// Threads: one that reads ahead by one frame and keeps the rate.
 class RecordingPlayer {
  public:
@@ -46,6 +48,7 @@ class RecordingPlayer {
   bool sleep_until(ros::WallTime when);
   std::optional<Messages> read(std::size_t index);
   void publish(const Messages& messages);
+  void remember(const Messages& messages);
   CameraModel camera_of(const sensor_msgs::Image& image);
   [[nodiscard]] double period_to(const Messages& previous, const Messages& next) const;
 
@@ -62,6 +65,10 @@ class RecordingPlayer {
   std::atomic<bool> finished_{false};
   std::atomic<std::uint64_t> played_{0};
   std::atomic<std::uint64_t> unreadable_{0};
+
+  mutable std::mutex last_mutex_;
+  Messages last_;  ///< what was published last; kept, so that its address stays its own until the next
+
   std::thread thread_;
 };
 

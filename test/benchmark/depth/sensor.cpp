@@ -29,23 +29,34 @@ cv::Mat smooth_noise(cv::Size size, double sigma_px, Rng& rng) {
   return noise;
 }
 
+/// Pixels next to a depth jump. Compares direct neighbours, so that a floor at a grazing angle is no edge.
+cv::Mat edges_of(const cv::Mat& truth) {
+  cv::Mat low;
+  cv::Mat high;
+  cv::erode(truth, low, cv::Mat::ones(3, 3, CV_8UC1));
+  cv::dilate(truth, high, cv::Mat::ones(3, 3, CV_8UC1));
+  cv::Mat edges = (high - low) > kJump * low;
+  const int side = 2 * kEdgeReachPx - 1;  // the comparison reached one pixel already
+  cv::dilate(edges, edges, cv::Mat::ones(side, side, CV_8UC1));
+  return edges;
+}
+
 void damage_edges(const cv::Mat& truth, cv::Mat& depth, Rng& rng) {
   const cv::Mat kernel = cv::Mat::ones(2 * kEdgeReachPx + 1, 2 * kEdgeReachPx + 1, CV_8UC1);
+  const cv::Mat edges = edges_of(truth);
   cv::Mat low;
   cv::Mat high;
   cv::erode(truth, low, kernel);
   cv::dilate(truth, high, kernel);
   for (int v = 0; v < depth.rows; ++v) {
     for (int u = 0; u < depth.cols; ++u) {
-      const float near = low.at<float>(v, u);
-      const float far = high.at<float>(v, u);
       auto& z = depth.at<float>(v, u);
-      if (z <= 0.0F || far - near < kJump * near) continue;
+      if (z <= 0.0F || edges.at<std::uint8_t>(v, u) == 0) continue;
       const double dice = rng.uniform(0.0, 1.0);
       if (dice < kLostAtEdge)
         z = 0.0F;
       else if (dice < kLostAtEdge + kFlyingAtEdge)
-        z = static_cast<float>(rng.uniform(near, far));
+        z = static_cast<float>(rng.uniform(low.at<float>(v, u), high.at<float>(v, u)));
     }
   }
 }

@@ -1,0 +1,163 @@
+#include "detect/measure.hpp"
+
+#include <algorithm>
+#include <utility>
+#include <vector>
+
+#include <cv_bridge/cv_bridge.h>
+#include <opencv2/core/utility.hpp>
+#include <ros/this_node.h>
+#include <sensor_msgs/image_encodings.h>
+
+#include "extperfc/base/running_stats.hpp"
+
+#include "detect/core_chain.hpp"
+#include "ros/convert/image.hpp"
+
+namespace extperfc::benchmark {
+
+namespace {
+
+constexpr int kTurn = 10;  // frames
+constexpr int kWarmUps = 3;
+
+CameraMessages to_messages(const Picture& picture, const CameraModel& camera) {
+  namespace enc = sensor_msgs::image_encodings;
+  std_msgs::Header header;
+  header.frame_id = "camera_color_optical_frame";
+  return {cv_bridge::CvImage(header, enc::BGR8, picture.color).toImageMsg(),
+          cv_bridge::CvImage(header, enc::TYPE_16UC1, picture.depth).toImageMsg(),
+          boost::make_shared<sensor_msgs::CameraInfo>(convert::to_camera_info(camera, header))};
+}
+
+struct Samples {
+  std::vector<PathTime> path;
+  std::vector<InferenceTime> bare;
+  std::vector<ChainTimes> core;
+};
+
+template <typename T, typename Member>
+double quantile(const std::vector<T>& samples, Member T::*member, double fraction) {
+  std::vector<double> values;
+  for (const auto& sample : samples) values.push_back(static_cast<double>(sample.*member));
+  return percentile(values, fraction);
+}
+
+template <typename T, typename Member>
+double median(const std::vector<T>& samples, Member T::*member) {
+  return quantile(samples, member, 0.5);
+}
+
+template <typename T>
+double mean(const std::vector<T>& samples, std::size_t T::*member) {
+  double sum = 0.0;
+  for (const auto& sample : samples) sum += static_cast<double>(sample.*member);
+  return sum / static_cast<double>(samples.size());
+}
+
+/// Runs the three kinds of work and keeps their times.
+class Turns {
+ public:
+  Turns(NodeletPath& path, CoreChain& core, const Footage& footage)
+      : path_(path), core_(core), footage_(footage) {}
+
+  [[nodiscard]] Result<void> turn(int frames) {
+    for (const auto step : {&Turns::one_path, &Turns::one_core, &Turns::one_bare})
+      for (int i = 0; i < frames; ++i)
+        if (auto done = (this->*step)(i); !done) return done;
+    shown_ += static_cast<std::size_t>(frames);
+    return {};
+  }
+
+  [[nodiscard]] Samples& samples() { return samples_; }
+
+ private:
+  /// A fresh copy, as from a driver; made before the clock starts.
+  [[nodiscard]] CameraMessages messages(int i) const {
+    const auto index = (shown_ + static_cast<std::size_t>(i)) % footage_.pictures.size();
+    return to_messages(footage_.pictures[index], footage_.camera);
+  }
+
+  Result<void> one_path(int i) {
+    auto time = path_.run(messages(i));
+    if (!time) return tl::unexpected(time.error());
+    samples_.path.push_back(*time);
+    return {};
+  }
+
+  Result<void> one_core(int i) {
+    const auto given = messages(i);
+    auto time = core_.run(given.color, given.depth);
+    if (!time) return tl::unexpected(time.error());
+    samples_.core.push_back(*time);
+    return {};
+  }
+
+  Result<void> one_bare(int /*i*/) {
+    auto time = core_.infer();
+    if (!time) return tl::unexpected(time.error());
+    samples_.bare.push_back(*time);
+    return {};
+  }
+
+  NodeletPath& path_;
+  CoreChain& core_;
+  const Footage& footage_;
+  std::size_t shown_{0};
+  Samples samples_;
+};
+
+DetectFigures figures_of(const Samples& samples) {
+  DetectFigures figures;
+  figures.bare_wall_ms = median(samples.bare, &InferenceTime::wall_ms);
+  figures.bare_cpu_ms = median(samples.bare, &InferenceTime::cpu_ms);
+  figures.path_wall_ms = median(samples.path, &PathTime::wall_ms);
+  figures.path_p95_ms = quantile(samples.path, &PathTime::wall_ms, 0.95);
+  figures.path_cpu_ms = median(samples.path, &PathTime::cpu_ms);
+  figures.core_wall_ms = median(samples.core, &ChainTimes::wall_ms);
+  figures.core_cpu_ms = median(samples.core, &ChainTimes::cpu_ms);
+  figures.preprocess_ms = median(samples.core, &ChainTimes::wrap_preprocess_ms);
+  figures.inference_ms = median(samples.core, &ChainTimes::inference_ms);
+  figures.decode_ms = median(samples.core, &ChainTimes::decode_ms);
+  figures.depth_ms = median(samples.core, &ChainTimes::depth_ms);
+  figures.mean_boxes = mean(samples.core, &ChainTimes::boxes);
+  figures.mean_objects = mean(samples.path, &PathTime::objects);
+  return figures;
+}
+
+Result<CoreChain> make_core(const DetectCase& what, const CameraModel& camera) {
+  auto spec = what.spec;
+  if (what.settings.score_threshold >= 0.0)
+    spec.thresholds.score = static_cast<float>(what.settings.score_threshold);
+  auto detector = detect::Detector::create(spec, what.settings.inference);
+  if (!detector) return tl::unexpected(detector.error());
+  return CoreChain(std::move(*detector), convert::to_camera_info(camera, {}));
+}
+
+}  // namespace
+
+std::string DetectCase::name() const {
+  const int threads = settings.inference.threads;
+  return spec.name + " " + settings.inference.backend + " " + std::to_string(threads) +
+         (threads == 1 ? " thread" : " threads");
+}
+
+Result<DetectFigures> measure(const DetectCase& what, const Footage& footage, int frames, int number) {
+  cv::setNumThreads(what.settings.inference.threads);  // also for the pictures' preparation
+  auto core = make_core(what, footage.camera);
+  if (!core) return tl::unexpected(core.error());
+  NodeletPath path;
+  const std::string ns = ros::this_node::getName() + "/case" + std::to_string(number);
+  if (auto started = path.start(ns, what.settings); !started) return tl::unexpected(started.error());
+
+  Turns warm_up(path, *core, footage);
+  if (auto done = warm_up.turn(kWarmUps); !done) return tl::unexpected(done.error());
+  Turns turns(path, *core, footage);
+  for (int left = frames; left > 0; left -= kTurn)
+    if (auto done = turns.turn(std::min(left, kTurn)); !done) return tl::unexpected(done.error());
+  DetectFigures figures = figures_of(turns.samples());
+  figures.execution = core->execution();
+  return figures;
+}
+
+}  // namespace extperfc::benchmark

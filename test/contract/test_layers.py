@@ -1,0 +1,74 @@
+"""The layers of the house: who may include what. See docs/architecture.md."""
+
+import pathlib
+import re
+import unittest
+
+REPO = pathlib.Path(__file__).resolve().parents[2]
+ROOMS = ("detect", "depth", "sources")
+BELOW = {"base": set(), "world": {"base"}, **{room: {"base", "world"} for room in ROOMS}}
+ROS_HEADER = re.compile(r'#include\s*[<"](ros/(?!params|convert|health|detect|depth|sources)|tf2|nodelet/|pluginlib/|'
+                        r'cv_bridge/|image_transport/|diagnostic_updater/|message_filters/|XmlRpc|[a-z_]+_msgs/)')
+PARAMETER_READ = re.compile(r"\b(getParam|getParamCached|param\s*<|ros::param::get)\b|\.param\s*\(")
+OWN_HEADER = re.compile(r'#include\s*[<"](?:extperfc/)?(\w+)/[\w/]+\.hpp[>"]')
+# Third-party headers stay in the rooms that own the library.
+OWNERS = {
+    r"openvino/": {"detect"},
+    r"opencv2/dnn": {"detect"},
+    r"yaml-cpp/": {"detect", "sources"},
+    r"mrpt/": {"sources"},
+    r"openssl/": {"base"},
+}
+
+
+def core_files():
+    """(room, file) of every source and header outside src/ros."""
+    for room in BELOW:
+        for folder in (REPO / "src" / room, REPO / "include" / "extperfc" / room):
+            for file in sorted(folder.rglob("*.[ch]pp")):
+                yield room, file
+
+
+def violations(pattern, files):
+    for file in files:
+        for number, line in enumerate(file.read_text().splitlines(), 1):
+            if pattern.search(line):
+                yield f"{file.relative_to(REPO)}:{number}: {line.strip()}"
+
+
+class Layers(unittest.TestCase):
+    def test_core_exists(self):
+        self.assertGreater(len(list(core_files())), 20)
+
+    def test_no_ros_headers_outside_src_ros(self):
+        self.assertEqual([], list(violations(ROS_HEADER, (f for _, f in core_files()))))
+
+    def test_parameters_are_read_in_params_only(self):
+        files = [f for f in sorted((REPO / "src").rglob("*.[ch]pp")) if "params" not in f.parts]
+        self.assertEqual([], list(violations(PARAMETER_READ, files)))
+
+    def test_rooms_include_only_what_lies_below(self):
+        wrong = []
+        for room, file in core_files():
+            for included in OWN_HEADER.findall(file.read_text()):
+                if included in BELOW and included != room and included not in BELOW[room]:
+                    wrong.append(f"{file.relative_to(REPO)} includes {included}/")
+        self.assertEqual([], wrong)
+
+    def test_third_party_headers_stay_in_their_room(self):
+        wrong = []
+        for header, owners in OWNERS.items():
+            pattern = re.compile(r'#include\s*[<"]' + header)
+            wrong += [hit for room, file in core_files() if room not in owners
+                      for hit in violations(pattern, [file])]
+        self.assertEqual([], wrong)
+
+    def test_patterns_find_what_they_should(self):
+        for line in ("#include <ros/ros.h>", "#include <sensor_msgs/Image.h>", '#include "tf2_ros/buffer.h"'):
+            self.assertRegex(line, ROS_HEADER)
+        for line in ("nh.getParam(x, y)", "nh.param<int>(a, b)", "ros::param::get(k, v)", 'nh.param("a", b, c)'):
+            self.assertRegex(line, PARAMETER_READ)
+
+
+if __name__ == "__main__":
+    unittest.main()

@@ -1,0 +1,67 @@
+"""A ROS master and a roslaunch of our own: free port, own ROS_HOME, ended by process id."""
+
+import os
+import re
+import signal
+import socket
+import subprocess
+import tempfile
+
+_COLOR = re.compile(r"\x1b\[[0-9;]*m")
+_NOISE = re.compile(r"Failed to load nodelet|REQUIRED process|Initiating shutdown|^=+$|bond broken")
+
+
+def free_port():
+    """A TCP port of the loopback interface that nobody uses now."""
+    with socket.socket() as probe:
+        probe.bind(("127.0.0.1", 0))
+        return probe.getsockname()[1]
+
+
+class RosSession:
+    """Runs `roslaunch` with a private master; use as a context manager."""
+
+    def __init__(self, log_file):
+        self.port = free_port()
+        self.log_file = log_file
+        self.home = tempfile.TemporaryDirectory(prefix="extperfc_ros_")
+        self.process = None
+        os.environ.update(ROS_MASTER_URI=f"http://127.0.0.1:{self.port}", ROS_IP="127.0.0.1", ROS_HOME=self.home.name)
+        os.environ.pop("ROS_HOSTNAME", None)
+
+    def launch(self, package, launch_file, **arguments):
+        """Starts a launch file; arguments are its `name:=value` pairs."""
+        words = ["roslaunch", "-p", str(self.port), package, launch_file]
+        words += [f"{name}:={value}" for name, value in arguments.items()]
+        with open(self.log_file, "w") as log:
+            self.process = subprocess.Popen(words, stdout=log, stderr=subprocess.STDOUT, stdin=subprocess.DEVNULL)
+
+    def alive(self):
+        return self.process is not None and self.process.poll() is None
+
+    def errors(self):
+        """Lines of the log that tell a person what went wrong, without colours and stamps."""
+        with open(self.log_file, errors="replace") as log:
+            text = _COLOR.sub("", log.read())
+        found = []
+        for match in re.finditer(r"^\[\s*(FATAL|ERROR)\] \[[\d., ]*\]:? ?(.*(?:\n  .*)*)", text, re.M):
+            if match.group(2) not in found and not _NOISE.search(match.group(2)):
+                found.append(match.group(2))
+        return found
+
+    def close(self):
+        """Ends what was started: politely first, for good after 15 s."""
+        if self.alive():
+            self.process.send_signal(signal.SIGINT)
+            try:
+                self.process.wait(15)
+            except subprocess.TimeoutExpired:
+                self.process.kill()
+                self.process.wait()
+        self.home.cleanup()
+
+    def __enter__(self):
+        return self
+
+    def __exit__(self, *_):
+        self.close()
