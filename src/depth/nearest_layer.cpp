@@ -13,7 +13,7 @@ constexpr int kBins = 512;
 constexpr double kRelativeWidth = 0.02;  // of a bin where noise does not matter: slant and shape of an object
 constexpr double kNoiseWidth = 2.0;      // of a bin where noise rules, in standard deviations
 constexpr float kMinShare = 0.15F;       // of all samples in a mode; less is a flying pixel or an edge
-constexpr float kEdgeShare = 0.5F;       // of the mode's height, down to which its slopes belong to it
+constexpr float kEdgeShare = 0.35F;      // of the mode's height, down to which its slopes belong to it
 
 /// Depth axis on which a bin is `width(z) = kRelativeWidth * z + kNoiseWidth * sigma(z)` wide everywhere.
 /// With sigma(z) = c z^2 the position is the closed integral of dz / width(z).

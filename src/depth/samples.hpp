@@ -28,7 +28,7 @@ struct Sample {
 
 /// The valid values of a region. Lives on the stack: a larger region is sampled on a regular grid instead.
 struct Samples {
-  static constexpr int kCapacity = 2048;
+  static constexpr int kCapacity = 1024;
 
   std::array<Sample, kCapacity> items;  // the first `size` are set
   int size{0};

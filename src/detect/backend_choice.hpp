@@ -8,9 +8,10 @@
 
 namespace extperfc::detect {
 
-/// Remembers in a small file of InferenceOptions::cache_dir which back end was the fastest for a model, so that the next
-/// start need not time them again. Another network, device, number of threads, precision, mode or library version makes
-/// another file. Without a cache folder, or when it cannot be written, nothing is remembered.
+/// Remembers in a small file of InferenceOptions::cache_dir which back end was the fastest for a model, so
+/// that the next start need not time them again. Another network, device, number of threads, precision, mode
+/// or library version makes another file. Without a cache folder, or when it cannot be written, nothing is
+/// remembered.
 class BackendChoice {
  public:
   BackendChoice(const ModelSpec& spec, const InferenceOptions& options);

@@ -31,8 +31,8 @@ class QuietOpenCv {
 
 /// OpenCV's own network runner: CPU, float32, one slot.
 ///
-/// OpenCV's number of threads is one setting for the whole process: InferenceOptions::threads also changes it for
-/// everything else here that uses OpenCV, and the last model loaded decides.
+/// OpenCV's number of threads is one setting for the whole process: InferenceOptions::threads also changes it
+/// for everything else here that uses OpenCV, and the last model loaded decides.
 class OpenCvBackend : public InferenceBackend {
  public:
   OpenCvBackend(cv::dnn::Net net, const InputSpec& input, std::vector<std::string> outputs)
@@ -91,14 +91,16 @@ Result<void> check_input_name(cv::dnn::Net& net, const InputSpec& input) {
 
 }  // namespace
 
-Result<std::unique_ptr<InferenceBackend>> load_opencv(const ModelSpec& spec, const InferenceOptions& options) {
+Result<std::unique_ptr<InferenceBackend>> load_opencv(const ModelSpec& spec,
+                                                      const InferenceOptions& options) {
   if (const auto checked = check_options(options); !checked) return tl::unexpected(checked.error());
   const QuietOpenCv quiet;
   try {
     cv::dnn::Net net = cv::dnn::readNetFromONNX(spec.file.string());
     net.setPreferableBackend(cv::dnn::DNN_BACKEND_OPENCV);
     net.setPreferableTarget(cv::dnn::DNN_TARGET_CPU);
-    if (const auto checked = check_input_name(net, spec.input); !checked) return tl::unexpected(checked.error());
+    if (const auto checked = check_input_name(net, spec.input); !checked)
+      return tl::unexpected(checked.error());
     const auto existing = net.getUnconnectedOutLayersNames();
     const auto outputs = output_names(spec, existing, existing.size());
     if (!outputs) return tl::unexpected(outputs.error());
@@ -112,6 +114,8 @@ Result<std::unique_ptr<InferenceBackend>> load_opencv(const ModelSpec& spec, con
   }
 }
 
-std::string opencv_version() { return CV_VERSION; }
+std::string opencv_version() {
+  return CV_VERSION;
+}
 
 }  // namespace extperfc::detect

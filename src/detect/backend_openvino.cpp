@@ -43,8 +43,8 @@ std::optional<T> property_of(const ov::CompiledModel& model, const ov::Property<
   }
 }
 
-/// A network compiled by OpenVINO, for any of its devices. In throughput mode it has as many slots as the device can
-/// keep busy.
+/// A network compiled by OpenVINO, for any of its devices. In throughput mode it has as many slots as the
+/// device can keep busy.
 class OpenVinoBackend : public InferenceBackend {
  public:
   OpenVinoBackend(ov::CompiledModel model, std::vector<std::string> outputs, int slot_count)
@@ -81,7 +81,8 @@ class OpenVinoBackend : public InferenceBackend {
 std::string OpenVinoBackend::execution() const {
   std::string text = joined(property_of(model_, ov::execution_devices).value_or(std::vector<std::string>{}));
   if (const auto type = property_of(model_, ov::hint::inference_precision)) text += " " + type->to_string();
-  if (const auto streams = property_of(model_, ov::num_streams)) text += ", " + plural(streams->num, "stream");
+  if (const auto streams = property_of(model_, ov::num_streams))
+    text += ", " + plural(streams->num, "stream");
   if (const auto threads = property_of(model_, ov::inference_num_threads))
     text += ", " + plural(*threads, "thread");
   return text;
@@ -94,8 +95,9 @@ Result<void> check_device(const std::string& device) {
     return name == device || name.rfind(device + ".", 0) == 0;
   });
   if (found || device == "AUTO") return {};
-  return fail(ErrorCode::kUnsupported, "this machine has no device " + device + " that OpenVINO can use, only " +
-                                           joined(existing) + ": set device to one of these or AUTO");
+  return fail(ErrorCode::kUnsupported, "this machine has no device " + device +
+                                           " that OpenVINO can use, only " + joined(existing) +
+                                           ": set device to one of these or AUTO");
 }
 
 /// All names of all ports; a port may have several.
@@ -115,8 +117,8 @@ Result<void> check_input(const ov::Model& model, const InputSpec& input) {
     return fail(ErrorCode::kUnsupported,
                 "the network has the inputs " + joined(names) + ", but only one input can be fed");
   if (input.name.empty() || std::find(names.begin(), names.end(), input.name) != names.end()) return {};
-  return fail(ErrorCode::kInvalidArgument, "the network has no input \"" + input.name + "\", only " + joined(names) +
-                                               ": correct input.name in model.yaml");
+  return fail(ErrorCode::kInvalidArgument, "the network has no input \"" + input.name + "\", only " +
+                                               joined(names) + ": correct input.name in model.yaml");
 }
 
 /// Fixes the input to [1, 3, height, width], which a network without fixed sizes inside allows.
@@ -137,7 +139,8 @@ Result<void> fix_shape(ov::Model& model, const InputSpec& input) {
 std::shared_ptr<ov::Model> with_float_ends(const std::shared_ptr<ov::Model>& model) {
   ov::preprocess::PrePostProcessor ends(model);
   ends.input().tensor().set_element_type(ov::element::f32);
-  for (std::size_t i = 0; i < model->outputs().size(); ++i) ends.output(i).tensor().set_element_type(ov::element::f32);
+  for (std::size_t i = 0; i < model->outputs().size(); ++i)
+    ends.output(i).tensor().set_element_type(ov::element::f32);
   return ends.build();
 }
 
@@ -145,7 +148,8 @@ ov::AnyMap configuration(const InferenceOptions& options) {
   ov::AnyMap config{ov::hint::performance_mode(options.mode == Mode::kThroughput
                                                    ? ov::hint::PerformanceMode::THROUGHPUT
                                                    : ov::hint::PerformanceMode::LATENCY)};
-  // Left alone, the CPU plug-in takes bf16 where the processor has it: 1.6 to 1.9 times slower for small networks.
+  // Left alone, the CPU plug-in takes bf16 where the processor has it: 1.6 to 1.9 times slower for small
+  // networks.
   ov::AnyMap cpu{ov::hint::inference_precision(element_type(options.precision))};
   if (options.threads > 0) cpu.insert(ov::inference_num_threads(options.threads));
   if (options.device == "AUTO")
@@ -161,14 +165,17 @@ ov::AnyMap configuration(const InferenceOptions& options) {
 Result<std::shared_ptr<ov::Model>> read_network(const ModelSpec& spec) {
   std::shared_ptr<ov::Model> model;
   try {
-    // Not Core::read_model(): it tries every format in turn, and their readers complain on stderr about a damaged file.
+    // Not Core::read_model(): it tries every format in turn, and their readers complain on stderr about a
+    // damaged file.
     const auto reader = ov::frontend::FrontEndManager().load_by_framework("onnx");
     model = reader->convert(reader->load(spec.file.string()));
   } catch (const std::exception& error) {
-    return fail(ErrorCode::kCorrupt, "not an ONNX network that OpenVINO can read: " + shortened(error.what()));
+    return fail(ErrorCode::kCorrupt,
+                "not an ONNX network that OpenVINO can read: " + shortened(error.what()));
   }
   if (model->inputs().empty() || model->outputs().empty())
-    return fail(ErrorCode::kCorrupt, "not an ONNX network that OpenVINO can read: it has no inputs or no outputs");
+    return fail(ErrorCode::kCorrupt,
+                "not an ONNX network that OpenVINO can read: it has no inputs or no outputs");
   if (const auto checked = check_input(*model, spec.input); !checked) return tl::unexpected(checked.error());
   if (const auto fixed = fix_shape(*model, spec.input); !fixed) return tl::unexpected(fixed.error());
   return with_float_ends(model);
@@ -176,21 +183,25 @@ Result<std::shared_ptr<ov::Model>> read_network(const ModelSpec& spec) {
 
 }  // namespace
 
-Result<std::unique_ptr<InferenceBackend>> load_openvino(const ModelSpec& spec, const InferenceOptions& options) try {
+Result<std::unique_ptr<InferenceBackend>> load_openvino(const ModelSpec& spec,
+                                                        const InferenceOptions& options) try {
   if (const auto checked = check_device(options.device); !checked) return tl::unexpected(checked.error());
   const auto network = read_network(spec);
   if (!network) return tl::unexpected(network.error());
   const auto outputs = output_names(spec, names_of((*network)->outputs()), (*network)->outputs().size());
   if (!outputs) return tl::unexpected(outputs.error());
   auto model = core().compile_model(*network, options.device, configuration(options));
-  const int slots = options.mode == Mode::kThroughput
-                        ? static_cast<int>(std::max(1U, model.get_property(ov::optimal_number_of_infer_requests)))
-                        : 1;
+  const int slots =
+      options.mode == Mode::kThroughput
+          ? static_cast<int>(std::max(1U, model.get_property(ov::optimal_number_of_infer_requests)))
+          : 1;
   return std::make_unique<OpenVinoBackend>(std::move(model), *outputs, slots);
 } catch (const std::exception& error) {
   return fail(ErrorCode::kFailed, "compiling the network: " + shortened(error.what()));
 }
 
-std::string openvino_version() { return ov::get_openvino_version().buildNumber; }
+std::string openvino_version() {
+  return ov::get_openvino_version().buildNumber;
+}
 
 }  // namespace extperfc::detect

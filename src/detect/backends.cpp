@@ -34,10 +34,11 @@ std::string joined(const std::vector<std::string>& names) {
 Result<std::vector<std::string>> output_names(const ModelSpec& spec, const std::vector<std::string>& existing,
                                               std::size_t output_count) {
   const auto& wanted = spec.output.names;
-  if (wanted.empty() && output_count == 1 && !existing.empty()) return std::vector<std::string>{existing.front()};
+  if (wanted.empty() && output_count == 1 && !existing.empty())
+    return std::vector<std::string>{existing.front()};
   if (wanted.empty())
-    return fail(ErrorCode::kInvalidArgument,
-                "the network has the outputs " + joined(existing) + ": say with output.names in model.yaml which to use");
+    return fail(ErrorCode::kInvalidArgument, "the network has the outputs " + joined(existing) +
+                                                 ": say with output.names in model.yaml which to use");
   for (const auto& name : wanted)
     if (std::find(existing.begin(), existing.end(), name) == existing.end())
       return fail(ErrorCode::kInvalidArgument, "the network has no output \"" + name + "\", only " +

@@ -11,7 +11,8 @@
 
 namespace extperfc::detect {
 
-// One loader per library. Errors name the library's complaint; make_backend() adds model, back end and device.
+// One loader per library. Errors name the library's complaint; make_backend() adds model, back end and
+// device.
 [[nodiscard]] Result<std::unique_ptr<InferenceBackend>> load_opencv(const ModelSpec& spec,
                                                                     const InferenceOptions& options);
 [[nodiscard]] std::string opencv_version();
@@ -25,8 +26,8 @@ namespace extperfc::detect {
 /// "a, b, c", or "none".
 [[nodiscard]] std::string joined(const std::vector<std::string>& names);
 
-/// The tensors of OutputSpec::names, or the network's only output when none are named; `existing` are the names of its
-/// `output_count` outputs. Errors: a name that does not exist, several outputs and no names.
+/// The tensors of OutputSpec::names, or the network's only output when none are named; `existing` are the
+/// names of its `output_count` outputs. Errors: a name that does not exist, several outputs and no names.
 [[nodiscard]] Result<std::vector<std::string>> output_names(const ModelSpec& spec,
                                                             const std::vector<std::string>& existing,
                                                             std::size_t output_count);

@@ -25,7 +25,9 @@ bool matches(std::vector<int> shape, const std::vector<int>& expected) {
   return true;
 }
 
-int cells_along(int pixels, int stride) { return (pixels + stride - 1) / stride; }
+int cells_along(int pixels, int stride) {
+  return (pixels + stride - 1) / stride;
+}
 
 /// What the layout asks of every tensor.
 std::vector<std::vector<int>> expected_shapes(const ModelSpec& spec) {
@@ -45,7 +47,8 @@ std::vector<std::vector<int>> expected_shapes(const ModelSpec& spec) {
     case OutputLayout::kYoloAnchors:
       for (const AnchorLevel& level : spec.output.anchors)
         shapes.push_back({static_cast<int>(level.sizes_px.size()) * (5 + classes),
-                          cells_along(spec.input.height, level.stride), cells_along(spec.input.width, level.stride)});
+                          cells_along(spec.input.height, level.stride),
+                          cells_along(spec.input.width, level.stride)});
       return shapes;
     case OutputLayout::kYoloGrid:
       return {{5 + classes, kAny, kAny}};
@@ -55,7 +58,8 @@ std::vector<std::vector<int>> expected_shapes(const ModelSpec& spec) {
 
 tl::unexpected<Error> wrong_shape(const ModelSpec& spec, std::size_t index, const std::vector<int>& shape,
                                   const std::vector<int>& expected) {
-  const std::string name = index < spec.output.names.size() ? spec.output.names[index] : std::to_string(index);
+  const std::string name =
+      index < spec.output.names.size() ? spec.output.names[index] : std::to_string(index);
   return fail(ErrorCode::kInvalidArgument,
               spec.name + ": output \"" + name + "\" has shape " + shape_text(shape) + ", but layout " +
                   to_string(spec.output.layout) + " with " + std::to_string(spec.classes.size()) +
@@ -75,7 +79,8 @@ Result<void> check_outputs(const ModelSpec& spec, const std::vector<TensorView>&
   for (std::size_t i = 0; i < outputs.size(); ++i)
     if (!matches(outputs[i].shape, expected[i])) return wrong_shape(spec, i, outputs[i].shape, expected[i]);
 
-  if (spec.output.layout == OutputLayout::kSsd && axis_from_end(outputs[0], 1) != axis_from_end(outputs[1], 1))
+  if (spec.output.layout == OutputLayout::kSsd &&
+      axis_from_end(outputs[0], 1) != axis_from_end(outputs[1], 1))
     return wrong_shape(spec, 1, outputs[1].shape, {axis_from_end(outputs[0], 1), ssd_columns(spec)});
   return {};
 }

@@ -29,9 +29,12 @@ namespace extperfc::detect {
   return tensor.shape[tensor.shape.size() - 1 - i];
 }
 
-[[nodiscard]] inline float sigmoid(float x) { return 1.0F / (1.0F + std::exp(-x)); }
+[[nodiscard]] inline float sigmoid(float x) {
+  return 1.0F / (1.0F + std::exp(-x));
+}
 
-/// A lower bound, nearly exact, of the logits whose sigmoid reaches `p`: sigmoid() itself rounds to 1 from about 17 on.
+/// A lower bound, nearly exact, of the logits whose sigmoid reaches `p`: sigmoid() itself rounds to 1 from
+/// about 17 on.
 [[nodiscard]] inline float least_logit(float p) {
   const float below_one = std::min(p, 0.999999F);
   return std::log(below_one / (1.0F - below_one)) - 1e-4F;

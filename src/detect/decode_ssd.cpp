@@ -35,8 +35,8 @@ class ScoreRows {
   }
 
  private:
-  /// A class at softmax score p is at least least_logit(p) above every other one. Most candidates are background, and this
-  /// spares them the exponentials.
+  /// A class at softmax score p is at least least_logit(p) above every other one. Most candidates are
+  /// background, and this spares them the exponentials.
   bool is_background(const float* row) const {
     const float bar = row[background_] + margin_;
     return std::none_of(row, row + columns_, [bar](float value) { return value >= bar; });
@@ -59,7 +59,8 @@ Detections decode_rows(const ModelSpec& spec, const TensorView& scores, const Bo
     if (row == nullptr) continue;
     for (int column = 0; column < ssd_columns(spec); ++column)
       if (column != background && row[column] >= spec.thresholds.score)
-        add_candidate(found, column - (background >= 0 && column > background ? 1 : 0), row[column], box_of(i));
+        add_candidate(found, column - (background >= 0 && column > background ? 1 : 0), row[column],
+                      box_of(i));
   }
   return found;
 }
@@ -82,8 +83,9 @@ Detections decode_ssd_priors(const ModelSpec& spec, const std::vector<TensorView
   return decode_rows(spec, outputs[1], [&, cv = center_variance, sv = size_variance](int i) {
     const float* offset = outputs[0].data + 4 * static_cast<std::size_t>(i);
     const Prior& prior = spec.output.priors[static_cast<std::size_t>(i)];
-    return box_around((prior.cx + offset[0] * cv * prior.w) * width, (prior.cy + offset[1] * cv * prior.h) * height,
-                      prior.w * std::exp(offset[2] * sv) * width, prior.h * std::exp(offset[3] * sv) * height);
+    return box_around(
+        (prior.cx + offset[0] * cv * prior.w) * width, (prior.cy + offset[1] * cv * prior.h) * height,
+        prior.w * std::exp(offset[2] * sv) * width, prior.h * std::exp(offset[3] * sv) * height);
   });
 }
 

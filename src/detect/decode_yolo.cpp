@@ -9,7 +9,9 @@ namespace {
 
 constexpr int kScanBlock = 64;  // values tested by one vectorised comparison loop
 
-int class_count(const ModelSpec& spec) { return static_cast<int>(spec.classes.size()); }
+int class_count(const ModelSpec& spec) {
+  return static_cast<int>(spec.classes.size());
+}
 
 /// Calls `hit(i)` for every value at or above the threshold, which few are. NaN is below.
 template <typename Hit>

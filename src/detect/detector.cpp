@@ -40,8 +40,8 @@ Result<Detector> Detector::create(ModelSpec spec, const InferenceOptions& option
 
 Result<DetectorOutput> Detector::detect(const ImageView& image, int slot) {
   if (slot < 0 || slot >= slots())
-    return fail(ErrorCode::kInvalidArgument, "there is no slot " + std::to_string(slot) + ": the back end has " +
-                                                 std::to_string(slots()));
+    return fail(ErrorCode::kInvalidArgument,
+                "there is no slot " + std::to_string(slot) + ": the back end has " + std::to_string(slots()));
   DetectorOutput output;
   Stopwatch watch;
   const auto placement = preprocessors_[static_cast<std::size_t>(slot)].run(image, backend_->input(slot));

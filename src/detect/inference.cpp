@@ -37,9 +37,15 @@ const char* name_of(const Table& table, Value value) {
 Result<Precision> precision_from_name(const std::string& name) {
   return from_name(kPrecisions, "precision", name);
 }
-Result<Mode> mode_from_name(const std::string& name) { return from_name(kModes, "mode", name); }
-const char* to_string(Precision precision) { return name_of(kPrecisions, precision); }
-const char* to_string(Mode mode) { return name_of(kModes, mode); }
+Result<Mode> mode_from_name(const std::string& name) {
+  return from_name(kModes, "mode", name);
+}
+const char* to_string(Precision precision) {
+  return name_of(kPrecisions, precision);
+}
+const char* to_string(Mode mode) {
+  return name_of(kModes, mode);
+}
 
 std::size_t TensorView::size() const {
   return std::accumulate(shape.begin(), shape.end(), std::size_t{1},

@@ -2,11 +2,12 @@
 #include <limits>
 #include <utility>
 
-#include "detect/backend_choice.hpp"
-#include "detect/backends.hpp"
 #include "extperfc/base/running_stats.hpp"
 #include "extperfc/base/stopwatch.hpp"
 #include "extperfc/detect/decode.hpp"
+
+#include "detect/backend_choice.hpp"
+#include "detect/backends.hpp"
 
 namespace extperfc::detect {
 
@@ -30,10 +31,10 @@ constexpr Library kLibraries[] = {
     {"opencv", &load_opencv},
 };
 
-tl::unexpected<Error> with_context(const ModelSpec& spec, const std::string& backend, const std::string& device,
-                                   const Error& error) {
-  return fail(error.code, "model " + spec.name + " (" + spec.file.string() + ") with " + backend + " on " + device +
-                              ": " + error.message);
+tl::unexpected<Error> with_context(const ModelSpec& spec, const std::string& backend,
+                                   const std::string& device, const Error& error) {
+  return fail(error.code, "model " + spec.name + " (" + spec.file.string() + ") with " + backend + " on " +
+                              device + ": " + error.message);
 }
 
 /// Runs the network on a grey picture, so that one which loads but cannot run is found out here.
@@ -119,10 +120,11 @@ std::vector<std::string> available_backends() {
   return names;
 }
 
-Result<std::unique_ptr<InferenceBackend>> make_backend(const ModelSpec& spec, const InferenceOptions& options) {
+Result<std::unique_ptr<InferenceBackend>> make_backend(const ModelSpec& spec,
+                                                       const InferenceOptions& options) {
   if (options.threads < 0)
-    return fail(ErrorCode::kInvalidArgument, "threads must be 0 (the library chooses) or more, not " +
-                                                 std::to_string(options.threads));
+    return fail(ErrorCode::kInvalidArgument,
+                "threads must be 0 (the library chooses) or more, not " + std::to_string(options.threads));
   if (options.backend == "auto") return load_auto(spec, options);
   if (const Library* library = find_library(options.backend)) return load(*library, spec, options);
   const bool left_out = options.backend == "openvino";

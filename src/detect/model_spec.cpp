@@ -4,8 +4,9 @@
 #include <system_error>
 #include <utility>
 
-#include "detect/model_yaml.hpp"
 #include "extperfc/base/sha256.hpp"
+
+#include "detect/model_yaml.hpp"
 
 namespace extperfc::detect {
 
@@ -101,9 +102,11 @@ Result<KnownModel> recognise(const fs::path& folder, const fs::path& known_model
   if (matches->size() == 1) return matches->front();
   std::string list;
   for (const auto& [description, network] : *matches)
-    list += (list.empty() ? "" : ", ") + network.filename().string() + " (" + description.stem().string() + ")";
-  return fail(ErrorCode::kInvalidArgument, folder.string() + " has no model.yaml and several known networks, " +
-                                               list + ": keep one, or " + kRemedy);
+    list +=
+        (list.empty() ? "" : ", ") + network.filename().string() + " (" + description.stem().string() + ")";
+  return fail(ErrorCode::kInvalidArgument, folder.string() +
+                                               " has no model.yaml and several known networks, " + list +
+                                               ": keep one, or " + kRemedy);
 }
 
 }  // namespace
@@ -126,8 +129,9 @@ const char* to_string(OutputLayout layout) {
 Result<ModelSpec> load_model_spec(const fs::path& folder, const fs::path& known_models) {
   std::error_code ignored;
   if (!fs::is_directory(folder, ignored))
-    return fail(ErrorCode::kNotFound, "there is no model folder " + folder.string() +
-                                          (fs::exists(folder, ignored) ? " (it is a file: name its folder)" : ""));
+    return fail(ErrorCode::kNotFound,
+                "there is no model folder " + folder.string() +
+                    (fs::exists(folder, ignored) ? " (it is a file: name its folder)" : ""));
   const fs::path description = folder / "model.yaml";
   if (fs::exists(description, ignored)) return read_description({description, {}}, folder);
   const auto known = recognise(folder, known_models);

@@ -1,5 +1,3 @@
-#include <unistd.h>
-
 #include <algorithm>
 #include <array>
 #include <charconv>
@@ -12,6 +10,7 @@
 
 #include <opencv2/imgcodecs.hpp>
 #include <opencv2/imgproc.hpp>
+#include <unistd.h>
 
 #include "extperfc/base/running_stats.hpp"
 #include "extperfc/detect/detector.hpp"
@@ -27,7 +26,8 @@ constexpr int kProblem = 1;
 constexpr int kUsage = 2;
 constexpr int kTimedPictures = 10;
 
-constexpr const char* kHelp = R"(Looks at detection models: folders with a model.yaml (models/README.md has the format).
+constexpr const char* kHelp =
+    R"(Looks at detection models: folders with a model.yaml (models/README.md has the format).
 
   extperfc-model check FOLDER             says what is wrong, or what the model is and how fast it runs here
   extperfc-model list [FOLDER...]         one line per model; FOLDER is a model or a folder of models
@@ -101,8 +101,9 @@ Result<InferenceOptions> inference_options(const Arguments& arguments) {
   if (!mode) return tl::unexpected(mode.error());
   const auto threads = number_option(arguments, "--threads", 0, 0, 1024);
   if (!threads) return tl::unexpected(threads.error());
-  return InferenceOptions{arguments.option("--backend", "auto"), arguments.option("--device", "CPU"), *threads,
-                          *precision, *mode, arguments.option("--cache", "")};
+  return InferenceOptions{
+      arguments.option("--backend", "auto"), arguments.option("--device", "CPU"), *threads, *precision, *mode,
+      arguments.option("--cache", "")};
 }
 
 /// Where the package's data lies: beside an installed program, else in the sources it was built from.
@@ -125,7 +126,9 @@ ImageView view_of(const cv::Mat& picture) {
   return {picture.data, picture.cols, picture.rows, picture.step, PixelFormat::kBgr8};
 }
 
-void print_row(const char* key, const std::string& value) { std::printf("  %-11s %s\n", key, value.c_str()); }
+void print_row(const char* key, const std::string& value) {
+  std::printf("  %-11s %s\n", key, value.c_str());
+}
 
 std::string joined(const std::vector<std::string>& words) {
   std::string text;
@@ -139,14 +142,17 @@ std::string input_text(const InputSpec& input) {
          (input.interpolation == Interpolation::kArea ? ", area" : ", linear");
 }
 
-std::string or_unknown(const std::string& text) { return text.empty() ? "not stated" : text; }
+std::string or_unknown(const std::string& text) {
+  return text.empty() ? "not stated" : text;
+}
 
 void print_summary(const ModelSpec& spec) {
   std::printf("%s\n", spec.name.c_str());
   print_row("file", spec.file.string());
   print_row("sha256", spec.sha256);
   print_row("input", input_text(spec.input));
-  print_row("outputs", joined(spec.output.names) + " (layout " + to_string(spec.output.layout) + ")");
+  print_row("outputs", (spec.output.names.empty() ? "the only one" : joined(spec.output.names)) +
+                           " (layout " + to_string(spec.output.layout) + ")");
   print_row("classes", std::to_string(spec.classes.size()) + ": " + joined(spec.classes));
   print_row("source", or_unknown(spec.source));
   print_row("licence", or_unknown(spec.license));
@@ -210,16 +216,18 @@ int list(const Arguments& arguments, const InferenceOptions& /*options*/) {
         status = complain(spec.error().message, kProblem);
         continue;
       }
-      std::printf("%-24s %-12s %4d x %-4d %3zu classes  %s\n", spec->name.c_str(), to_string(spec->output.layout),
-                  spec->input.width, spec->input.height, spec->classes.size(), folder.c_str());
+      std::printf("%-24s %-12s %4d x %-4d %3zu classes  %s\n", spec->name.c_str(),
+                  to_string(spec->output.layout), spec->input.width, spec->input.height, spec->classes.size(),
+                  folder.c_str());
     }
   return status;
 }
 
 void print_detections(const ModelSpec& spec, const DetectorOutput& output) {
   for (const auto& [index, score, box] : output.detections)
-    std::printf("%-16s %.3f  %7.1f %7.1f %7.1f %7.1f\n", spec.classes[static_cast<std::size_t>(index)].c_str(),
-                static_cast<double>(score), static_cast<double>(box.x_min), static_cast<double>(box.y_min),
+    std::printf("%-16s %.3f  %7.1f %7.1f %7.1f %7.1f\n",
+                spec.classes[static_cast<std::size_t>(index)].c_str(), static_cast<double>(score),
+                static_cast<double>(box.x_min), static_cast<double>(box.y_min),
                 static_cast<double>(box.x_max), static_cast<double>(box.y_max));
 }
 

@@ -12,18 +12,20 @@ namespace extperfc::detect {
 
 namespace {
 
-constexpr Range<int> kInputSize{8, 4096};          // pixels
-constexpr Range<float> kMean{-1000.0F, 1000.0F};   // 8-bit units
-constexpr Range<float> kScale{1e-6F, 1000.0F};     // 1 / 8-bit units
-constexpr Range<float> kFraction{0.0F, 1.0F};      // of 1
-constexpr Range<float> kVariance{1e-6F, 10.0F};    // as in the SSD paper's code
+constexpr Range<int> kInputSize{8, 4096};           // pixels
+constexpr Range<float> kMean{-1000.0F, 1000.0F};    // 8-bit units
+constexpr Range<float> kScale{1e-6F, 1000.0F};      // 1 / 8-bit units
+constexpr Range<float> kFraction{0.0F, 1.0F};       // of 1
+constexpr Range<float> kVariance{1e-6F, 10.0F};     // as in the SSD paper's code
 constexpr Range<float> kPriorValue{-10.0F, 10.0F};  // of the input's size
-constexpr Range<float> kBoxSize{1e-3F, 8192.0F};   // input pixels
-constexpr Range<float> kRatio{1e-2F, 100.0F};      // width / height
-constexpr Range<int> kStride{1, 4096};             // input pixels
-constexpr Range<int> kCells{1, 1024};              // of a feature map, along one axis
+constexpr Range<float> kBoxSize{1e-3F, 8192.0F};    // input pixels
+constexpr Range<float> kRatio{1e-2F, 100.0F};       // width / height
+constexpr Range<int> kStride{1, 4096};              // input pixels
+constexpr Range<int> kCells{1, 1024};               // of a feature map, along one axis
 
-std::array<float, 3> triple(const std::vector<float>& values) { return {values[0], values[1], values[2]}; }
+std::array<float, 3> triple(const std::vector<float>& values) {
+  return {values[0], values[1], values[2]};
+}
 
 /// One of two words; the first is the default.
 bool second_of(YamlSection& section, const std::string& key, const std::string& first,
@@ -41,8 +43,8 @@ InputSpec parse_input(YamlSection section) {
   input.height = section.integer("height", kInputSize);
   input.bgr = second_of(section, "color", "rgb", "bgr");
   input.resize = second_of(section, "resize", "stretch", "letterbox") ? Resize::kLetterbox : Resize::kStretch;
-  input.interpolation = second_of(section, "interpolation", "linear", "area") ? Interpolation::kArea
-                                                                              : Interpolation::kLinear;
+  input.interpolation =
+      second_of(section, "interpolation", "linear", "area") ? Interpolation::kArea : Interpolation::kLinear;
   input.mean = triple(section.numbers("mean", 3, kMean, std::vector<float>(3, 0.0F), true));
   input.scale = triple(section.numbers("scale", 3, kScale, std::vector<float>(3, 1.0F), true));
   section.refuse_unknown();
@@ -115,8 +117,7 @@ OutputSpec parse_output(YamlSection section, const InputSpec& input) {
   if (*layout == OutputLayout::kSsd || *layout == OutputLayout::kSsdPriors)
     parse_ssd_keys(section, input, output);
   if (*layout == OutputLayout::kYoloAnchors) output.anchors = parse_anchors(section);
-  const bool only_output = tensor_count(output) == 1 && !section.has("names");
-  if (!only_output) output.names = section.texts("names");
+  output.names = section.texts("names", tensor_count(output) > 1);
   if (!output.names.empty() && output.names.size() != tensor_count(output))
     section.problem("names", "layout " + word + " has " + std::to_string(tensor_count(output)) +
                                  " output tensors, but " + std::to_string(output.names.size()) +

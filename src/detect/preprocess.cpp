@@ -27,7 +27,8 @@ constexpr std::array<int, 3> kRgb{0, 1, 2};
 constexpr std::array<int, 3> kBgr{2, 1, 0};
 constexpr std::array<int, 3> kGrey{0, 0, 0};
 
-// OpenCV names a Bayer pattern after the second row's second and third pixel, ROS after the first 2 x 2 pixels.
+// OpenCV names a Bayer pattern after the second row's second and third pixel, ROS after the first 2 x 2
+// pixels.
 FormatTraits traits_of(PixelFormat format) {
   switch (format) {
     case PixelFormat::kRgb8:
@@ -70,9 +71,9 @@ Result<void> check_picture(const ImageView& image) {
                 "a depth picture (" + encoding + ") cannot be searched for objects: give a colour picture");
   const auto least = static_cast<std::size_t>(image.width) * bytes_per_pixel(image.format);
   if (image.row_bytes < least)
-    return fail(ErrorCode::kInvalidArgument,
-                "a row of the " + size + " " + encoding + " picture needs " + std::to_string(least) +
-                    " bytes, but its step is " + std::to_string(image.row_bytes));
+    return fail(ErrorCode::kInvalidArgument, "a row of the " + size + " " + encoding + " picture needs " +
+                                                 std::to_string(least) + " bytes, but its step is " +
+                                                 std::to_string(image.row_bytes));
   return {};
 }
 
@@ -110,9 +111,9 @@ Box2 Placement::to_picture(const Box2& input_box) const {
 
 /// Kept from picture to picture, so that nothing is allocated while the picture's size stays.
 struct Preprocessor::Scratch {
-  cv::Mat colour;                  ///< full size, for formats that cannot be resized as they are
-  cv::Mat small;                   ///< as large as the area it fills
-  std::array<cv::Mat, 4> channels; ///< of `small`
+  cv::Mat colour;                   ///< full size, for formats that cannot be resized as they are
+  cv::Mat small;                    ///< as large as the area it fills
+  std::array<cv::Mat, 4> channels;  ///< of `small`
 
   /// The picture in the input's size, one matrix per channel.
   void resize(const ImageView& image, const FormatTraits& traits, cv::Size size, int interpolation) {
@@ -141,7 +142,8 @@ Result<Placement> Preprocessor::run(const ImageView& image, float* planes) try {
                    spec_.interpolation == Interpolation::kArea ? cv::INTER_AREA : cv::INTER_LINEAR);
 
   const double unit = traits.type == CV_16UC1 ? kMono16ToByte : 1.0;
-  const std::size_t plane_size = static_cast<std::size_t>(spec_.width) * static_cast<std::size_t>(spec_.height);
+  const std::size_t plane_size =
+      static_cast<std::size_t>(spec_.width) * static_cast<std::size_t>(spec_.height);
   for (std::size_t c = 0; c < 3; ++c) {
     cv::Mat plane(spec_.height, spec_.width, CV_32F, planes + c * plane_size);
     cv::Mat inside = plane(area);
@@ -154,8 +156,8 @@ Result<Placement> Preprocessor::run(const ImageView& image, float* planes) try {
   }
   return placement_of(area, image.width, image.height);
 } catch (const cv::Exception& error) {
-  return fail(ErrorCode::kInvalidArgument, "cannot convert a picture of " + std::to_string(image.width) + " x " +
-                                               std::to_string(image.height) + " pixels, " +
+  return fail(ErrorCode::kInvalidArgument, "cannot convert a picture of " + std::to_string(image.width) +
+                                               " x " + std::to_string(image.height) + " pixels, " +
                                                std::string(encoding_of(image.format)) + ": " + error.err);
 }
 

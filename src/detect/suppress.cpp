@@ -34,7 +34,8 @@ Detections suppress(const Detections& candidates, const Thresholds& thresholds) 
   Detections kept;
   std::vector<int> survivors;
   for (const auto& [class_index, group] : classes) {
-    cv::dnn::NMSBoxes(group.boxes, group.scores, 0.0F, thresholds.nms_iou, survivors, 1.0F, kMostCandidatesPerClass);
+    cv::dnn::NMSBoxes(group.boxes, group.scores, 0.0F, thresholds.nms_iou, survivors, 1.0F,
+                      kMostCandidatesPerClass);
     for (const int i : survivors) kept.push_back(candidates[group.indices[static_cast<std::size_t>(i)]]);
   }
   std::stable_sort(kept.begin(), kept.end(), [](const auto& a, const auto& b) { return a.score > b.score; });

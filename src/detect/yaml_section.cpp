@@ -143,9 +143,9 @@ std::vector<std::vector<float>> YamlSection::rows(const std::string& key, std::s
   return result;
 }
 
-std::vector<std::string> YamlSection::texts(const std::string& key) {
+std::vector<std::string> YamlSection::texts(const std::string& key, bool required) {
   std::vector<std::string> result;
-  const auto list = find_list(key, true);
+  const auto list = find_list(key, required);
   for (std::size_t i = 0; list && i < list->size(); ++i) {
     const auto value = decoded<std::string>((*list)[i]);
     if (!value || value->empty()) problem(key + "[" + std::to_string(i) + "]", "must be text");
@@ -169,7 +169,9 @@ std::vector<YamlSection> YamlSection::sections(const std::string& key) {
   return result;
 }
 
-bool YamlSection::has(const std::string& key) const { return std::as_const(node_)[key].IsDefined(); }
+bool YamlSection::has(const std::string& key) const {
+  return std::as_const(node_)[key].IsDefined();
+}
 
 bool YamlSection::is_list(const std::string& key) const {
   return has(key) && std::as_const(node_)[key].IsSequence();
@@ -187,8 +189,7 @@ void YamlSection::refuse_unknown() {
   std::vector<std::string> seen;
   for (const auto& entry : node_) {
     const std::string key = entry.first.IsScalar() ? entry.first.Scalar() : "(a key that is not text)";
-    if (!asked_for(key))
-      problem(key, "unknown key" + hint_for(key, known_));
+    if (!asked_for(key)) problem(key, "unknown key" + hint_for(key, known_));
     if (std::find(seen.begin(), seen.end(), key) != seen.end()) problem(key, "is there twice: keep one");
     seen.push_back(key);
   }

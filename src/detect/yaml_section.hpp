@@ -28,8 +28,8 @@ struct Range {
   T high;
 };
 
-/// One map of a YAML file. Every read notes what is wrong, with the full key and the remedy, and returns a default then;
-/// a read without a fallback asks for a key that must be there. Nothing throws.
+/// One map of a YAML file. Every read notes what is wrong, with the full key and the remedy, and returns a
+/// default then; a read without a fallback asks for a key that must be there. Nothing throws.
 class YamlSection {
  public:
   YamlSection(YAML::Node node, std::string path, Problems& problems);
@@ -47,7 +47,7 @@ class YamlSection {
   /// A list of rows of `count` numbers.
   [[nodiscard]] std::vector<std::vector<float>> rows(const std::string& key, std::size_t count,
                                                      Range<float> range);
-  [[nodiscard]] std::vector<std::string> texts(const std::string& key);
+  [[nodiscard]] std::vector<std::string> texts(const std::string& key, bool required = true);
   /// A map below this one; an absent one is an error only when `required`.
   [[nodiscard]] YamlSection section(const std::string& key, bool required);
   /// A list of maps.
@@ -59,7 +59,8 @@ class YamlSection {
   [[nodiscard]] bool asked_for(const std::string& key) const;
   /// Refuses `key`, if it is there, for a reason better than "unknown".
   void refuse(const std::string& key, const std::string& reason);
-  /// Refuses every key that nobody asked for, with the most similar known key as a hint, and keys given twice.
+  /// Refuses every key that nobody asked for, with the most similar known key as a hint, and keys given
+  /// twice.
   void refuse_unknown();
   void problem(const std::string& key, const std::string& what, ErrorCode code = ErrorCode::kInvalidArgument);
 

@@ -8,6 +8,7 @@
 #include "extperfc/sources/recording.hpp"
 
 #include "sources/pair_list.hpp"
+#include "sources/recorded_poses.hpp"
 
 namespace extperfc::sources {
 
@@ -48,8 +49,8 @@ Result<cv::Mat> read_depth(const fs::path& file, double depth_scale) {
 
 class PairFolder : public Recording {
  public:
-  PairFolder(std::vector<Pair> pairs, std::optional<CameraModel> camera, double depth_scale)
-      : pairs_(std::move(pairs)), camera_(camera), depth_scale_(depth_scale) {}
+  PairFolder(std::vector<Pair> pairs, std::optional<CameraModel> camera, RecordedPoses poses, double depth_scale)
+      : pairs_(std::move(pairs)), camera_(camera), poses_(std::move(poses)), depth_scale_(depth_scale) {}
 
   [[nodiscard]] std::size_t size() const override { return pairs_.size(); }
   [[nodiscard]] std::optional<CameraModel> camera() const override { return camera_; }
@@ -61,6 +62,7 @@ class PairFolder : public Recording {
 
   std::vector<Pair> pairs_;
   std::optional<CameraModel> camera_;
+  RecordedPoses poses_;
   double depth_scale_;
 };
 
@@ -75,7 +77,7 @@ Result<RgbdFrame> PairFolder::frame(std::size_t index) {
     return fail(ErrorCode::kInvalidArgument, pair.color.string() + " is " + size_text(*color) +
                                                  " but camera_info.yaml describes " +
                                                  size_text(camera_->width, camera_->height));
-  RgbdFrame frame{pair.stamp_s, *std::move(color), {}, pair.color.filename().string()};
+  RgbdFrame frame{pair.stamp_s, *std::move(color), {}, poses_.at(pair.stamp_s), pair.color.filename().string()};
   if (pair.depth.empty()) return frame;
   auto depth = read_depth(pair.depth, depth_scale_);
   if (!depth) return tl::unexpected(depth.error());
@@ -102,7 +104,12 @@ Result<std::unique_ptr<Recording>> open_pair_folder(const fs::path& folder, doub
     if (!loaded) return tl::unexpected(loaded.error());
     camera = *loaded;
   }
-  return std::make_unique<PairFolder>(*std::move(pairs), camera, depth_scale);
+  Result<RecordedPoses> poses;
+  if (const auto file = folder / "groundtruth.txt"; fs::exists(file, ignored)) {
+    poses = RecordedPoses::load(file);
+    if (!poses) return tl::unexpected(poses.error());
+  }
+  return std::make_unique<PairFolder>(*std::move(pairs), camera, *std::move(poses), depth_scale);
 }
 
 }  // namespace extperfc::sources

@@ -1,10 +1,10 @@
 #include <exception>
 #include <mutex>
+#include <system_error>
 #include <utility>
 
 #include <mrpt/core/Clock.h>
 #include <mrpt/img/CImage.h>
-#include <mrpt/obs/CRawlog.h>
 #include <opencv2/core.hpp>
 
 #include "extperfc/sources/recording.hpp"
@@ -25,6 +25,17 @@ std::string sentence_of(const std::exception& error) {
   if (const auto start = text.find("Message:"); start != std::string::npos) text.erase(0, start + 8);
   text.erase(0, text.find_first_not_of(" \t\n"));
   return text.substr(0, text.find('\n'));
+}
+
+/// Where MRPT's programs put pictures that they store beside a rawlog.
+fs::path image_folder(const fs::path& rawlog) {
+  const fs::path parent = rawlog.parent_path();
+  for (const char* suffix : {"_Images", "_images", "_IMAGES"}) {
+    std::error_code ignored;
+    const fs::path folder = parent / (rawlog.stem().string() + suffix);
+    if (fs::is_directory(folder, ignored)) return folder;
+  }
+  return parent / "Images";
 }
 
 /// Frames are read when asked for: forward is streaming, backward starts again at the beginning of the file.
@@ -56,9 +67,12 @@ class Rawlog : public Recording {
 };
 
 Result<void> Rawlog::index() {
-  RawlogReader reader(file_);
-  if (!reader.is_open()) return fail(ErrorCode::kNotFound, "cannot open " + file_.string());
+  std::error_code ignored;
+  if (!fs::is_regular_file(file_, ignored))
+    return fail(ErrorCode::kNotFound, "no such file: " + file_.string());
   try {
+    RawlogReader reader(file_);
+    if (!reader.is_open()) return fail(ErrorCode::kFailed, "cannot open " + file_.string());
     for (Scan scan = reader.next(); scan; scan = reader.next(), ++size_) {
       if (size_ > 0) continue;
       const auto camera =
@@ -105,7 +119,7 @@ Result<RgbdFrame> Rawlog::convert(const Scan& scan, std::size_t index) {
   // MRPT keeps the folder of separately stored pictures in a global variable.
   static std::mutex mrpt_image_folder;
   const std::lock_guard lock(mrpt_image_folder);
-  mrpt::img::CImage::setImagesPathBase(mrpt::obs::CRawlog::detectImagesDirectory(file_.string()));
+  mrpt::img::CImage::setImagesPathBase(image_folder(file_).string());
   scan->load();
 
   RgbdFrame frame;

@@ -20,6 +20,7 @@ from ros_session import RosSession
 
 REPO = pathlib.Path(__file__).resolve().parents[2]
 WS = pathlib.Path(os.environ.get("EXTPERFC_WS", REPO / ".ws"))
+OPTICAL_FRAME = "camera_color_optical_frame"
 COLUMNS = ("frame", "class", "score", "box x0 y0 x1 y1 [px]", "depth [m]", "x y z [m]", "+- [cm]")
 WIDTHS = (6, 14, 6, 22, 10, 22, 8)
 
@@ -43,8 +44,9 @@ def parse_arguments(argv):
                         help="calibration file (camera_calibration YAML); default: what the recording brings")
     parser.add_argument("--depth-scale", type=float, default=1000.0, metavar="UNITS",
                         help="units per metre of depth files; default: 1000, TUM's own recordings: 5000")
-    parser.add_argument("--frame", default="base_link", metavar="FRAME",
-                        help="tf frame of x y z; default: base_link, the floor under the camera, which is 1 m above it.\n"
+    parser.add_argument("--frame", metavar="FRAME",
+                        help="tf frame of x y z; default: map where the recording knows its camera's poses\n"
+                             "(groundtruth.txt), else base_link, the floor 1 m below the camera.\n"
                              "camera_color_optical_frame: as the camera sees it")
     parser.add_argument("--no-rviz", action="store_true", help="no window, even with a display")
     options = parser.parse_args(argv)
@@ -139,6 +141,7 @@ class Watcher:
     def __init__(self, options, table):
         import rospy
         import sensor_msgs.msg
+        import tf2_ros
         import vision_msgs.msg
 
         self.rospy = rospy
@@ -148,6 +151,8 @@ class Watcher:
         self.parts = {}
         self.lock = threading.Lock()
         self.complete = 0
+        self.tf = tf2_ros.Buffer()
+        self.listener = tf2_ros.TransformListener(self.tf)
         rospy.Subscriber("detections", vision_msgs.msg.Detection2DArray, self._add, "boxes", queue_size=20)
         rospy.Subscriber("detections/image", sensor_msgs.msg.Image, self._add, "image", queue_size=20, buff_size=2**24)
         rospy.Subscriber("vision_info", vision_msgs.msg.VisionInfo, self._info)
@@ -195,29 +200,24 @@ class Watcher:
         row["position"] = (p.x, p.y, p.z)
         covariance = numpy.array(hypothesis.covariance).reshape(6, 6)[:3, :3]
         row["sigma"] = float(numpy.sqrt(max(numpy.linalg.eigvalsh(covariance)[-1], 0.0)))
-        row["depth"] = self.depth_of(item.header.frame_id, row["position"])
+        row["depth"] = self._depth(item)
         row["xyz_csv"] = (row["depth"], *row["position"], row["sigma"])
 
-    def depth_of(self, frame_id, position):
-        """Depth along the optical axis of a point in the frame of the table."""
-        if frame_id == "camera_color_optical_frame":
-            return position[2]
-        if not hasattr(self, "optical_from_table"):
-            self.optical_from_table = self._lookup(frame_id)
-        return float((self.optical_from_table @ numpy.array([*position, 1.0]))[2])
+    def _depth(self, item):
+        """Distance along the optical axis [m]; the boxes' axes are those of the optical frame, so its third is that axis."""
+        q = item.results[0].pose.pose.orientation
+        axis = numpy.array([2 * (q.x * q.z + q.y * q.w), 2 * (q.y * q.z - q.x * q.w), 1 - 2 * (q.x * q.x + q.y * q.y)])
+        surface = item.results[0].pose.pose.position
+        camera = self._camera_position(item.header)
+        return float(axis @ (numpy.array([surface.x, surface.y, surface.z]) - camera))
 
-    def _lookup(self, frame_id):
-        import tf2_ros
-        buffer = tf2_ros.Buffer()
-        self.listener = tf2_ros.TransformListener(buffer)
-        transform = buffer.lookup_transform("camera_color_optical_frame", frame_id, self.rospy.Time(0),
-                                            self.rospy.Duration(5.0)).transform
-        q, t = transform.rotation, transform.translation
-        x, y, z, w = q.x, q.y, q.z, q.w
-        return numpy.array([[1 - 2 * (y * y + z * z), 2 * (x * y - z * w), 2 * (x * z + y * w), t.x],
-                            [2 * (x * y + z * w), 1 - 2 * (x * x + z * z), 2 * (y * z - x * w), t.y],
-                            [2 * (x * z - y * w), 2 * (y * z + x * w), 1 - 2 * (x * x + y * y), t.z],
-                            [0, 0, 0, 1]])
+    def _camera_position(self, header):
+        """Where the camera was when it took the picture, in the table's frame [m]."""
+        if header.frame_id == OPTICAL_FRAME:
+            return numpy.zeros(3)
+        found = self.tf.lookup_transform(header.frame_id, OPTICAL_FRAME, header.stamp, self.rospy.Duration(0.5))
+        t = found.transform.translation
+        return numpy.array([t.x, t.y, t.z])
 
     def _write_picture(self, message, rows):
         limit = 300  # pictures; a demo that runs for hours must not fill the disk
@@ -279,14 +279,17 @@ def run(options):
     for old in options.out.glob("[0-9]*.png"):
         old.unlink()
     is_rawlog = source.is_file()
+    has_poses = (source / "groundtruth.txt").exists()
+    fixed_frame = "map" if has_poses else "base_link"
+    options.frame = options.frame or fixed_frame
     table = Table(options.out, options.frame)
     with RosSession(options.out / "launch.log") as session:
         session.launch(
             "extperfc", "demo.launch", source=source, model=options.model.resolve(), rate_hz=options.rate,
             source_type="rawlog_source" if is_rawlog else "image_pair_source", backend=options.backend,
-            device=options.device, depth_scale=options.depth_scale, rviz=str(with_rviz).lower(),
+            device=options.device, fixed_camera=str(not has_poses).lower(), fixed_frame=fixed_frame, depth_scale=options.depth_scale, rviz=str(with_rviz).lower(),
             camera_info=options.camera_info.resolve() if options.camera_info else "",
-            target_frame="" if options.frame == "camera_color_optical_frame" else options.frame)
+            target_frame="" if options.frame == OPTICAL_FRAME else options.frame)
         wait_for_master(session)
         import rospy
         rospy.init_node("demo_table", disable_signals=True)

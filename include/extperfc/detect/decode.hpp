@@ -13,8 +13,8 @@ namespace extperfc::detect {
 /// The error says which tensor, which shape it has and which was expected.
 [[nodiscard]] Result<void> check_outputs(const ModelSpec& spec, const std::vector<TensorView>& outputs);
 
-/// Candidates at or above the score threshold, boxes in input pixels, before suppression. The shapes must have passed
-/// check_outputs(). Candidates with a value that is not finite are left out.
+/// Candidates at or above the score threshold, boxes in input pixels, before suppression. The shapes must
+/// have passed check_outputs(). Candidates with a value that is not finite are left out.
 [[nodiscard]] Detections decode(const ModelSpec& spec, const std::vector<TensorView>& outputs);
 
 /// Non-maximum suppression within each class (cv::dnn::NMSBoxes), best first, at most `max_detections`.

@@ -41,8 +41,8 @@ struct TensorView {
 
 /// One network, loaded and ready, behind one interface for all libraries.
 ///
-/// A back end has one or more slots; each has its own input buffer and outputs. Different threads may infer on different
-/// slots at the same time; one slot serves one thread at a time.
+/// A back end has one or more slots; each has its own input buffer and outputs. Different threads may infer
+/// on different slots at the same time; one slot serves one thread at a time.
 class InferenceBackend {
  public:
   InferenceBackend() = default;
@@ -64,10 +64,10 @@ class InferenceBackend {
 /// Names of the back ends in this build, fastest first: "openvino" (if built with it), "opencv".
 [[nodiscard]] std::vector<std::string> available_backends();
 
-/// Loads the model. OpenCV's number of threads is one setting for the process: `threads` changes it for all who use OpenCV
-/// there. For "auto" every available back end that loads it is timed (ten inferences) and the fastest is
-/// kept. Runs one inference before it returns, so that a network which loads but cannot run is an error here.
-/// Errors name model, back end and device, list the devices that exist, and say what to change.
+/// Loads the model. OpenCV's number of threads is one setting for the process: `threads` changes it for all
+/// who use OpenCV there. For "auto" every available back end that loads it is timed (ten inferences) and the
+/// fastest is kept. Runs one inference before it returns, so that a network which loads but cannot run is an
+/// error here. Errors name model, back end and device, list the devices that exist, and say what to change.
 [[nodiscard]] Result<std::unique_ptr<InferenceBackend>> make_backend(const ModelSpec& spec,
                                                                      const InferenceOptions& options);
 

@@ -20,8 +20,8 @@ struct Placement {
   [[nodiscard]] Box2 to_picture(const Box2& input_box) const;
 };
 
-/// Writes `image` resized, in the network's channel order, as (x - mean) * scale into `planes` ([3, height, width] of
-/// `spec`). Colour conversion happens on the small picture. Any colour format of PixelFormat.
+/// Writes `image` resized, in the network's channel order, as (x - mean) * scale into `planes` ([3, height,
+/// width] of `spec`). Colour conversion happens on the small picture. Any colour format of PixelFormat.
 /// Errors: kInvalidArgument for an empty picture, kUnsupported for a depth picture.
 class Preprocessor {
  public:

@@ -45,6 +45,7 @@ Result<SourceParams> load_source_params(const ros::NodeHandle& private_handle) {
   reader.read("recorded_stamps", params.recorded_stamps);
   reader.read("depth_scale", params.depth_scale, {1.0, 1e6});
   reader.read("frame_id", params.frame_id);
+  reader.read("world_frame", params.world_frame);
   params.camera = read_camera(reader);
   params.path = path;
   if (auto finished = reader.finish(); !finished) return tl::unexpected(finished.error());

@@ -20,6 +20,7 @@ struct SourceParams {
   bool recorded_stamps{false};        ///< stamps of the recording instead of the time of publishing
   double depth_scale{1000.0};         ///< units per metre of depth files
   std::string frame_id{"camera_color_optical_frame"};
+  std::string world_frame{"map"};     ///< frame of recorded camera poses
   std::optional<CameraModel> camera;  ///< from `camera_info` or `fx fy cx cy width height`; overrides the recording's
 };
 

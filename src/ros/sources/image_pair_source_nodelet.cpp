@@ -16,6 +16,7 @@ namespace extperfc {
 ///   recorded_stamps      stamps of the recording instead of the time of publishing    false
 ///   depth_scale          units per metre of the depth files                           1000 (millimetres; TUM: 5000)
 ///   frame_id             optical frame                                                camera_color_optical_frame
+///   world_frame          frame of recorded camera poses (groundtruth.txt)             map
 ///   camera_info          calibration file; else the folder's camera_info.yaml         ""
 ///   width height fx fy cx cy   intrinsics [px] instead of a file                      none
 class ImagePairSourceNodelet : public SourceNodelet {

@@ -9,6 +9,7 @@
 #include <ros/console.h>
 #include <ros/init.h>
 #include <sensor_msgs/image_encodings.h>
+#include <tf2_eigen/tf2_eigen.h>
 
 #include "ros/convert/image.hpp"
 
@@ -102,7 +103,9 @@ std::optional<RecordingPlayer::Messages> RecordingPlayer::read(std::size_t index
     if (unreadable_++ == 0) ROS_ERROR("%s; going on with the next frame", frame.error().message.c_str());
     return std::nullopt;
   }
-  return Messages{to_message(frame->color), to_message(frame->depth), frame->stamp_s};
+  Messages messages{to_message(frame->color), to_message(frame->depth), std::nullopt, frame->stamp_s};
+  if (frame->world_T_optical) messages.world_T_optical = tf2::eigenToTransform(*frame->world_T_optical).transform;
+  return messages;
 }
 
 double RecordingPlayer::period_to(const Messages& previous, const Messages& next) const {
@@ -129,6 +132,14 @@ void RecordingPlayer::publish(const Messages& messages) {
   header.stamp = params_.recorded_stamps ? ros::Time(messages.recorded_s) : ros::Time::now();
   const auto& sample = messages.color ? messages.color : messages.depth;
   if (!sample) return;
+  if (messages.world_T_optical) {
+    geometry_msgs::TransformStamped transform;
+    transform.header.stamp = header.stamp;
+    transform.header.frame_id = params_.world_frame;
+    transform.child_frame_id = params_.frame_id;
+    transform.transform = *messages.world_T_optical;
+    tf_broadcaster_.sendTransform(transform);
+  }
   const auto info = boost::make_shared<sensor_msgs::CameraInfo>(convert::to_camera_info(camera_of(*sample), header));
   color_info_publisher_.publish(info);
   depth_info_publisher_.publish(info);

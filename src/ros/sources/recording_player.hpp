@@ -11,6 +11,7 @@
 #include <ros/node_handle.h>
 #include <sensor_msgs/CameraInfo.h>
 #include <sensor_msgs/Image.h>
+#include <tf2_ros/transform_broadcaster.h>
 
 #include "extperfc/base/latest_slot.hpp"
 #include "extperfc/sources/recording.hpp"
@@ -23,7 +24,8 @@ namespace extperfc {
 /// Publishes:
 ///   camera/color/image_raw, camera/color/camera_info
 ///   camera/aligned_depth_to_color/image_raw (16UC1 [mm]), camera/aligned_depth_to_color/camera_info
-/// All four carry one stamp. Pictures travel as pointers inside one manager; `color last` and `depth last` in diagnostics
+///   tf: world_frame -> frame_id at the same stamp, when the recording knows where the camera was
+/// All of them carry one stamp. Pictures travel as pointers inside one manager; `color last` and `depth last` in diagnostics
 /// are stamp and address of what was published, which every subscriber in the manager reports too.
 /// Threads: one that reads ahead by one frame and keeps the rate.
 class RecordingPlayer {
@@ -40,6 +42,7 @@ class RecordingPlayer {
   struct Messages {
     sensor_msgs::ImagePtr color;
     sensor_msgs::ImagePtr depth;
+    std::optional<geometry_msgs::Transform> world_T_optical;
     double recorded_s{0};
   };
 
@@ -59,6 +62,7 @@ class RecordingPlayer {
   ros::Publisher color_info_publisher_;
   ros::Publisher depth_publisher_;
   ros::Publisher depth_info_publisher_;
+  tf2_ros::TransformBroadcaster tf_broadcaster_;
 
   LatestSlot<bool> stop_;  ///< never filled: closing it ends the thread's waits
   std::atomic<bool> stopping_{false};

@@ -1,31 +1,54 @@
 #include "detect/core_chain.hpp"
 
+#include <utility>
+
 #include <Eigen/Geometry>
 #include <vision_msgs/Detection3DArray.h>
 
-#include "extperfc/base/stopwatch.hpp"
+#include "extperfc/depth/box_depth.hpp"
+#include "extperfc/detect/decode.hpp"
 
 #include "ros/convert/detections.hpp"
 #include "ros/convert/image.hpp"
 
 namespace extperfc::benchmark {
 
-Result<ChainTimes> CoreChain::run(const sensor_msgs::ImageConstPtr& color,
+CoreChain::CoreChain(detect::ModelSpec spec, std::unique_ptr<detect::InferenceBackend> backend,
+                     sensor_msgs::CameraInfo info)
+    : spec_(std::move(spec)),
+      backend_(std::move(backend)),
+      preprocessor_(spec_.input),
+      info_(std::move(info)) {}
+
+Result<ChainCosts> CoreChain::run(const sensor_msgs::ImageConstPtr& color,
                                   const sensor_msgs::ImageConstPtr& depth) {
-  const double cpu_start_s = process_cpu_seconds();
-  const Stopwatch whole;
+  ChainCosts costs;
+  CostWatch watch;
+  const auto placement = prepare(color);
+  if (!placement) return tl::unexpected(placement.error());
+  costs.prepare = watch.lap();
+  const auto tensors = backend_->infer(0);
+  if (!tensors) return tl::unexpected(tensors.error());
+  costs.inference = watch.lap();
+  const auto detections = decode(*tensors, *placement);
+  costs.decode = watch.lap();
+  if (auto located = locate(detections, depth); !located) return tl::unexpected(located.error());
+  costs.depth = watch.lap();
+  costs.boxes = detections.size();
+  return costs;
+}
+
+Result<detect::Placement> CoreChain::prepare(const sensor_msgs::ImageConstPtr& color) {
   const auto image = convert::share_image(color);
   if (!image) return tl::unexpected(image.error());
-  const double wrap_ms = whole.milliseconds();
-  const auto output = detector_.detect(image->view);
-  if (!output) return tl::unexpected(output.error());
-  const Stopwatch depth_watch;
-  if (auto located = locate(output->detections, depth); !located) return tl::unexpected(located.error());
-  const auto& times = output->times;
-  return ChainTimes{
-      wrap_ms + times.preprocess_ms, times.inference_ms,   times.decode_ms,
-      depth_watch.milliseconds(),    whole.milliseconds(), 1e3 * (process_cpu_seconds() - cpu_start_s),
-      output->detections.size()};
+  return preprocessor_.run(image->view, backend_->input(0));
+}
+
+Detections CoreChain::decode(const std::vector<detect::TensorView>& tensors,
+                             const detect::Placement& placement) const {
+  auto detections = detect::suppress(detect::decode(spec_, tensors), spec_.thresholds);
+  for (auto& detection : detections) detection.box = placement.to_picture(detection.box);
+  return detections;
 }
 
 Result<void> CoreChain::locate(const Detections& detections, const sensor_msgs::ImageConstPtr& depth) const {
@@ -46,11 +69,10 @@ Result<void> CoreChain::locate(const Detections& detections, const sensor_msgs::
   return {};
 }
 
-Result<InferenceTime> CoreChain::infer() {
-  const double cpu_start_s = process_cpu_seconds();
-  const Stopwatch watch;
-  if (const auto tensors = detector_.backend().infer(0); !tensors) return tl::unexpected(tensors.error());
-  return InferenceTime{watch.milliseconds(), 1e3 * (process_cpu_seconds() - cpu_start_s)};
+Result<Cost> CoreChain::infer() {
+  CostWatch watch;
+  if (const auto tensors = backend_->infer(0); !tensors) return tl::unexpected(tensors.error());
+  return watch.lap();
 }
 
 }  // namespace extperfc::benchmark

@@ -21,6 +21,10 @@ namespace {
 constexpr int kTurn = 10;  // frames
 constexpr int kWarmUps = 3;
 
+void pause() {
+  ros::WallDuration(0.005).sleep();
+}
+
 CameraMessages to_messages(const Picture& picture, const CameraModel& camera) {
   namespace enc = sensor_msgs::image_encodings;
   std_msgs::Header header;
@@ -31,21 +35,27 @@ CameraMessages to_messages(const Picture& picture, const CameraModel& camera) {
 }
 
 struct Samples {
-  std::vector<PathTime> path;
-  std::vector<InferenceTime> bare;
-  std::vector<ChainTimes> core;
+  std::vector<PathCost> path;
+  std::vector<Cost> bare;
+  std::vector<ChainCosts> core;
 };
 
-template <typename T, typename Member>
-double quantile(const std::vector<T>& samples, Member T::*member, double fraction) {
+/// Quantile of what `value` takes out of every sample.
+template <typename T, typename Value>
+double quantile(const std::vector<T>& samples, double fraction, const Value& value) {
   std::vector<double> values;
-  for (const auto& sample : samples) values.push_back(static_cast<double>(sample.*member));
+  for (const auto& sample : samples) values.push_back(value(sample));
   return percentile(values, fraction);
 }
 
-template <typename T, typename Member>
-double median(const std::vector<T>& samples, Member T::*member) {
-  return quantile(samples, member, 0.5);
+template <typename T, typename CostOf>
+Cost median(const std::vector<T>& samples, const CostOf& cost_of) {
+  return {quantile(samples, 0.5, [&](const T& sample) { return cost_of(sample).wall_ms; }),
+          quantile(samples, 0.5, [&](const T& sample) { return cost_of(sample).cpu_ms; })};
+}
+
+Cost median(const std::vector<ChainCosts>& samples, Cost ChainCosts::*part) {
+  return median(samples, [part](const ChainCosts& sample) { return sample.*part; });
 }
 
 template <typename T>
@@ -79,24 +89,28 @@ class Turns {
   }
 
   Result<void> one_path(int i) {
-    auto time = path_.run(messages(i));
-    if (!time) return tl::unexpected(time.error());
-    samples_.path.push_back(*time);
+    const auto given = messages(i);
+    pause();
+    auto cost = path_.run(given);
+    if (!cost) return tl::unexpected(cost.error());
+    samples_.path.push_back(*cost);
     return {};
   }
 
   Result<void> one_core(int i) {
     const auto given = messages(i);
-    auto time = core_.run(given.color, given.depth);
-    if (!time) return tl::unexpected(time.error());
-    samples_.core.push_back(*time);
+    pause();
+    auto cost = core_.run(given.color, given.depth);
+    if (!cost) return tl::unexpected(cost.error());
+    samples_.core.push_back(*cost);
     return {};
   }
 
   Result<void> one_bare(int /*i*/) {
-    auto time = core_.infer();
-    if (!time) return tl::unexpected(time.error());
-    samples_.bare.push_back(*time);
+    pause();
+    auto cost = core_.infer();
+    if (!cost) return tl::unexpected(cost.error());
+    samples_.bare.push_back(*cost);
     return {};
   }
 
@@ -109,19 +123,16 @@ class Turns {
 
 DetectFigures figures_of(const Samples& samples) {
   DetectFigures figures;
-  figures.bare_wall_ms = median(samples.bare, &InferenceTime::wall_ms);
-  figures.bare_cpu_ms = median(samples.bare, &InferenceTime::cpu_ms);
-  figures.path_wall_ms = median(samples.path, &PathTime::wall_ms);
-  figures.path_p95_ms = quantile(samples.path, &PathTime::wall_ms, 0.95);
-  figures.path_cpu_ms = median(samples.path, &PathTime::cpu_ms);
-  figures.core_wall_ms = median(samples.core, &ChainTimes::wall_ms);
-  figures.core_cpu_ms = median(samples.core, &ChainTimes::cpu_ms);
-  figures.preprocess_ms = median(samples.core, &ChainTimes::wrap_preprocess_ms);
-  figures.inference_ms = median(samples.core, &ChainTimes::inference_ms);
-  figures.decode_ms = median(samples.core, &ChainTimes::decode_ms);
-  figures.depth_ms = median(samples.core, &ChainTimes::depth_ms);
-  figures.mean_boxes = mean(samples.core, &ChainTimes::boxes);
-  figures.mean_objects = mean(samples.path, &PathTime::objects);
+  figures.bare = median(samples.bare, [](const Cost& cost) { return cost; });
+  figures.path = median(samples.path, [](const PathCost& sample) { return sample.cost; });
+  figures.path_p95_ms =
+      quantile(samples.path, 0.95, [](const PathCost& sample) { return sample.cost.wall_ms; });
+  figures.prepare = median(samples.core, &ChainCosts::prepare);
+  figures.inference = median(samples.core, &ChainCosts::inference);
+  figures.decode = median(samples.core, &ChainCosts::decode);
+  figures.depth = median(samples.core, &ChainCosts::depth);
+  figures.mean_boxes = mean(samples.core, &ChainCosts::boxes);
+  figures.mean_objects = mean(samples.path, &PathCost::objects);
   return figures;
 }
 
@@ -129,12 +140,21 @@ Result<CoreChain> make_core(const DetectCase& what, const CameraModel& camera) {
   auto spec = what.spec;
   if (what.settings.score_threshold >= 0.0)
     spec.thresholds.score = static_cast<float>(what.settings.score_threshold);
-  auto detector = detect::Detector::create(spec, what.settings.inference);
-  if (!detector) return tl::unexpected(detector.error());
-  return CoreChain(std::move(*detector), convert::to_camera_info(camera, {}));
+  auto backend = detect::make_backend(spec, what.settings.inference);
+  if (!backend) return tl::unexpected(backend.error());
+  return CoreChain(std::move(spec), std::move(*backend), convert::to_camera_info(camera, {}));
 }
 
 }  // namespace
+
+Cost DetectFigures::transport() const {
+  Cost left = path;
+  for (const Cost& part : {prepare, inference, decode, depth}) {
+    left.wall_ms -= part.wall_ms;
+    left.cpu_ms -= part.cpu_ms;
+  }
+  return left;
+}
 
 std::string DetectCase::name() const {
   const int threads = settings.inference.threads;

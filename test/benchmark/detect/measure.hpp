@@ -18,26 +18,27 @@ struct DetectCase {
   [[nodiscard]] std::string name() const;  ///< "fastestdet openvino 1 thread"
 };
 
-/// Medians over all frames of a case [ms].
+/// Medians over all frames of a case; wall and CPU time each on its own.
 struct DetectFigures {
-  double bare_wall_ms{0};
-  double bare_cpu_ms{0};
-  double path_wall_ms{0};
-  double path_p95_ms{0};
-  double path_cpu_ms{0};
-  double core_wall_ms{0};  ///< the chain without nodelets
-  double core_cpu_ms{0};
-  double preprocess_ms{0};
-  double inference_ms{0};  ///< inside the chain
-  double decode_ms{0};
-  double depth_ms{0};
+  Cost bare;     ///< the network alone
+  Cost path;     ///< through the nodelets
+  Cost prepare;  ///< parts of the core alone
+  Cost inference;
+  Cost decode;
+  Cost depth;
+  double path_p95_ms{0};  ///< wall
   double mean_boxes{0};
   double mean_objects{0};
   std::string execution;
+
+  /// What the path costs beyond the core's parts: topics, queues and threads.
+  [[nodiscard]] Cost transport() const;
 };
 
 /// Nodelets, inference alone and the core alone take turns of ten frames, so that all see the same machine.
-/// `number` makes the namespace unique in this process.
+/// Before every frame comes the same short pause, as between the pictures of a camera: a process that
+/// computes without pause loses the processor to others more often. `number` makes the namespace unique in
+/// this process.
 [[nodiscard]] Result<DetectFigures> measure(const DetectCase& what, const Footage& footage, int frames,
                                             int number);
 

@@ -66,8 +66,8 @@ Result<void> NodeletPath::wait_for_subscribers() {
   return {};
 }
 
-Result<PathTime> NodeletPath::run(const CameraMessages& messages) {
-  const double cpu_start_s = process_cpu_seconds();
+Result<PathCost> NodeletPath::run(const CameraMessages& messages) {
+  CostWatch cost_watch;
   const Stopwatch watch;
   const ros::Time stamp = ros::Time::now();
   messages.info->header.stamp = messages.depth->header.stamp = messages.color->header.stamp = stamp;
@@ -80,8 +80,7 @@ Result<PathTime> NodeletPath::run(const CameraMessages& messages) {
       return fail(ErrorCode::kFailed,
                   "no 3D detections came for a picture; the nodelets' messages are above");
   }
-  return PathTime{watch.milliseconds(), 1e3 * (process_cpu_seconds() - cpu_start_s),
-                  newest_->detections.size()};
+  return PathCost{cost_watch.lap(), newest_->detections.size()};
 }
 
 }  // namespace extperfc::benchmark

@@ -15,6 +15,8 @@
 #include "extperfc/base/error.hpp"
 #include "extperfc/detect/inference.hpp"
 
+#include "detect/core_chain.hpp"
+
 namespace extperfc::benchmark {
 
 /// What a camera driver publishes for one moment.
@@ -24,9 +26,8 @@ struct CameraMessages {
   sensor_msgs::CameraInfoPtr info;
 };
 
-struct PathTime {
-  double wall_ms{0};  ///< from the camera's first publish() to the callback with the 3D detections
-  double cpu_ms{0};   ///< of the whole process in that time
+struct PathCost {
+  Cost cost;  ///< from the camera's first publish() to the callback with the 3D detections
   std::size_t objects{0};
 };
 
@@ -50,7 +51,7 @@ class NodeletPath {
   ~NodeletPath();
 
   /// Stamps and publishes one moment and waits for its result. kFailed when none comes.
-  [[nodiscard]] Result<PathTime> run(const CameraMessages& messages);
+  [[nodiscard]] Result<PathCost> run(const CameraMessages& messages);
 
  private:
   void connect(const std::string& ns);

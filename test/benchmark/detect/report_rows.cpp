@@ -9,25 +9,35 @@ namespace {
 
 constexpr double kSpeedUpGoal = 2.2;  // OpenCV DNN / OpenVINO, CPU time of one thread
 
-double transport_ms(const DetectFigures& figures) {
-  return figures.path_wall_ms - figures.core_wall_ms;
+struct Part {
+  const char* name;
+  Cost cost;
+};
+
+std::vector<Part> parts_of(const DetectFigures& f) {
+  return {{"wrap + preprocess", f.prepare},
+          {"inference", f.inference},
+          {"decode + NMS", f.decode},
+          {"depth + messages", f.depth},
+          {"transport + threads", f.transport()}};
+}
+
+void add_comparison(const std::string& name, const char* clock, double path_ms, double bare_ms,
+                    std::vector<Row>& rows) {
+  const std::string suffix = std::string(", ") + clock;
+  rows.push_back({name, "path" + suffix, "ms", path_ms, bare_ms, "bare inference"});
+  rows.push_back(at_most({name, "path adds" + suffix, "ms", path_ms - bare_ms}, overhead_goal_ms(bare_ms)));
 }
 
 void add_case(const DetectCase& what, const DetectFigures& f, std::vector<Row>& rows) {
   const std::string name = what.name();
-  const char* const bare = "bare inference";
-  rows.push_back({name, "path, wall", "ms", f.path_wall_ms, f.bare_wall_ms, bare});
-  rows.push_back({name, "path, CPU", "ms", f.path_cpu_ms, f.bare_cpu_ms, bare});
-  rows.push_back(at_most({name, "path adds, wall", "ms", f.path_wall_ms - f.bare_wall_ms},
-                         overhead_goal_ms(f.bare_wall_ms)));
-  rows.push_back(at_most({name, "path adds, CPU", "ms", f.path_cpu_ms - f.bare_cpu_ms},
-                         overhead_goal_ms(f.bare_cpu_ms)));
+  add_comparison(name, "wall", f.path.wall_ms, f.bare.wall_ms, rows);
+  add_comparison(name, "CPU", f.path.cpu_ms, f.bare.cpu_ms, rows);
   rows.push_back({name, "path p95, wall", "ms", f.path_p95_ms});
-  rows.push_back({name, "wrap + preprocess", "ms", f.preprocess_ms});
-  rows.push_back({name, "inference", "ms", f.inference_ms});
-  rows.push_back({name, "decode + NMS", "ms", f.decode_ms});
-  rows.push_back({name, "depth + messages", "ms", f.depth_ms});
-  rows.push_back({name, "transport + threads", "ms", transport_ms(f)});
+  for (const auto& [part, cost] : parts_of(f)) {
+    rows.push_back({name, std::string(part) + ", wall", "ms", cost.wall_ms});
+    rows.push_back({name, std::string(part) + ", CPU", "ms", cost.cpu_ms});
+  }
   rows.push_back({name, "boxes", "per frame", f.mean_boxes});
   rows.push_back({name, "boxes with depth", "per frame", f.mean_objects});
 }
@@ -48,8 +58,8 @@ void add_speed_ups(const std::vector<MeasuredCase>& cases, std::vector<Row>& row
     const auto* const openvino = find(cases, measured.first.spec.folder, "openvino");
     const auto* const opencv = find(cases, measured.first.spec.folder, "opencv");
     if (!opencv || openvino != &measured) continue;
-    const double ours = openvino->second.bare_cpu_ms;
-    const double peer = opencv->second.bare_cpu_ms;
+    const double ours = openvino->second.bare.cpu_ms;
+    const double peer = opencv->second.bare.cpu_ms;
     const std::string name = measured.first.spec.name + " 1 thread";
     rows.push_back({name, "inference OpenVINO f32, CPU", "ms", ours, peer, "OpenCV DNN"});
     rows.push_back(at_least({name, "OpenCV DNN / OpenVINO, CPU", "x", peer / ours}, kSpeedUpGoal));
@@ -72,12 +82,15 @@ std::vector<Row> rows_of(const std::vector<MeasuredCase>& cases) {
 }
 
 void print_breakdown(const std::vector<MeasuredCase>& cases) {
-  std::printf("%-34s %9s %9s %9s %9s %9s %9s %9s %9s %6s %6s\n", "ms per frame, median wall time", "bare",
-              "path", "prepare", "inference", "decode", "depth", "transport", "path p95", "boxes", "in 3D");
+  std::printf("%-36s %-4s %8s %8s %8s %10s %8s %8s %10s %6s %6s\n", "median ms per frame", "", "bare", "path",
+              "prepare", "inference", "decode", "depth", "transport", "boxes", "in 3D");
   for (const auto& [what, f] : cases)
-    std::printf("%-34s %9.2f %9.2f %9.3f %9.2f %9.3f %9.3f %9.3f %9.2f %6.1f %6.1f\n", what.name().c_str(),
-                f.bare_wall_ms, f.path_wall_ms, f.preprocess_ms, f.inference_ms, f.decode_ms, f.depth_ms,
-                transport_ms(f), f.path_p95_ms, f.mean_boxes, f.mean_objects);
+    for (const bool cpu : {false, true}) {
+      const auto of = [cpu](const Cost& cost) { return cpu ? cost.cpu_ms : cost.wall_ms; };
+      std::printf("%-36s %-4s %8.2f %8.2f %8.3f %10.2f %8.3f %8.3f %10.3f %6.1f %6.1f\n", what.name().c_str(),
+                  cpu ? "CPU" : "wall", of(f.bare), of(f.path), of(f.prepare), of(f.inference), of(f.decode),
+                  of(f.depth), of(f.transport()), f.mean_boxes, f.mean_objects);
+    }
 }
 
 }  // namespace extperfc::benchmark

@@ -17,7 +17,7 @@ using MeasuredCase = std::pair<DetectCase, DetectFigures>;
 /// Everything, for the JSON file.
 [[nodiscard]] std::vector<Row> rows_of(const std::vector<MeasuredCase>& cases);
 
-/// Where the time of one frame goes, a line per case.
+/// Where the time of one frame goes, two lines per case.
 void print_breakdown(const std::vector<MeasuredCase>& cases);
 
 }  // namespace extperfc::benchmark

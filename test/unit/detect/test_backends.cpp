@@ -10,6 +10,7 @@
 
 #include "extperfc/base/rng.hpp"
 #include "extperfc/detect/inference.hpp"
+
 #include "temporary_folder.hpp"
 
 namespace extperfc::detect {
@@ -37,7 +38,9 @@ ModelSpec make_spec(const std::string& file, OutputLayout layout, std::vector<st
   return spec;
 }
 
-ModelSpec yolo_spec() { return make_spec("tiny_yolo_v8.onnx", OutputLayout::kYoloV8, {"output"}); }
+ModelSpec yolo_spec() {
+  return make_spec("tiny_yolo_v8.onnx", OutputLayout::kYoloV8, {"output"});
+}
 
 ModelSpec ssd_spec() {
   ModelSpec spec = make_spec("tiny_ssd.onnx", OutputLayout::kSsd, {"boxes", "scores"});
@@ -140,9 +143,10 @@ TEST_P(Backends, DamagedFilesAreOneClearLine) {
   std::ifstream stream(kTestModels / "tiny_yolo_v8.onnx", std::ios::binary);
   const std::string whole{std::istreambuf_iterator<char>(stream), {}};
   ModelSpec spec = yolo_spec();
-  for (const auto& [name, content] :
-       {std::pair{"truncated.onnx", whole.substr(0, whole.size() / 2)}, {"head.onnx", whole.substr(0, 40)},
-        {"text.onnx", std::string("This is no network.\n")}, {"empty.onnx", std::string()}}) {
+  for (const auto& [name, content] : {std::pair{"truncated.onnx", whole.substr(0, whole.size() / 2)},
+                                      {"head.onnx", whole.substr(0, 40)},
+                                      {"text.onnx", std::string("This is no network.\n")},
+                                      {"empty.onnx", std::string()}}) {
     SCOPED_TRACE(name);
     spec.file = folder.write(name, content);
     expect_error(spec, ErrorCode::kCorrupt, {name, GetParam(), "not an ONNX network"});

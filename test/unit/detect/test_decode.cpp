@@ -1,5 +1,3 @@
-#include "extperfc/detect/decode.hpp"
-
 #include <cmath>
 #include <limits>
 #include <string>
@@ -7,13 +5,17 @@
 
 #include <gtest/gtest.h>
 
+#include "extperfc/detect/decode.hpp"
+
 namespace extperfc::detect {
 namespace {
 
 constexpr float kNan = std::numeric_limits<float>::quiet_NaN();
 constexpr float kInfinity = std::numeric_limits<float>::infinity();
 
-float logit(float p) { return std::log(p / (1.0F - p)); }
+float logit(float p) {
+  return std::log(p / (1.0F - p));
+}
 
 /// Two classes, input 100 x 50.
 ModelSpec make_spec(OutputLayout layout) {
@@ -116,11 +118,11 @@ TEST(DecodeSsdPriors, OffsetsMoveAndStretchThePrior) {
 
 TEST(DecodeYoloV7, ScoreIsObjectnessTimesBestClass) {
   const ModelSpec spec = make_spec(OutputLayout::kYoloV7);
-  const std::vector<float> rows{50, 20, 10, 6, 0.9F, 0.1F, 0.8F,   //
-                                50, 20, 10, 6, 0.9F, 0.1F, 0.5F,   // 0.45: below
-                                50, 20, 10, 6, kNan, 1.0F, 1.0F,   //
-                                50, 20, kInfinity, 6, 1, 1.0F, 0,  //
-                                50, 20, -4, 6, 1, 1.0F, 0};
+  const std::vector<float> rows{50, 20, 10,        6, 0.9F, 0.1F, 0.8F,  //
+                                50, 20, 10,        6, 0.9F, 0.1F, 0.5F,  // 0.45: below
+                                50, 20, 10,        6, kNan, 1.0F, 1.0F,  //
+                                50, 20, kInfinity, 6, 1,    1.0F, 0,     //
+                                50, 20, -4,        6, 1,    1.0F, 0};
   const auto found = decoded(spec, {view({1, 5, 7}, rows)});
   ASSERT_EQ(found.size(), 1U);
   expect_detection(found[0], 1, 0.72F, {45, 17, 55, 23});
@@ -131,7 +133,8 @@ TEST(DecodeYoloV8, ColumnsAreCandidatesAndOnlyTheBestClassCounts) {
   constexpr int kCount = 131;  // two whole blocks of the scan and a rest
   std::vector<float> tensor(6 * kCount, 0.0F);
   const auto set = [&tensor](int column, const std::vector<float>& values) {
-    for (std::size_t i = 0; i < values.size(); ++i) tensor[i * kCount + static_cast<std::size_t>(column)] = values[i];
+    for (std::size_t i = 0; i < values.size(); ++i)
+      tensor[i * kCount + static_cast<std::size_t>(column)] = values[i];
   };
   set(0, {20, 20, 10, 10, 0.5F, 0});  // exactly at the threshold
   set(70, {50, 25, 20, 10, 0.6F, 0.7F});
@@ -152,7 +155,9 @@ TEST(DecodeYoloAnchors, SecondAnchorOfSecondLevel) {
   spec.output.anchors = {{16, {{10, 10}}}, {32, {{10, 20}, {30, 40}}}};
   const std::vector<float> fine(7 * 4 * 2, -10.0F);
   std::vector<float> coarse(2 * 7 * 2, -10.0F);  // two anchors, 7 planes of 2 x 1 cells
-  const auto plane = [&coarse](std::size_t k) -> float& { return coarse[(7 + k) * 2 + 1]; };  // anchor 1, cell (1, 0)
+  const auto plane = [&coarse](std::size_t k) -> float& {
+    return coarse[(7 + k) * 2 + 1];
+  };                        // anchor 1, cell (1, 0)
   plane(0) = 0;             // centre x = (2 * 0.5 - 0.5 + 1) * 32 = 48
   plane(1) = logit(0.25F);  // centre y = (0.5 - 0.5 + 0) * 32 = 0
   plane(2) = 0;             // width = (2 * 0.5)^2 * 30
@@ -201,7 +206,9 @@ TEST(CheckOutputs, SaysTensorShapeAndExpectation) {
 
 TEST(CheckOutputs, RefusesWrongCountsRanksAndPairs) {
   const std::vector<float> values(100);
-  const auto tensor = [&values](std::vector<int> shape) { return TensorView{std::move(shape), values.data()}; };
+  const auto tensor = [&values](std::vector<int> shape) {
+    return TensorView{std::move(shape), values.data()};
+  };
   const ModelSpec ssd = make_spec(OutputLayout::kSsd);
   EXPECT_TRUE(check_outputs(ssd, {tensor({1, 8, 4}), tensor({1, 8, 2})}));
   EXPECT_FALSE(check_outputs(ssd, {tensor({1, 8, 4})}));

@@ -1,11 +1,11 @@
-#include "extperfc/detect/detector.hpp"
-
 #include <algorithm>
 #include <filesystem>
 #include <string>
 
 #include <gtest/gtest.h>
 #include <opencv2/imgcodecs.hpp>
+
+#include "extperfc/detect/detector.hpp"
 
 namespace extperfc::detect {
 namespace {
@@ -116,7 +116,8 @@ TEST_P(FastestDet, FindsTheChairsWhereTheyAre) {
 TEST_P(FastestDet, FindsNothingOnGrey) {
   auto detector = create(GetParam());
   ASSERT_TRUE(detector) << detector.error().message;
-  EXPECT_TRUE(detector->detect(view(cv::Mat(480, 640, CV_8UC3, cv::Scalar::all(114)))).value().detections.empty());
+  EXPECT_TRUE(
+      detector->detect(view(cv::Mat(480, 640, CV_8UC3, cv::Scalar::all(114)))).value().detections.empty());
 }
 
 }  // namespace

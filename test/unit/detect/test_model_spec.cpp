@@ -1,5 +1,3 @@
-#include "extperfc/detect/model_spec.hpp"
-
 #include <filesystem>
 #include <string>
 #include <vector>
@@ -7,6 +5,8 @@
 #include <gtest/gtest.h>
 
 #include "extperfc/base/sha256.hpp"
+#include "extperfc/detect/model_spec.hpp"
+
 #include "temporary_folder.hpp"
 
 namespace extperfc::detect {
@@ -38,7 +38,8 @@ void expect_error(const std::string& description, ErrorCode code, const std::vec
   EXPECT_EQ(spec.error().code, code) << spec.error().message;
   EXPECT_EQ(spec.error().message.find('\n'), std::string::npos) << "more than one line";
   for (const auto& part : parts)
-    EXPECT_NE(spec.error().message.find(part), std::string::npos) << part << " is not in: " << spec.error().message;
+    EXPECT_NE(spec.error().message.find(part), std::string::npos)
+        << part << " is not in: " << spec.error().message;
 }
 
 const std::string kWhole = std::string(kHead) + kInput + kOutput + kClasses;
@@ -89,6 +90,17 @@ TEST(ModelSpec, DefaultsAreThoseOfTheStructs) {
   EXPECT_FLOAT_EQ(spec->thresholds.score, Thresholds{}.score);
 }
 
+TEST(ModelSpec, OutputNamesMayBeLeftOutWhereThereIsOneOutput) {
+  const auto spec =
+      ModelFolder(std::string(kHead) + kInput + kClasses + "output: {layout: yolo_v8}\n").load();
+  ASSERT_TRUE(spec) << spec.error().message;
+  EXPECT_TRUE(spec->output.names.empty());
+  expect_error(std::string(kHead) + kInput + kClasses + "output: {layout: ssd}\n",
+               ErrorCode::kInvalidArgument, {"output.names: is missing"});
+  expect_error(std::string(kHead) + kInput + kClasses + "output: {layout: yolo_v8, name: output}\n",
+               ErrorCode::kInvalidArgument, {"did you mean \"names\"?"});
+}
+
 TEST(ModelSpec, ClassesFromAFile) {
   const ModelFolder folder(std::string(kHead) + kInput + kOutput + "classes_file: names.txt\n");
   folder.write("names.txt", "cone\r\ntraffic light\r\n\n");
@@ -99,10 +111,11 @@ TEST(ModelSpec, ClassesFromAFile) {
 
 TEST(ModelSpec, PriorsListedOrGenerated) {
   const std::string begin = std::string(kHead) + kInput + kClasses;
-  const auto listed = ModelFolder(begin +
-                                  "output: {layout: ssd_priors, names: [b, s], background_class: 0, apply_softmax: "
-                                  "true, variances: [0.2, 0.3], priors: [[0.5, 0.5, 0.1, 0.2]]}\n")
-                          .load();
+  const auto listed =
+      ModelFolder(begin +
+                  "output: {layout: ssd_priors, names: [b, s], background_class: 0, apply_softmax: "
+                  "true, variances: [0.2, 0.3], priors: [[0.5, 0.5, 0.1, 0.2]]}\n")
+          .load();
   ASSERT_TRUE(listed) << listed.error().message;
   ASSERT_EQ(listed->output.priors.size(), 1U);
   EXPECT_FLOAT_EQ(listed->output.priors[0].h, 0.2F);
@@ -138,10 +151,11 @@ output:
 }
 
 TEST(ModelSpec, Anchors) {
-  const auto spec = ModelFolder(std::string(kHead) + kInput + kClasses +
-                                "output: {layout: yolo_anchors, names: [fine, coarse], anchors: [{stride: 8, sizes: "
-                                "[[10, 13], [16, 30]]}, {stride: 16, sizes: [[30, 61]]}]}\n")
-                        .load();
+  const auto spec =
+      ModelFolder(std::string(kHead) + kInput + kClasses +
+                  "output: {layout: yolo_anchors, names: [fine, coarse], anchors: [{stride: 8, sizes: "
+                  "[[10, 13], [16, 30]]}, {stride: 16, sizes: [[30, 61]]}]}\n")
+          .load();
   ASSERT_TRUE(spec) << spec.error().message;
   ASSERT_EQ(spec->output.anchors.size(), 2U);
   EXPECT_EQ(spec->output.anchors[1].stride, 16);
@@ -149,7 +163,8 @@ TEST(ModelSpec, Anchors) {
 }
 
 TEST(ModelSpec, AllProblemsAtOnceWithKeys) {
-  expect_error(R"(
+  expect_error(
+      R"(
 name: tiny
 file: missing.onnx
 input: {width: 3, height: many, color: grey, mean: [1, 2], scale: [1, .nan, 1], hight: 5}
@@ -158,12 +173,12 @@ classes: [cone, cone]
 thresholds: {score: 1.5, nms_iou: [0.5]}
 licence: BSD
 )",
-               ErrorCode::kInvalidArgument,
-               {"input.width", "[8, 4096]", "input.height", "\"many\"", "input.color", "rgb or bgr",
-                "input.mean: must have 3 numbers, not 2", "input.scale[1]",
-                "input.hight: unknown key, did you mean \"height\"?", "output.names: layout yolo_v8 has 1",
-                "output.anchors: is not used by layout yolo_v8", "\"cone\" is there twice", "thresholds.score",
-                "thresholds.nms_iou", "licence: unknown key, did you mean \"license\"?", "missing.onnx"});
+      ErrorCode::kInvalidArgument,
+      {"input.width", "[8, 4096]", "input.height", "\"many\"", "input.color", "rgb or bgr",
+       "input.mean: must have 3 numbers, not 2", "input.scale[1]",
+       "input.hight: unknown key, did you mean \"height\"?", "output.names: layout yolo_v8 has 1",
+       "output.anchors: is not used by layout yolo_v8", "\"cone\" is there twice", "thresholds.score",
+       "thresholds.nms_iou", "licence: unknown key, did you mean \"license\"?", "missing.onnx"});
 }
 
 TEST(ModelSpec, MissingKeysAndWrongKindsOfNodes) {
@@ -198,8 +213,8 @@ TEST(ModelSpec, MissingFolderAndFile) {
   EXPECT_EQ(load_model_spec("/no/such/folder").error().code, ErrorCode::kNotFound);
   const auto file = load_model_spec(kTestModels / "tiny_ssd.onnx").error();
   EXPECT_NE(file.message.find("name its folder"), std::string::npos) << file.message;
-  expect_error("name: tiny\nfile: other.onnx\n" + std::string(kInput) + kOutput + kClasses, ErrorCode::kNotFound,
-               {"other.onnx"});
+  expect_error("name: tiny\nfile: other.onnx\n" + std::string(kInput) + kOutput + kClasses,
+               ErrorCode::kNotFound, {"other.onnx"});
 }
 
 /// Descriptions of two of the test networks, as config/models has them for public ones.
@@ -211,8 +226,9 @@ class KnownNetworks : public testing::Test {
   }
 
   void describe(const std::string& name, const std::string& file) {
-    known_.write(name + ".yaml", "name: " + name + "\nfile: " + file + "\nsha256: " +
-                                     sha256_of_file(kTestModels / file).value() + "\n" + kInput + kOutput + kClasses);
+    known_.write(name + ".yaml", "name: " + name + "\nfile: " + file +
+                                     "\nsha256: " + sha256_of_file(kTestModels / file).value() + "\n" +
+                                     kInput + kOutput + kClasses);
   }
 
   TemporaryFolder known_;

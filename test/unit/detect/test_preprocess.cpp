@@ -1,5 +1,3 @@
-#include "extperfc/detect/preprocess.hpp"
-
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
@@ -10,6 +8,7 @@
 #include <opencv2/imgproc.hpp>
 
 #include "extperfc/base/rng.hpp"
+#include "extperfc/detect/preprocess.hpp"
 
 namespace extperfc::detect {
 namespace {
@@ -79,7 +78,8 @@ TEST(Preprocessor, LetterboxFillsWithGreyAndCentres) {
   for (std::size_t c = 0; c < 3; ++c)
     for (std::size_t y = 0; y < 15; ++y)
       for (std::size_t x = 0; x < 20; ++x)
-        ASSERT_NEAR(planes[(c * 15 + y) * 20 + x], y < 5 || y >= 10 ? 1.4F : 15.5F, 1e-5F) << c << ' ' << x << ' ' << y;
+        ASSERT_NEAR(planes[(c * 15 + y) * 20 + x], y < 5 || y >= 10 ? 1.4F : 15.5F, 1e-5F)
+            << c << ' ' << x << ' ' << y;
 }
 
 // Whatever the sizes: the picture's corners lie on whole input pixels, inside, and every box comes back.
@@ -145,7 +145,8 @@ TEST(Preprocessor, BayerPatternsAreTheRosOnes) {
     cv::Mat raw(bgr.size(), CV_8UC1);
     for (int y = 0; y < raw.rows; ++y)
       for (int x = 0; x < raw.cols; ++x)
-        raw.at<std::uint8_t>(y, x) = bgr.at<cv::Vec3b>(y, x)[channels[static_cast<std::size_t>(2 * (y % 2) + x % 2)]];
+        raw.at<std::uint8_t>(y, x) =
+            bgr.at<cv::Vec3b>(y, x)[channels[static_cast<std::size_t>(2 * (y % 2) + x % 2)]];
     EXPECT_LT(largest_difference(expected, run(input, view(raw, format))), 8) << encoding_of(format);
   }
 }
@@ -163,8 +164,10 @@ TEST(Preprocessor, Yuv422InBothByteOrders) {
       const double luma = 16 + 0.257 * p[2] + 0.504 * p[1] + 0.098 * p[0];
       const double chroma = x % 2 == 0 ? 128 - 0.148 * p[2] - 0.291 * p[1] + 0.439 * p[0]
                                        : 128 + 0.439 * p[2] - 0.368 * p[1] - 0.071 * p[0];
-      uyvy.at<cv::Vec2b>(y, x) = {cv::saturate_cast<std::uint8_t>(chroma), cv::saturate_cast<std::uint8_t>(luma)};
-      yuy2.at<cv::Vec2b>(y, x) = {cv::saturate_cast<std::uint8_t>(luma), cv::saturate_cast<std::uint8_t>(chroma)};
+      uyvy.at<cv::Vec2b>(y, x) = {cv::saturate_cast<std::uint8_t>(chroma),
+                                  cv::saturate_cast<std::uint8_t>(luma)};
+      yuy2.at<cv::Vec2b>(y, x) = {cv::saturate_cast<std::uint8_t>(luma),
+                                  cv::saturate_cast<std::uint8_t>(chroma)};
     }
   EXPECT_LT(largest_difference(expected, run(input, view(uyvy, PixelFormat::kYuv422))), 8);
   EXPECT_LT(largest_difference(expected, run(input, view(yuy2, PixelFormat::kYuv422Yuy2))), 8);

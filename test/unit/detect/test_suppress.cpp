@@ -35,8 +35,8 @@ TEST(Suppress, IouBelowTheThresholdStays) {
 
 TEST(Suppress, ScoreThresholdIsInclusiveAndNanIsBelowIt) {
   const float nan = std::numeric_limits<float>::quiet_NaN();
-  const Detections kept = suppress({{0, 0.3F, {0, 0, 10, 10}}, {0, 0.29F, {20, 0, 30, 10}}, {0, nan, {40, 0, 50, 10}}},
-                                   kThresholds);
+  const Detections kept = suppress(
+      {{0, 0.3F, {0, 0, 10, 10}}, {0, 0.29F, {20, 0, 30, 10}}, {0, nan, {40, 0, 50, 10}}}, kThresholds);
   ASSERT_EQ(kept.size(), 1U);
   EXPECT_FLOAT_EQ(kept[0].score, 0.3F);
 }
@@ -52,7 +52,9 @@ TEST(Suppress, KeepsTheBestUpToTheLimit) {
   for (std::size_t i = 0; i < kept.size(); ++i) EXPECT_FLOAT_EQ(kept[i].score, many[49 - i].score);
 }
 
-TEST(Suppress, NothingInNothingOut) { EXPECT_TRUE(suppress({}, kThresholds).empty()); }
+TEST(Suppress, NothingInNothingOut) {
+  EXPECT_TRUE(suppress({}, kThresholds).empty());
+}
 
 }  // namespace
 }  // namespace extperfc::detect
