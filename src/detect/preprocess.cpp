@@ -122,6 +122,8 @@ struct Preprocessor::Scratch {
                           image.row_bytes);
     if (traits.conversion != kDirect) cv::cvtColor(picture, colour, traits.conversion);
     cv::resize(traits.conversion == kDirect ? picture : colour, small, size, 0, 0, interpolation);
+    // For 320 x 256: cv::split and Mat::convertTo take 17 us, a table per channel 60, one plain fused
+    // loop 68.
     if (small.channels() == 1)
       channels[0] = small;
     else

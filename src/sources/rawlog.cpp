@@ -73,8 +73,8 @@ Result<void> Rawlog::index() {
   try {
     RawlogReader reader(file_);
     if (!reader.is_open()) return fail(ErrorCode::kFailed, "cannot open " + file_.string());
-    for (Scan scan = reader.next(); scan; scan = reader.next(), ++size_) {
-      if (size_ > 0) continue;
+    while (const Scan scan = reader.next()) {
+      if (size_++ > 0) continue;
       const auto camera =
           camera_from_mrpt(scan->hasIntensityImage ? scan->cameraParamsIntensity : scan->cameraParams);
       if (camera) camera_ = *camera;

@@ -50,7 +50,7 @@ TEST_P(KnownGeometryTest, PositionExtentAndCovariance) {
 }
 
 INSTANTIATE_TEST_SUITE_P(All, KnownGeometryTest, testing::Values("16UC1", "32FC1"),
-                         [](const auto& info) { return std::string("encoding_") + info.param; });
+                         [](const auto& test) { return std::string("encoding_") + test.param; });
 
 TEST_F(BoxDepthTest, ASizeOfItsOwnComesFromTheCamera) {
   load();

@@ -50,7 +50,7 @@ INSTANTIATE_TEST_SUITE_P(All, EncodingTest,
                                          Encoding{"bayer_rggb8", kClassRed}, Encoding{"bayer_bggr8", kClassRed},
                                          Encoding{"bayer_gbrg8", kClassRed}, Encoding{"bayer_grbg8", kClassRed},
                                          Encoding{"yuv422", kClassRed}, Encoding{"yuv422_yuy2", kClassRed}),
-                         [](const auto& info) { return std::string(info.param.name); });
+                         [](const auto& test) { return std::string(test.param.name); });
 
 /// A picture that cannot be read, and what must be said about it.
 struct Fault {
@@ -102,7 +102,7 @@ INSTANTIATE_TEST_SUITE_P(
               "needs 230400 bytes, but the message has 115200"},
         Fault{"narrow_step", [](sensor_msgs::Image& image) { image.step = image.width; },
               "the message's step is 320"}),
-    [](const auto& info) { return std::string(info.param.name); });
+    [](const auto& test) { return std::string(test.param.name); });
 
 TEST_F(ListeningDetectorTest, RowsMayBePadded) {
   load_and_listen();

@@ -91,7 +91,7 @@ TEST_P(RosbagClockTest, ALoopedBagIsDetectedAgainAndAgain) {
 }
 
 INSTANTIATE_TEST_SUITE_P(All, RosbagClockTest, testing::Bool(),
-                         [](const auto& info) { return info.param ? "with_clock" : "without_clock"; });
+                         [](const auto& test) { return test.param ? "with_clock" : "without_clock"; });
 
 }  // namespace
 }  // namespace extperfc::ros_test

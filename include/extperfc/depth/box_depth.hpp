@@ -46,7 +46,9 @@ struct BoxDepth {
 /// or has no area, or fewer than min_valid_px pixels are valid.
 ///
 /// `depth` is kDepth16Mm or kDepth32M, of the same size as the colour picture that `box` refers to. Zeros, NaN,
-/// infinities and values outside [min, max] are not valid. Regions are clipped to the picture. O(region).
+/// infinities and values outside [min, max] are not valid. The box is clipped to the picture, so "centre" is that of its
+/// visible part; nearest_mode looks at the whole box where the central part has too few valid pixels. Regions of more
+/// than 1024 pixels are read on a regular grid: bounded time, no heap. Precondition: validate(params) passed.
 [[nodiscard]] std::optional<BoxDepth> estimate_depth(const ImageView& depth, const Box2& box,
                                                      const BoxDepthParams& params);
 

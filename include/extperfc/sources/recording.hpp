@@ -47,7 +47,10 @@ class Recording {
 [[nodiscard]] Result<std::unique_ptr<Recording>> open_pair_folder(const std::filesystem::path& folder,
                                                                   double depth_scale = 1000.0);
 
-/// RGB-D observations (CObservation3DRangeScan) of an MRPT rawlog. kUnsupported in a build without MRPT.
+/// RGB-D observations (CObservation3DRangeScan) of an MRPT rawlog, plain or gzip, on their own or in sensory frames. Depth
+/// is registered to colour with the log's own camera parameters. One pass over the file counts the frames; afterwards one
+/// observation is in memory at a time, forward is streaming, backward starts again. A file that is damaged after good
+/// frames gets one last frame that reports it. kUnsupported in a build without MRPT.
 [[nodiscard]] Result<std::unique_ptr<Recording>> open_rawlog(const std::filesystem::path& file);
 
 /// Reads a camera_calibration YAML file.

@@ -60,6 +60,10 @@ class BoxDepthNodelet : public nodelet::Nodelet {
  public:
   ~BoxDepthNodelet() override {
     diagnostics_timer_.stop();
+    {
+      const std::lock_guard lock(subscription_mutex_);
+      closing_ = true;  // a listener that comes or goes now must not subscribe again
+    }
     for (auto* subscriber : {&detections_subscriber_, &depth_subscriber_, &info_subscriber_, &names_subscriber_})
       subscriber->shutdown();
     pairs_.close();
@@ -105,6 +109,7 @@ class BoxDepthNodelet : public nodelet::Nodelet {
   health::WorkHealth work_health_;
 
   std::mutex subscription_mutex_;
+  bool closing_{false};
   ros::Publisher objects_publisher_;
   ros::Publisher markers_publisher_;
   ros::Subscriber detections_subscriber_;
@@ -159,6 +164,7 @@ void BoxDepthNodelet::advertise() {
 
 void BoxDepthNodelet::update_subscription() {
   const std::lock_guard lock(subscription_mutex_);
+  if (closing_) return;
   const bool wanted = objects_publisher_.getNumSubscribers() > 0 || markers_publisher_.getNumSubscribers() > 0;
   for (auto* input : {&detections_health_, &depth_health_, &info_health_}) input->listening(wanted);
   if (!wanted) {
@@ -225,7 +231,7 @@ void BoxDepthNodelet::process(const Matcher::Pair& pair) {
   const double work_ms = watch.milliseconds();
   const auto message = boost::make_shared<vision_msgs::Detection3DArray>(std::move(objects->message));
   objects_publisher_.publish(message);
-  work_health_.done(work_ms, 1e3 * (ros::Time::now() - message->header.stamp).toSec());
+  work_health_.done(work_ms, health::age_ms(message->header.stamp));
   if (markers_publisher_.getNumSubscribers() > 0)
     markers_publisher_.publish(boost::make_shared<visualization_msgs::MarkerArray>(
         convert::to_markers(*message, names, params_.marker_lifetime_s)));

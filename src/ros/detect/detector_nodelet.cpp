@@ -55,6 +55,10 @@ class DetectorNodelet : public nodelet::Nodelet {
  public:
   ~DetectorNodelet() override {
     diagnostics_timer_.stop();
+    {
+      const std::lock_guard lock(subscription_mutex_);
+      closing_ = true;  // a listener that comes or goes now must not subscribe again
+    }
     raw_subscriber_.shutdown();
     decoding_subscriber_.shutdown();
     pictures_.close();
@@ -90,6 +94,7 @@ class DetectorNodelet : public nodelet::Nodelet {
   ros::WallTimer diagnostics_timer_;
 
   std::mutex subscription_mutex_;
+  bool closing_{false};
   std::unique_ptr<image_transport::ImageTransport> transport_;
   ros::Subscriber raw_subscriber_;                   ///< raw pictures: pointers inside one manager
   image_transport::Subscriber decoding_subscriber_;  ///< any other transport
@@ -152,6 +157,7 @@ void DetectorNodelet::advertise() {
 
 void DetectorNodelet::update_subscription() {
   const std::lock_guard lock(subscription_mutex_);
+  if (closing_) return;
   const bool wanted = detections_publisher_.getNumSubscribers() > 0 || annotated_publisher_.getNumSubscribers() > 0;
   input_.listening(wanted);
   if (!wanted) {
@@ -204,7 +210,7 @@ void DetectorNodelet::publish(const std_msgs::Header& header, const convert::Sha
                               const detect::DetectorOutput& output, double work_ms) {
   detections_publisher_.publish(
       boost::make_shared<vision_msgs::Detection2DArray>(convert::to_message(output.detections, header)));
-  work_health_.done(work_ms, 1e3 * (ros::Time::now() - header.stamp).toSec());
+  work_health_.done(work_ms, health::age_ms(header.stamp));
   if (annotated_publisher_.getNumSubscribers() == 0) return;
   if (auto annotated = convert::annotate(image, output.detections, detector_->spec().classes)) {
     annotated_publisher_.publish(*annotated);

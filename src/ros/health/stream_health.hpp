@@ -20,6 +20,9 @@ bool came_by_pointer(const ros::MessageEvent<M>& event) {
   return event.getPublisherName() == ros::this_node::getName();
 }
 
+/// Time since `stamp` [ms]. Never throws, unlike ros::Time's own difference, which a wild stamp makes overflow.
+[[nodiscard]] inline double age_ms(const ros::Time& stamp) { return 1e3 * (ros::Time::now().toSec() - stamp.toSec()); }
+
 /// What one input topic delivers: counted in its callback, reported in diagnostics. Thread-safe.
 class InputHealth {
  public:

@@ -25,7 +25,7 @@ struct DetectorParams {
 /// Class names go to `<private>/classes`, where vision_msgs/VisionInfo::database_location points.
 void store_class_names(const ros::NodeHandle& private_handle, const std::vector<std::string>& names);
 
-/// The names stored at `location`, an absolute parameter name; empty when there are none.
+/// The names stored at `location`, an absolute parameter name; empty when there are none or it is no parameter name.
 [[nodiscard]] std::vector<std::string> load_class_names(const std::string& location);
 
 }  // namespace extperfc::ros_params

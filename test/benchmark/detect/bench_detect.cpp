@@ -29,9 +29,9 @@ constexpr char kExplanation[] =
     "bare: the network alone. path: from the camera's publish to the callback with 3D detections, through "
     "the\n"
     "nodelets detector and box_depth in one manager. prepare to depth: the same work called straight.\n"
-    "transport: path minus that work, i.e. topics, queues and threads. Figures beside a load on the "
-    "machine:\n"
-    "trust CPU times, not wall times.\n";
+    "transport: path minus that work, i.e. topics, queues and threads. Medians; wall 10 %: the 10 % "
+    "quantile.\n"
+    "Beside another load on the machine trust CPU time, then the 10 % quantile.\n";
 
 /// Described folders in models/ of the package, and those of the command line.
 std::vector<fs::path> model_folders(const DetectOptions& options) {

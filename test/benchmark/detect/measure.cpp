@@ -127,6 +127,9 @@ DetectFigures figures_of(const Samples& samples) {
   figures.path = median(samples.path, [](const PathCost& sample) { return sample.cost; });
   figures.path_p95_ms =
       quantile(samples.path, 0.95, [](const PathCost& sample) { return sample.cost.wall_ms; });
+  figures.bare_undisturbed_ms = quantile(samples.bare, 0.1, [](const Cost& cost) { return cost.wall_ms; });
+  figures.path_undisturbed_ms =
+      quantile(samples.path, 0.1, [](const PathCost& sample) { return sample.cost.wall_ms; });
   figures.prepare = median(samples.core, &ChainCosts::prepare);
   figures.inference = median(samples.core, &ChainCosts::inference);
   figures.decode = median(samples.core, &ChainCosts::decode);

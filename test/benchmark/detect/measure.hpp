@@ -27,6 +27,9 @@ struct DetectFigures {
   Cost decode;
   Cost depth;
   double path_p95_ms{0};  ///< wall
+  double bare_undisturbed_ms{
+      0};  ///< 10 % quantile of wall time: what others on the machine took away is small there
+  double path_undisturbed_ms{0};
   double mean_boxes{0};
   double mean_objects{0};
   std::string execution;

@@ -32,6 +32,7 @@ void add_comparison(const std::string& name, const char* clock, double path_ms, 
 void add_case(const DetectCase& what, const DetectFigures& f, std::vector<Row>& rows) {
   const std::string name = what.name();
   add_comparison(name, "wall", f.path.wall_ms, f.bare.wall_ms, rows);
+  add_comparison(name, "wall 10 %", f.path_undisturbed_ms, f.bare_undisturbed_ms, rows);
   add_comparison(name, "CPU", f.path.cpu_ms, f.bare.cpu_ms, rows);
   rows.push_back({name, "path p95, wall", "ms", f.path_p95_ms});
   for (const auto& [part, cost] : parts_of(f)) {

@@ -11,11 +11,15 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include "extperfc/base/stopwatch.hpp"
+
 #include "transport/pair_sender.hpp"
 
 namespace extperfc::benchmark {
 
 namespace {
+
+constexpr double kEndDeadlineS = 5.0;
 
 tl::unexpected<Error> system_error(const char* what, int code) {
   return fail(ErrorCode::kFailed, std::string(what) + ": " + std::strerror(code));
@@ -54,10 +58,13 @@ Result<void> PublisherProcess::start(const std::string& ns) {
 }
 
 PublisherProcess::~PublisherProcess() {
-  if (commands_ >= 0) close(commands_);
+  if (commands_ >= 0) close(commands_);  // the end of its input ends the process
   if (pid_ < 0) return;
-  kill(pid_, SIGTERM);
-  waitpid(pid_, nullptr, 0);
+  const Stopwatch watch;
+  while (waitpid(pid_, nullptr, WNOHANG) == 0) {
+    if (watch.seconds() > kEndDeadlineS) kill(pid_, SIGKILL);
+    ros::WallDuration(0.01).sleep();
+  }
 }
 
 Result<void> PublisherProcess::publish() {

@@ -60,7 +60,7 @@ INSTANTIATE_TEST_SUITE_P(
                     Known{"bayer_grbg8", 1, PixelFormat::kBayerGrbg8}, Known{"yuv422", 2, PixelFormat::kYuv422},
                     Known{"yuv422_yuy2", 2, PixelFormat::kYuv422Yuy2}, Known{"16UC1", 2, PixelFormat::kDepth16Mm},
                     Known{"32FC1", 4, PixelFormat::kDepth32M}),
-    [](const auto& info) { return std::string("encoding_") + info.param.encoding; });
+    [](const auto& test) { return std::string("encoding_") + test.param.encoding; });
 
 TEST(ShareImage, KeepsTheMessageAlive) {
   auto message = image("mono8", 6, 4, 1);

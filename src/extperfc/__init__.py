@@ -1,0 +1,1 @@
+"""Python side of extperfc: perception that extends a robot's view of its surroundings."""

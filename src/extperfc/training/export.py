@@ -1,0 +1,58 @@
+"""Writes a trained checkpoint as ONNX with model.yaml and manifest.json beside it."""
+import hashlib
+import json
+from pathlib import Path
+from types import SimpleNamespace
+
+import cv2
+import numpy as np
+import torch
+
+from . import dataset, evaluate, network
+
+OPSET = 10  # OpenCV 4.6 rejects some operators of later sets
+
+MODEL_YAML = '''name: shapes
+file: shapes.onnx
+sha256: {sha256}
+input: {{name: images, width: {width}, height: {height}, color: rgb, resize: letterbox, mean: [0, 0, 0], scale: [{scale}, {scale}, {scale}]}}
+output: {{layout: yolo_v8, names: [output]}}
+classes: [cone, cube, sphere]
+thresholds: {{score: {score:.2f}, nms_iou: 0.5}}
+source: trained from random weights on generated pictures (tools/train_shapes, manifest.json)
+license: BSD-3-Clause
+'''
+
+
+def write_onnx(checkpoint, path):
+    """Exports the averaged weights and checks OpenCV's answer against PyTorch's; returns the largest difference."""
+    net = network.ShapeNet()
+    net.load_state_dict(torch.load(checkpoint, map_location='cpu')['average'])
+    whole = network.Exported(net).eval()
+    example = torch.rand(1, 3, dataset.HEIGHT, dataset.WIDTH, generator=torch.Generator().manual_seed(0))
+    with torch.no_grad():
+        expected = whole(example).numpy()
+    torch.onnx.export(whole, example, str(path), opset_version=OPSET, input_names=['images'], output_names=['output'],
+                      do_constant_folding=True)
+    loaded = cv2.dnn.readNetFromONNX(str(path))
+    loaded.setInput(example.numpy(), 'images')
+    difference = float(np.abs(loaded.forward('output') - expected).max())
+    if difference > 0.05:
+        raise RuntimeError(f'OpenCV and PyTorch differ by {difference} on {path}')
+    return difference
+
+
+def export(checkpoint, folder, cache):
+    """Writes shapes.onnx, model.yaml with the threshold of the best F1 on val, and manifest.json."""
+    folder = Path(folder)
+    folder.mkdir(parents=True, exist_ok=True)
+    path = folder / 'shapes.onnx'
+    difference = write_onnx(checkpoint, path)
+    options = SimpleNamespace(split='val', count=None, no_cache=False, cache=cache)
+    table, threshold, _ = evaluate.run(path, options)
+    text = MODEL_YAML.format(sha256=hashlib.sha256(path.read_bytes()).hexdigest(), width=dataset.WIDTH,
+                             height=dataset.HEIGHT, scale=repr(1 / 255), score=threshold['score'])
+    (folder / 'model.yaml').write_text(text)
+    (folder / 'manifest.json').write_text(json.dumps(dataset.manifest(cache), indent=1) + '\n')
+    print(f'{path}: {path.stat().st_size / 1e6:.2f} MB, OpenCV differs from PyTorch by {difference:.1e}, '
+          f'val AP50 {table["mean"]["ap50"]:.3f}, score threshold {threshold["score"]:.2f}')

@@ -1,0 +1,247 @@
+"""Seeded generator of pictures with cones, cubes and spheres among other things.
+
+World frame: z up, the floor or table top at z = 0, metres. A picture depends on nothing but its seed and size.
+"""
+from dataclasses import dataclass
+
+import cv2
+import numpy as np
+
+from . import camera, others, render, rooms, textures, things
+from .textures import pick
+
+VERSION = 4
+CLASSES = things.CLASSES
+SIZE = (448, 336)  # width, height of training pictures [px]
+
+
+@dataclass
+class Picture:
+    """A picture (H, W, 3) in RGB with depth [m] and, per labelled thing, class, box x0, y0, x1, y1 and mask number."""
+
+    image: np.ndarray
+    depth: np.ndarray
+    ids: np.ndarray
+    labels: list
+    boxes: list
+    numbers: list
+    ignored: list  # boxes of things too much hidden to be asked for, yet not wrong to find
+
+
+class World:
+    """The camera's pose and the light; draws things given in the world frame into a frame."""
+
+    def __init__(self, rng, size, pose, focal, light):
+        self.rng = rng
+        self.turn, self.place = pose  # rows: camera axes in the world; camera position [m]
+        self.frame = render.Frame(size[0], size[1], focal, light)
+        self.ground_id, self.count = 1, 1
+        self.strength, self.softness = rng.uniform(.2, .9), rng.uniform(.03, .35)
+        self.drawn = []  # (number, label, hull area in pixels)
+
+    def to_camera(self, points):
+        """World points (N, 3) in the camera frame."""
+        return (np.asarray(points) - self.place) @ self.turn.T
+
+    def plane(self, origin, edge_u, edge_v, texture, repeat, ident=0, gloss=0.0):
+        """Draws a textured rectangle spanned by two edges."""
+        corners = self.to_camera([origin, origin + edge_u, origin + edge_u + edge_v, origin + edge_v])
+        basis = (corners[0], corners[1] - corners[0], corners[3] - corners[0])
+        render.polygon(self.frame, ident, corners, basis, render.Surface(None, texture, gloss, 20, 0, repeat), True)
+
+    def shade(self, points, ident=None):
+        """Draws the shadow of world points on the ground: a soft one from the sun, a dark one at the contact."""
+        ident = self.ground_id if ident is None else ident
+        seen, plane = self.to_camera(points), (self.to_camera([[0, 0, 0]])[0], self.turn[:, 2])
+        render.shadow(self.frame, seen, plane, self.frame.light.towards, ident, self.strength, self.softness)
+        low = points[points[:, 2] < points[:, 2].min() + 0.3 * np.ptp(points[:, 2])]
+        if low[:, 2].min() < 0.02 * np.ptp(points[:, 2]) + 1e-3:
+            centre = low.mean(0)
+            render.shadow(self.frame, self.to_camera(centre + (low - centre) * 1.12), plane, self.turn[:, 2], ident, .5, .12)
+
+    def draw(self, thing, turn, place, scale):
+        """Draws a thing with world orientation and centre [m]; returns its number."""
+        self.count += 1
+        rot, t = self.turn @ turn, self.to_camera([place])[0]
+        points = (thing.points() * scale) @ rot.T + t
+        if points[:, 2].min() < render.NEAR:
+            return None
+        thing.draw(self.frame, self.count, rot, t, scale)
+        hull = cv2.convexHull(np.float32(self.frame.project(points)))
+        self.drawn.append((self.count, thing.label, max(1.0, cv2.contourArea(hull))))
+        return self.count
+
+    def picture(self, image, min_share=0.35, min_size=12):
+        """The labelled picture; things too hidden or too small are only listed as ignored (sizes at 320 px width)."""
+        labels, boxes, numbers, ignored = [], [], [], []
+        least = min_size * self.frame.width / 320
+        for number, label, area in self.drawn:
+            if label < 0:
+                continue
+            mask = self.frame.ids == number
+            visible = int(np.count_nonzero(mask))
+            if visible < max(12, 0.06 * area):
+                continue
+            x, y, w, h = cv2.boundingRect(np.uint8(mask))
+            share = visible / area / (0.75 if label == things.CONE else 1.0)  # a cone with its plate does not fill its hull
+            if share >= min_share and max(w, h) >= least and min(w, h) >= 0.4 * least:
+                labels.append(label)
+                boxes.append([x, y, x + w, y + h])
+                numbers.append(number)
+            else:
+                ignored.append([x, y, x + w, y + h])
+        return Picture(image, self.frame.depth, self.frame.ids, labels, boxes, numbers, ignored)
+
+
+def look(pitch, roll, yaw=0.0):
+    """Rows: camera axes x (right), y (down), z (ahead) in the world, for a camera pitched down [rad]."""
+    ahead = np.array([np.cos(pitch) * np.cos(yaw), np.cos(pitch) * np.sin(yaw), -np.sin(pitch)])
+    right = np.array([np.sin(yaw), -np.cos(yaw), 0.0])
+    down = np.cross(ahead, right)
+    right, down = (np.cos(roll) * right + np.sin(roll) * down, np.cos(roll) * down - np.sin(roll) * right)
+    return np.stack([right, down, ahead])
+
+
+def random_light(rng, turn):
+    """Sun, sky and bounced light of random direction, colour and balance."""
+    elevation, azimuth = rng.uniform(0.3, 1.45), rng.uniform(0, 2 * np.pi)
+    towards = np.array([np.cos(elevation) * np.cos(azimuth), np.cos(elevation) * np.sin(azimuth), np.sin(elevation)])
+    tint = np.exp(rng.normal(0, 0.08, (3, 3)))
+    sun = rng.uniform(0.2, 1.4)
+    sky = rng.uniform(0.3, 1.0)
+    bounce = sky * rng.uniform(0.25, 0.9)
+    return render.Light(turn @ towards, turn @ np.array([0, 0, 1.0]), np.float32(sun * tint[0]),
+                        np.float32(sky * tint[1]), np.float32(bounce * tint[2]), pick(rng, (0.0, rng.uniform(0, .8))))
+
+
+def _flat_shape(rng, world, spot, size):
+    """A disc, polygon or long stripe drawn on the ground: looks like the outline of a thing, and is none."""
+    texture = textures.flat(textures.colour(rng))
+    angle = rng.uniform(0, 6.28)
+    sides = pick(rng, (3, 4, 4, 24, 24))
+    ring = np.arange(sides) * 2 * np.pi / sides + np.pi / 4
+    outline = np.column_stack([np.cos(ring), np.sin(ring), np.full(sides, .002)])
+    if sides == 4 and rng.random() < .6:
+        outline = outline * (rng.uniform(2, 12), rng.uniform(.1, .4), 1)
+    points = world.to_camera(spot + size / 2 * outline @ things.rotation((0, 0, 1), angle).T)
+    if points[:, 2].min() < render.NEAR:
+        return
+    basis = (points[0], points[1] - points[0], points[-1] - points[0])
+    render.polygon(world.frame, 1, points, basis, render.Surface(None, texture), True)
+
+
+def _stack(rng, placed):
+    """Puts a thing on top of the cube that was placed last."""
+    below, turn, place, scale = placed[-1]
+    top = (below.points() @ turn.T)[:, 2].max() * scale + place[2]
+    thing = pick(rng, things.MAKERS)(rng)
+    size = scale * rng.uniform(.5, 1)
+    turn = things.rotation((0, 0, 1), rng.uniform(0, 6.28))
+    rise = top - (thing.points() @ turn.T)[:, 2].min() * size
+    placed.append((thing, turn, np.array([place[0], place[1], rise]), size))
+
+
+def _spot(rng, world, taken):
+    """A free place on the ground in view: position, distance [m]; None when the search fails."""
+    frame = world.frame
+    for _ in range(20):
+        pixel = np.array([rng.uniform(-.02, 1.02) * frame.width, rng.uniform(.05, 1.05) * frame.height, 1.0])
+        inside = np.clip(pixel[:2], 0, (frame.width - 1, frame.height - 1)).astype(int)
+        if frame.ids[inside[1], inside[0]] != world.ground_id:
+            continue
+        ray = np.array([(pixel[0] - frame.centre[0]) / frame.focal, (pixel[1] - frame.centre[1]) / frame.focal, 1.0]) @ world.turn
+        if ray[2] > -0.03:
+            continue
+        scale = -world.place[2] / ray[2]
+        spot = world.place + scale * ray
+        if all(np.hypot(*(spot - other)[:2]) > radius for other, radius in taken):
+            return spot, scale
+    return None
+
+
+def _orientation(rng, thing):
+    """A resting pose turned about the vertical, seldom any pose at all."""
+    if rng.random() < 0.06:
+        return things.any_rotation(rng)
+    yaw = rng.uniform(0, 2 * np.pi)
+    if thing.label == things.CUBE and rng.random() < .2:
+        yaw = rng.normal(0, 0.06)  # one face towards the camera
+    return things.rotation((0, 0, 1), yaw) @ pick(rng, thing.rests)
+
+
+def _pixels(rng, frame):
+    """A wanted size in the picture, log-uniform from 16 px at 320 px width to 70 % of the height."""
+    low, high = 16 * frame.width / 320, 0.7 * frame.height
+    return np.exp(rng.uniform(np.log(low), np.log(high)))
+
+
+def _wanted(rng):
+    """How many things of each kind a picture gets, shuffled: list of makers."""
+    count = int(pick(rng, (0, 1, 1, 2, 2, 3, 3, 4, 5, 6, 6)))
+    makers = [pick(rng, things.MAKERS + things.MAKERS + (things.cone,)) for _ in range(count)]
+    makers += [others.other] * int(pick(rng, (0, 0, 1, 1, 2, 2, 3, 4, 6, 9)))
+    order = rng.permutation(len(makers))
+    return [makers[i] for i in order]
+
+
+def _on_ground(rng, world):
+    """Things at rest on the ground, some held in the air, with shadows first."""
+    taken, placed = [], []
+    for _ in range(int(pick(rng, (0, 0, 0, 1, 2)))):
+        found = _spot(rng, world, [])
+        if found:
+            _flat_shape(rng, world, found[0], min(_pixels(rng, world.frame) * found[1] / world.frame.focal, 2))
+    common = _pixels(rng, world.frame)
+    alike = rng.random() < .4
+    for make in _wanted(rng):
+        found = _spot(rng, world, taken)
+        if found is None:
+            continue
+        spot, distance = found
+        thing, pixels = make(rng), common * rng.uniform(.6, 1.5) if alike else _pixels(rng, world.frame)
+        if thing.label < 0:
+            pixels *= rng.uniform(1, 2)
+        scale = pixels * distance / world.frame.focal
+        scale = min(scale, 0.8 * distance)
+        turn = _orientation(rng, thing)
+        points = thing.points() @ turn.T * scale
+        lift = scale * rng.uniform(0, 2) if rng.random() < .1 else 0.0
+        place = spot + np.array([0, 0, lift - points[:, 2].min()])
+        taken.append((spot, 0.45 * scale))
+        placed.append((thing, turn, place, scale))
+        world.shade(points + place)
+        if thing.label == things.CUBE and rng.random() < .15:
+            _stack(rng, placed)
+    for thing, turn, place, scale in placed:
+        world.draw(thing, turn, place, scale)
+        if thing.label >= 0 and rng.random() < (.1 if thing.label == things.SPHERE else .04):
+            hand = others.limb(rng)
+            world.draw(hand, things.any_rotation(rng), place + rng.normal(0, .35, 3) * scale, scale * rng.uniform(1, 2))
+
+
+def _in_air(rng, world):
+    """Things in any pose before a collage."""
+    frame = world.frame
+    for make in _wanted(rng):
+        thing, distance = make(rng), rng.uniform(1, 3)
+        ray = np.array([rng.uniform(-.5, .5) * frame.width / frame.focal, rng.uniform(-.5, .5) * frame.height / frame.focal, 1])
+        place = world.place + distance * ray @ world.turn
+        turn = _orientation(rng, thing) if rng.random() < .7 else things.any_rotation(rng)
+        world.draw(thing, turn, place, _pixels(rng, frame) * distance / frame.focal)
+
+
+def make_picture(seed, size=SIZE):
+    """The picture of a seed; one seed in two sizes shows the same scene."""
+    rng = np.random.default_rng(seed)
+    pitch = np.radians(pick(rng, (rng.uniform(-3, 20), rng.uniform(5, 40), rng.uniform(20, 60), rng.uniform(50, 88))))
+    turn = look(pitch, rng.normal(0, np.radians(4)))
+    place = np.array([0, 0, np.exp(rng.uniform(np.log(.2), np.log(2.2)))])
+    world = World(rng, size, (turn, place), size[0] * rng.uniform(.65, 1.6), random_light(rng, turn))
+    if rng.random() < .72:
+        rooms.room(rng, world)
+        _on_ground(rng, world)
+    else:
+        rooms.collage(rng, world.frame)
+        _in_air(rng, world)
+    image = camera.develop(rng, world.frame.colour, world.frame.depth)
+    return world.picture(image)
