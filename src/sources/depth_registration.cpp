@@ -29,14 +29,14 @@ void DepthRegistration::splat(int x, int y, double z, cv::Mat& out) const {
   const Eigen::Vector3d last = in_color(x + 1, y + 1, z);
   if (first.z() < kNearest || last.z() < kNearest) return;
   const double mm = 500.0 * (first.z() + last.z());
-  if (mm >= std::numeric_limits<std::uint16_t>::max()) return;
+  if (mm > std::numeric_limits<std::uint16_t>::max()) return;
   const Eigen::Vector2d a = color_.project(first);
   const Eigen::Vector2d b = color_.project(last);
   const Eigen::Vector2d low = a.cwiseMin(b);
   const Eigen::Vector2d high = a.cwiseMax(b);
   if (!(high.x() > -0.5 && high.y() > -0.5 && low.x() < color_.width && low.y() < color_.height)) return;
 
-  const auto value = static_cast<std::uint16_t>(mm + 0.5);
+  const auto value = static_cast<std::uint16_t>(std::lround(mm));
   const int x0 = static_cast<int>(std::ceil(std::max(low.x(), 0.0)));
   const int y0 = static_cast<int>(std::ceil(std::max(low.y(), 0.0)));
   const int x1 = static_cast<int>(std::ceil(std::min(high.x(), static_cast<double>(color_.width))));

@@ -32,7 +32,7 @@ fs::path image_folder(const fs::path& rawlog) {
   const fs::path parent = rawlog.parent_path();
   for (const char* suffix : {"_Images", "_images", "_IMAGES"}) {
     std::error_code ignored;
-    const fs::path folder = parent / (rawlog.stem().string() + suffix);
+    fs::path folder = parent / (rawlog.stem().string() + suffix);
     if (fs::is_directory(folder, ignored)) return folder;
   }
   return parent / "Images";

@@ -63,7 +63,7 @@ class RosbagTest : public testing::Test {
   Manager manager_;
 };
 
-/// With its clock (rosbag.test sets use_sim_time) or without, it must be the same.
+/// With the clock that `rosbag play --clock` publishes or without, it must be the same. Nobody here uses simulated time.
 class RosbagClockTest : public RosbagTest, public testing::WithParamInterface<bool> {};
 
 TEST_P(RosbagClockTest, ALoopedBagIsDetectedAgainAndAgain) {

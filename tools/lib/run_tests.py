@@ -165,10 +165,8 @@ def tidy_sources():
 
 
 def tidy_runner(log):
-    """clang-tidy over the sources, half of the cores' worth at a time; header findings count too."""
-    build = WS / "build"
-    run(["ninja", "-C", str(build), "-t", "compdb"], os.devnull, 60)
-    command = ["run-clang-tidy", "-quiet", "-p", str(WS / "tidy"), "-j", JOBS, *(f"/{f}$" for f in tidy_sources())]
+    """clang-tidy over the sources; findings in our headers count too."""
+    command = ["run-clang-tidy", "-quiet", "-extra-arg=-std=c++17", "-p", str(WS / "tidy"), "-j", JOBS, *(f"/{f}$" for f in tidy_sources())]
     configure = ["cmake", "-S", str(WS / "src"), "-B", str(WS / "tidy"), "-G", "Ninja",
                  "-DCMAKE_EXPORT_COMPILE_COMMANDS=ON", "-DPYTHON_EXECUTABLE=/usr/bin/python3",
                  f"-DCATKIN_DEVEL_PREFIX={WS}/devel", "-DCATKIN_ENABLE_TESTING=OFF", "-DEXTPERFC_TESTS=OFF",
@@ -178,11 +176,6 @@ def tidy_runner(log):
     if run(configure, log, 120) != 0 or run(command, log, 1500, cwd=REPO) != 0:
         return Counts(0, 1, 0)
     return Counts(1, 0, 0)
-
-
-def openvino_options():
-    place = WS / "openvino" / "openvino" / "cmake"
-    return [f"-DOpenVINO_DIR={place}"] if place.exists() else ["-DEXTPERFC_WITH_OPENVINO=OFF"]
 
 
 def all_tests():
@@ -197,8 +190,9 @@ def all_tests():
     yield Test("style/format", "style", step_runner([["clang-format", "--dry-run", "--Werror", *own_cpp_files()]], 300))
     yield Test("core/without_ros", "core", variant_runner(
         "core", ["-DEXTPERFC_WITH_OPENVINO=OFF", "-DEXTPERFC_WITH_MRPT=OFF"]))
+    # Without OpenVINO: its thread library opens a plug-in with RTLD_DEEPBIND, which AddressSanitizer refuses.
     yield Test("sanitize/address_undefined", "sanitize", variant_runner(
-        "asan", ["-DEXTPERFC_SANITIZE=address,undefined", *openvino_options()]))
+        "asan", ["-DEXTPERFC_SANITIZE=address,undefined", "-DEXTPERFC_WITH_OPENVINO=OFF"]))
     yield Test("sanitize/thread", "sanitize", variant_runner(
         "tsan", ["-DEXTPERFC_SANITIZE=thread", "-DEXTPERFC_WITH_OPENVINO=OFF"], "latest_slot|in_order"))
     for file in sorted((REPO / "test" / "system").rglob("test_*.py")):

@@ -1,6 +1,7 @@
 """Writes a trained checkpoint as ONNX with model.yaml and manifest.json beside it."""
 import hashlib
 import json
+import warnings
 from pathlib import Path
 from types import SimpleNamespace
 
@@ -32,6 +33,7 @@ def write_onnx(checkpoint, path):
     example = torch.rand(1, 3, dataset.HEIGHT, dataset.WIDTH, generator=torch.Generator().manual_seed(0))
     with torch.no_grad():
         expected = whole(example).numpy()
+    warnings.filterwarnings('ignore', message='.*onnx:Resize.*')  # nearest by a factor of two is the same in every set
     torch.onnx.export(whole, example, str(path), opset_version=OPSET, input_names=['images'], output_names=['output'],
                       do_constant_folding=True)
     loaded = cv2.dnn.readNetFromONNX(str(path))

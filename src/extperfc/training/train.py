@@ -119,7 +119,7 @@ class Trainer:
         budget, begin = 60.0 * self.options.minutes, time.time() - self.used
         sums, mosaic, batches = np.zeros(2), MOSAICS, None
         while self.used < budget:
-            late = self.used > 0.85 * budget
+            late = self.used > 0.93 * budget
             if batches is None or (late and mosaic > 0):
                 mosaic = 0.0 if late else MOSAICS
                 samples = Samples(self.options, self.options.seed + self.step, mosaic)

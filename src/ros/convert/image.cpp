@@ -31,6 +31,15 @@ Result<void> check_layout(const sensor_msgs::Image& message, PixelFormat format)
   return {};
 }
 
+/// As cv_bridge::toCvShare, which knows every encoding but the newest one, yuv422_yuy2.
+cv_bridge::CvImageConstPtr wrap(const sensor_msgs::ImageConstPtr& message, PixelFormat format) {
+  if (format != PixelFormat::kYuv422Yuy2) return cv_bridge::toCvShare(message);
+  const cv::Mat pixels(static_cast<int>(message->height), static_cast<int>(message->width), CV_8UC2,
+                       const_cast<std::uint8_t*>(message->data.data()), message->step);  // cv::Mat knows no const
+  return {new cv_bridge::CvImage(message->header, message->encoding, pixels),
+          [message](const cv_bridge::CvImage* image) { delete image; }};
+}
+
 }  // namespace
 
 Result<SharedImage> share_image(const sensor_msgs::ImageConstPtr& message) {
@@ -42,7 +51,7 @@ Result<SharedImage> share_image(const sensor_msgs::ImageConstPtr& message) {
                     "or 16UC1 and 32FC1 for depth");
   if (auto fits = check_layout(*message, *format); !fits) return tl::unexpected(fits.error());
   try {
-    SharedImage shared{cv_bridge::toCvShare(message), {}};
+    SharedImage shared{wrap(message, *format), {}};
     const cv::Mat& mat = shared.holder->image;
     shared.view = {mat.data, mat.cols, mat.rows, mat.step[0], *format};
     return shared;

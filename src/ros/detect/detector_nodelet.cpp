@@ -68,6 +68,8 @@ class DetectorNodelet : public nodelet::Nodelet {
  private:
   using ImageEvent = ros::MessageEvent<const sensor_msgs::Image>;
   static constexpr const char* kImageTopic = "camera/color/image_raw";
+  /// More than ever wait, because the callback only stores a pointer: pictures are dropped, and counted, in one place.
+  static constexpr std::uint32_t kQueue = 20;
 
   struct Job {
     sensor_msgs::ImageConstPtr message;
@@ -166,12 +168,12 @@ void DetectorNodelet::update_subscription() {
   } else if (params_.image_transport == "raw") {
     if (!raw_subscriber_)
       raw_subscriber_ = getNodeHandle().subscribe<sensor_msgs::Image>(
-          kImageTopic, 1, boost::function<void(const ImageEvent&)>([this](const ImageEvent& event) {
+          kImageTopic, kQueue, boost::function<void(const ImageEvent&)>([this](const ImageEvent& event) {
             on_image(event.getConstMessage(), health::came_by_pointer(event));
           }));
   } else if (!decoding_subscriber_) {
     decoding_subscriber_ = transport_->subscribe(
-        kImageTopic, 1, [this](const sensor_msgs::ImageConstPtr& message) { on_image(message, false); }, {},
+        kImageTopic, kQueue, [this](const sensor_msgs::ImageConstPtr& message) { on_image(message, false); }, {},
         image_transport::TransportHints(params_.image_transport));
   }
 }
