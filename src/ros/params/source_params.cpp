@@ -24,7 +24,9 @@ std::optional<CameraModel> read_camera(ParamReader& reader) {
     reader.complain(loaded.error().message);
     return std::nullopt;
   }
-  if (camera.fx == 0.0 && camera.fy == 0.0) return std::nullopt;
+  const bool none = camera.width == 0 && camera.height == 0 && camera.fx == 0.0 && camera.fy == 0.0 &&
+                    camera.cx == 0.0 && camera.cy == 0.0;
+  if (none) return std::nullopt;
   if (auto valid = camera.validate(); !valid) {
     reader.complain(valid.error().message + " (fx, fy, cx, cy, width and height belong together)");
     return std::nullopt;

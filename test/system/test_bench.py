@@ -1,0 +1,52 @@
+"""tools/bench: every benchmark runs, in a short form, and writes the agreed JSON."""
+
+import json
+import pathlib
+import subprocess
+import tempfile
+import unittest
+
+REPO = pathlib.Path(__file__).resolve().parents[2]
+KEYS = {"case", "metric", "unit", "ours", "peer", "peer_name", "ratio", "goal", "met"}
+
+
+class Bench(unittest.TestCase):
+    def bench(self, name, *options):
+        with tempfile.TemporaryDirectory() as folder:
+            file = pathlib.Path(folder) / "result.json"
+            done = subprocess.run([REPO / "tools" / "bench", name, "--json", file, *options], capture_output=True,
+                                  text=True, timeout=300)
+            self.assertEqual(0, done.returncode, done.stdout + done.stderr)
+            result = json.loads(file.read_text())
+        self.assertEqual({"name", "machine", "rows"}, set(result))
+        self.assertEqual(name, result["name"])
+        self.assertTrue(result["rows"])
+        for row in result["rows"]:
+            self.assertEqual(KEYS, set(row), row)
+            if row["ratio"] is not None:
+                self.assertGreater(row["ratio"], 0.0, row)
+        self.assertIn(result["rows"][0]["case"], done.stdout, "the table shows what the JSON holds")
+        return result["rows"]
+
+    def test_depth(self):
+        rows = self.bench("depth", "--scenes", "10")
+        paper = [row for row in rows if row["goal"] is not None]
+        self.assertTrue(paper)
+
+    def test_transport(self):
+        rows = self.bench("transport", "--pairs", "30")
+        self.assertTrue(any("TCP" in (row["peer_name"] or "") or "TCP" in row["case"] for row in rows), rows)
+
+    def test_detect(self):
+        rows = self.bench("detect", "--frames", "10", "--threads", "1")
+        self.assertTrue(any(row["goal"] is not None for row in rows))
+
+    def test_unknown_name_is_one_clear_error(self):
+        done = subprocess.run([REPO / "tools" / "bench", "nonsense"], capture_output=True, text=True, timeout=60)
+        self.assertNotEqual(0, done.returncode)
+        self.assertIn("nonsense", done.stderr)
+        self.assertIn("detect", done.stderr)
+
+
+if __name__ == "__main__":
+    unittest.main()
