@@ -49,7 +49,8 @@ Result<cv::Mat> read_depth(const fs::path& file, double depth_scale) {
 
 class PairFolder : public Recording {
  public:
-  PairFolder(std::vector<Pair> pairs, std::optional<CameraModel> camera, RecordedPoses poses, double depth_scale)
+  PairFolder(std::vector<Pair> pairs, std::optional<CameraModel> camera, RecordedPoses poses,
+             double depth_scale)
       : pairs_(std::move(pairs)), camera_(camera), poses_(std::move(poses)), depth_scale_(depth_scale) {}
 
   [[nodiscard]] std::size_t size() const override { return pairs_.size(); }
@@ -77,7 +78,8 @@ Result<RgbdFrame> PairFolder::frame(std::size_t index) {
     return fail(ErrorCode::kInvalidArgument, pair.color.string() + " is " + size_text(*color) +
                                                  " but camera_info.yaml describes " +
                                                  size_text(camera_->width, camera_->height));
-  RgbdFrame frame{pair.stamp_s, *std::move(color), {}, poses_.at(pair.stamp_s), pair.color.filename().string()};
+  RgbdFrame frame{
+      pair.stamp_s, *std::move(color), {}, poses_.at(pair.stamp_s), pair.color.filename().string()};
   if (pair.depth.empty()) return frame;
   auto depth = read_depth(pair.depth, depth_scale_);
   if (!depth) return tl::unexpected(depth.error());

@@ -51,7 +51,8 @@ Result<RecordedPoses> RecordedPoses::load(const std::filesystem::path& file) {
     if (first == std::string::npos || line[first] == '#') continue;
     const auto pose = parse_pose(line);
     if (!pose)
-      return fail(pose.error().code, file.string() + " line " + std::to_string(number) + ": " + pose.error().message);
+      return fail(pose.error().code,
+                  file.string() + " line " + std::to_string(number) + ": " + pose.error().message);
     recorded.poses_.insert(*pose);
   }
   return recorded;

@@ -29,11 +29,15 @@ constexpr std::array<FormatInfo, 14> kFormats{{
     {PixelFormat::kDepth32M, "32FC1", 4},
 }};
 
-const FormatInfo& info(PixelFormat format) { return kFormats.at(static_cast<std::size_t>(format)); }
+const FormatInfo& info(PixelFormat format) {
+  return kFormats.at(static_cast<std::size_t>(format));
+}
 
 }  // namespace
 
-std::size_t bytes_per_pixel(PixelFormat format) { return info(format).bytes; }
+std::size_t bytes_per_pixel(PixelFormat format) {
+  return info(format).bytes;
+}
 
 std::optional<PixelFormat> pixel_format_from_encoding(std::string_view encoding) {
   if (encoding == "8UC3") return PixelFormat::kBgr8;  // what OpenCV users mean by a plain 3-channel picture
@@ -43,7 +47,9 @@ std::optional<PixelFormat> pixel_format_from_encoding(std::string_view encoding)
   return std::nullopt;
 }
 
-std::string_view encoding_of(PixelFormat format) { return info(format).encoding; }
+std::string_view encoding_of(PixelFormat format) {
+  return info(format).encoding;
+}
 
 bool is_depth(PixelFormat format) {
   return format == PixelFormat::kDepth16Mm || format == PixelFormat::kDepth32M;

@@ -17,7 +17,8 @@ class InOrder {
     return next_++;
   }
 
-  /// Waits until every earlier ticket is finished, runs `deliver` without holding a lock, and finishes the ticket.
+  /// Waits until every earlier ticket is finished, runs `deliver` without holding a lock, and finishes the
+  /// ticket.
   template <typename Deliver>
   void finish(std::uint64_t ticket, Deliver&& deliver) {
     {

@@ -12,11 +12,13 @@ namespace extperfc {
 /// A mailbox for one item in which the newest replaces an older one that still waits.
 ///
 /// Between a callback that must not block and a worker that takes its time. Replaced items are counted, never
-/// queued, so memory and latency stay bounded. Any number of threads may put() and take(); one item goes to one taker.
+/// queued, so memory and latency stay bounded. Any number of threads may put() and take(); one item goes to
+/// one taker.
 template <typename T>
 class LatestSlot {
  public:
-  /// Stores `item`. Returns true when it replaced one that nobody had taken (a drop). Does nothing after close().
+  /// Stores `item`. Returns true when it replaced one that nobody had taken (a drop). Does nothing after
+  /// close().
   bool put(T item) {
     std::optional<T> replaced;  // destroyed after the lock is released: an image may be large
     {

@@ -21,7 +21,9 @@ class Rng {
   /// True with the given probability in [0, 1].
   [[nodiscard]] bool chance(double probability) { return uniform(0.0, 1.0) < probability; }
   /// Uniform integer in [low, high], both included.
-  [[nodiscard]] int integer(int low, int high) { return std::uniform_int_distribution<int>(low, high)(engine_); }
+  [[nodiscard]] int integer(int low, int high) {
+    return std::uniform_int_distribution<int>(low, high)(engine_);
+  }
 
  private:
   std::mt19937_64 engine_;

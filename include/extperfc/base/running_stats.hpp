@@ -7,7 +7,8 @@
 
 namespace extperfc {
 
-/// Value at `fraction` in [0, 1] of the sorted samples (nearest rank); NaN when there are none. O(n), reorders `samples`.
+/// Value at `fraction` in [0, 1] of the sorted samples (nearest rank); NaN when there are none. O(n),
+/// reorders `samples`.
 [[nodiscard]] inline double percentile(std::vector<double>& samples, double fraction) {
   if (samples.empty()) return std::nan("");
   const auto rank = static_cast<std::ptrdiff_t>(

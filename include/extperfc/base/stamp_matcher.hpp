@@ -11,16 +11,17 @@ namespace extperfc {
 
 /// Pairs items of a slow stream (results) with the item of a fast stream (pictures) nearest in time.
 ///
-/// Unlike a symmetric approximate synchroniser it never waits for a later picture once one lies within the tolerance,
-/// so a pair leaves as soon as both halves are there. Both sides are bounded; what falls out unmatched is counted.
-/// One thread at a time. Stamps are nanoseconds.
+/// Unlike a symmetric approximate synchroniser it never waits for a later picture once one lies within the
+/// tolerance, so a pair leaves as soon as both halves are there. Both sides are bounded; what falls out
+/// unmatched is counted. One thread at a time. Stamps are nanoseconds.
 template <typename Slow, typename Fast>
 class StampMatcher {
  public:
   struct Limits {
     std::int64_t tolerance_ns{0};
-    std::size_t fast_kept{30};  ///< pictures remembered: delay of the slow stream x picture rate, with a margin
-    std::size_t slow_kept{5};   ///< results that wait for their picture
+    std::size_t fast_kept{
+        30};  ///< pictures remembered: delay of the slow stream x picture rate, with a margin
+    std::size_t slow_kept{5};  ///< results that wait for their picture
   };
   using Pair = std::pair<Slow, Fast>;
 
@@ -70,7 +71,9 @@ class StampMatcher {
     T item;
   };
 
-  [[nodiscard]] bool within(std::int64_t a, std::int64_t b) const { return std::llabs(a - b) <= limits_.tolerance_ns; }
+  [[nodiscard]] bool within(std::int64_t a, std::int64_t b) const {
+    return std::llabs(a - b) <= limits_.tolerance_ns;
+  }
 
   const Fast* nearest(std::int64_t stamp_ns) const {
     const Stamped<Fast>* best = nullptr;
@@ -86,7 +89,8 @@ class StampMatcher {
     ++unmatched_;
   }
 
-  /// Time that jumps back by more than a second is a bag that starts again: what is remembered belongs to another time.
+  /// Time that jumps back by more than a second is a bag that starts again: what is remembered belongs to
+  /// another time.
   void reset_if_backwards(std::int64_t stamp_ns, const std::optional<std::int64_t>& newest) {
     constexpr std::int64_t kJumpNs = 1'000'000'000;
     if (!newest || stamp_ns >= *newest - kJumpNs) return;

@@ -8,7 +8,9 @@ namespace extperfc {
 /// Wall time since construction or the last restart(), from the monotonic clock.
 class Stopwatch {
  public:
-  [[nodiscard]] double seconds() const { return std::chrono::duration<double>(Clock::now() - start_).count(); }
+  [[nodiscard]] double seconds() const {
+    return std::chrono::duration<double>(Clock::now() - start_).count();
+  }
   [[nodiscard]] double milliseconds() const { return 1e3 * seconds(); }
   void restart() { start_ = Clock::now(); }
 
@@ -17,7 +19,8 @@ class Stopwatch {
   Clock::time_point start_{Clock::now()};
 };
 
-/// CPU seconds that this process (all its threads) has used so far. Far less noisy than wall time on a shared machine.
+/// CPU seconds that this process (all its threads) has used so far. Far less noisy than wall time on a shared
+/// machine.
 [[nodiscard]] inline double process_cpu_seconds() {
   timespec t{};
   clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &t);

@@ -5,8 +5,8 @@
 
 namespace extperfc {
 
-/// Axis-aligned rectangle in pixels of the full picture; x right, y down, pixel edges (not centres), so a box around
-/// the single pixel (0, 0) is {0, 0, 1, 1}. May reach beyond the picture.
+/// Axis-aligned rectangle in pixels of the full picture; x right, y down, pixel edges (not centres), so a box
+/// around the single pixel (0, 0) is {0, 0, 1, 1}. May reach beyond the picture.
 struct Box2 {
   float x_min{0};
   float y_min{0};

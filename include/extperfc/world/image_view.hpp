@@ -14,15 +14,15 @@ enum class PixelFormat {
   kRgba8,
   kBgra8,
   kMono8,
-  kMono16,       ///< 16-bit grey, little endian
+  kMono16,  ///< 16-bit grey, little endian
   kBayerRggb8,
   kBayerBggr8,
   kBayerGbrg8,
   kBayerGrbg8,
-  kYuv422,       ///< U Y V Y, ROS "yuv422"
-  kYuv422Yuy2,   ///< Y U Y V, ROS "yuv422_yuy2"
-  kDepth16Mm,    ///< 16UC1, millimetres, 0 = no measurement
-  kDepth32M,     ///< 32FC1, metres, NaN, infinite or <= 0 = no measurement
+  kYuv422,      ///< U Y V Y, ROS "yuv422"
+  kYuv422Yuy2,  ///< Y U Y V, ROS "yuv422_yuy2"
+  kDepth16Mm,   ///< 16UC1, millimetres, 0 = no measurement
+  kDepth32M,    ///< 32FC1, metres, NaN, infinite or <= 0 = no measurement
 };
 
 /// Bytes of one pixel.
@@ -39,13 +39,15 @@ enum class PixelFormat {
 /// A picture that somebody else owns: row-major, top row first. Copying the view copies no pixels.
 struct ImageView {
   const std::uint8_t* data{nullptr};
-  int width{0};                ///< pixels
-  int height{0};               ///< pixels
-  std::size_t row_bytes{0};    ///< distance between the starts of two rows; at least width * bytes_per_pixel
+  int width{0};              ///< pixels
+  int height{0};             ///< pixels
+  std::size_t row_bytes{0};  ///< distance between the starts of two rows; at least width * bytes_per_pixel
   PixelFormat format{PixelFormat::kBgr8};
 
   [[nodiscard]] bool empty() const { return data == nullptr || width <= 0 || height <= 0; }
-  [[nodiscard]] const std::uint8_t* row(int y) const { return data + static_cast<std::size_t>(y) * row_bytes; }
+  [[nodiscard]] const std::uint8_t* row(int y) const {
+    return data + static_cast<std::size_t>(y) * row_bytes;
+  }
 };
 
 }  // namespace extperfc

@@ -14,6 +14,7 @@ WIDTH, HEIGHT, PAD = 320, 256, 114  # network input [px] and padding value
 SHARD = 100  # pictures per label file
 GENERATOR_FILES = ('textures.py', 'solids.py', 'render.py', 'things.py', 'others.py', 'camera.py', 'rooms.py', 'scenes.py')
 SPLITS = {'train': (0, 20000), 'val': (1000000, 400), 'test': (2000000, 1000)}  # first seed, pictures
+ROOMS = (3000000, 1000)  # likewise for the ordinary views of sequence.py, for evaluation only
 
 
 def default_cache():
@@ -86,12 +87,14 @@ def manifest(cache=None):
     out = {'generator': 'extperfc.training.scenes', 'version': scenes.VERSION, 'sha256': generator_sha256(),
            'sha256_of': list(GENERATOR_FILES), 'picture_size': list(scenes.SIZE), 'classes': list(scenes.CLASSES),
            'splits': {name: {'first_seed': first, 'pictures': count} for name, (first, count) in SPLITS.items()}}
-    for name, split in out['splits'].items():
+    for name, split in list(out['splits'].items()):
         entries = index(cache, name) if cache else []
         if entries:
             labels = [label for entry in entries for label in entry['labels']]
             split['pictures'] = len(entries)
             split['objects'] = {cls: labels.count(i) for i, cls in enumerate(scenes.CLASSES)}
+    digest = hashlib.sha256((Path(__file__).parent / 'sequence.py').read_bytes()).hexdigest()
+    out['splits']['rooms'] = {'first_seed': ROOMS[0], 'pictures': ROOMS[1], 'generator': 'extperfc.training.sequence', 'sha256': digest}
     return out
 
 

@@ -5,10 +5,11 @@ import time
 import cv2
 import numpy as np
 
-from . import dataset, scenes
+from . import dataset, scenes, sequence
 
 IOUS = np.round(np.arange(0.5, 1.0, 0.05), 2)
 RECALLS = np.linspace(0, 1, 101)
+VIEWS = (0.05, 0.35, 0.65, 0.95)  # places on the camera's arc
 
 
 class Detector:
@@ -87,8 +88,26 @@ def average_precision(scores, results, total):
     return float(np.mean([precision[p] if p < len(precision) else 0.0 for p in places]))
 
 
+def rows(picture):
+    """Boxes (N, 5) of a picture: class (-1: ignored), x0, y0, x1, y1."""
+    labelled = [[label] + box for label, box in zip(picture.labels, picture.boxes)]
+    return np.array(labelled + [[-1] + box for box in picture.ignored], np.float32).reshape(-1, 5)
+
+
+def rooms(count):
+    """Yields pictures and boxes of ordinary views: the scenes of tools/generate_pictures, none of them trained on."""
+    for seed in range(dataset.ROOMS[0], dataset.ROOMS[0] + (count + len(VIEWS) - 1) // len(VIEWS)):
+        scene = sequence.Scene(seed)
+        for share in VIEWS:
+            picture = scene.render(share)[0]
+            yield picture.image, rows(picture)
+
+
 def pictures(options):
     """Yields pictures and boxes (N, 5) of a split, from the cache or rendered from their seeds."""
+    if options.split == 'rooms':
+        yield from rooms(options.count or dataset.ROOMS[1])
+        return
     first, count = dataset.SPLITS[options.split]
     count = options.count or count
     if not options.no_cache:
@@ -98,8 +117,7 @@ def pictures(options):
         return
     for seed in range(first, first + count):
         picture = scenes.make_picture(seed, dataset.picture_size(options.split))
-        rows = [[label] + box for label, box in zip(picture.labels, picture.boxes)]
-        yield picture.image, np.array(rows + [[-1] + box for box in picture.ignored], np.float32).reshape(-1, 5)
+        yield picture.image, rows(picture)
 
 
 def collect(detector, source, use_ignored=True):
@@ -141,9 +159,15 @@ def summary(scores, results, totals):
 
 def run(model, options):
     """Evaluates a model file; returns the table, the threshold and the number of pictures."""
-    source = list(pictures(options))
-    table, threshold = summary(*collect(Detector(model), source))
-    return table, threshold, len(source)
+    count = 0
+
+    def counted():
+        nonlocal count
+        for item in pictures(options):
+            count += 1
+            yield item
+    table, threshold = summary(*collect(Detector(model), counted()))
+    return table, threshold, count
 
 
 def main(options):

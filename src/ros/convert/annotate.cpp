@@ -16,7 +16,8 @@ cv::Scalar color_of(int class_index) {
   const auto hue = static_cast<unsigned char>((9 + 111 * std::max(class_index, 0)) % 180);
   cv::Mat3b pixel(1, 1, cv::Vec3b(hue, 220, 255));
   cv::cvtColor(pixel, pixel, cv::COLOR_HSV2BGR);
-  return {static_cast<double>(pixel(0)[0]), static_cast<double>(pixel(0)[1]), static_cast<double>(pixel(0)[2])};
+  return {static_cast<double>(pixel(0)[0]), static_cast<double>(pixel(0)[1]),
+          static_cast<double>(pixel(0)[2])};
 }
 
 void draw(cv::Mat& canvas, const Detection& detection, const std::string& name) {
@@ -30,8 +31,8 @@ void draw(cv::Mat& canvas, const Detection& detection, const std::string& name) 
   const auto size = cv::getTextSize(text, cv::FONT_HERSHEY_SIMPLEX, kFontScale, 1, &baseline);
   const cv::Point origin(std::clamp(corner.x, 0, std::max(0, canvas.cols - size.width)),
                          std::max(corner.y - 4, size.height + 2));
-  cv::rectangle(canvas, origin + cv::Point(-1, baseline), origin + cv::Point(size.width, -size.height - 2), color,
-                cv::FILLED);
+  cv::rectangle(canvas, origin + cv::Point(-1, baseline), origin + cv::Point(size.width, -size.height - 2),
+                color, cv::FILLED);
   cv::putText(canvas, text, origin, cv::FONT_HERSHEY_SIMPLEX, kFontScale, cv::Scalar::all(0), 1, cv::LINE_AA);
 }
 

@@ -26,7 +26,8 @@ std_msgs::ColorRGBA color_of(std::int64_t class_index, float alpha) {
   return color;
 }
 
-visualization_msgs::Marker base_marker(const std_msgs::Header& header, const char* ns, int id, double lifetime_s) {
+visualization_msgs::Marker base_marker(const std_msgs::Header& header, const char* ns, int id,
+                                       double lifetime_s) {
   visualization_msgs::Marker marker;
   marker.header = header;
   marker.ns = ns;
@@ -37,8 +38,8 @@ visualization_msgs::Marker base_marker(const std_msgs::Header& header, const cha
   return marker;
 }
 
-visualization_msgs::Marker label_marker(const vision_msgs::Detection3D& object, const std::string& name, int id,
-                                        double lifetime_s) {
+visualization_msgs::Marker label_marker(const vision_msgs::Detection3D& object, const std::string& name,
+                                        int id, double lifetime_s) {
   constexpr double kTextHeightM = 0.06;
   auto marker = base_marker(object.header, "labels", id, lifetime_s);
   marker.type = visualization_msgs::Marker::TEXT_VIEW_FACING;
@@ -47,7 +48,8 @@ visualization_msgs::Marker label_marker(const vision_msgs::Detection3D& object, 
   marker.color.r = marker.color.g = marker.color.b = marker.color.a = 1.0F;
   const auto& surface = object.results.front().pose.pose.position;
   std::array<char, 96> text{};
-  std::snprintf(text.data(), text.size(), "%s %.0f %%\n%.2f m", name.c_str(), 100.0 * object.results.front().score,
+  std::snprintf(text.data(), text.size(), "%s %.0f %%\n%.2f m", name.c_str(),
+                100.0 * object.results.front().score,
                 std::sqrt(surface.x * surface.x + surface.y * surface.y + surface.z * surface.z));
   marker.text = text.data();
   return marker;
@@ -113,7 +115,8 @@ Detections from_message(const vision_msgs::Detection2DArray& message) {
 }
 
 vision_msgs::Detection3D to_message(const Detection& detection, const depth::Object3& object,
-                                    const Eigen::Isometry3d& target_T_optical, const std_msgs::Header& header) {
+                                    const Eigen::Isometry3d& target_T_optical,
+                                    const std_msgs::Header& header) {
   vision_msgs::Detection3D message;
   message.header = header;
   message.bbox.center.position = to_point(target_T_optical * object.center);
@@ -157,7 +160,8 @@ visualization_msgs::MarkerArray to_markers(const vision_msgs::Detection3DArray& 
 }
 
 std::string class_name(const std::vector<std::string>& names, std::int64_t index) {
-  if (index >= 0 && static_cast<std::size_t>(index) < names.size()) return names[static_cast<std::size_t>(index)];
+  if (index >= 0 && static_cast<std::size_t>(index) < names.size())
+    return names[static_cast<std::size_t>(index)];
   return "class " + std::to_string(index);
 }
 

@@ -14,15 +14,18 @@
 
 namespace extperfc::convert {
 
-/// vision_msgs box: centre and size in pixels, theta 0. One hypothesis each: id = class index, its pose unset.
-[[nodiscard]] vision_msgs::Detection2DArray to_message(const Detections& detections, const std_msgs::Header& header);
+/// vision_msgs box: centre and size in pixels, theta 0. One hypothesis each: id = class index, its pose
+/// unset.
+[[nodiscard]] vision_msgs::Detection2DArray to_message(const Detections& detections,
+                                                       const std_msgs::Header& header);
 
 /// Back again. Detections without a hypothesis get class -1 and score 0; the best hypothesis counts.
 [[nodiscard]] Detections from_message(const vision_msgs::Detection2DArray& message);
 
-/// One object as vision_msgs/Detection3D in the frame of `header`: bbox.center is the object's estimated centre,
-/// results[0].pose the measured surface point with the covariance of its position. Orientation is that of the optical
-/// frame: a box says nothing about the object's own. `target_T_optical` takes the object into the frame of `header`.
+/// One object as vision_msgs/Detection3D in the frame of `header`: bbox.center is the object's estimated
+/// centre, results[0].pose the measured surface point with the covariance of its position. Orientation is
+/// that of the optical frame: a box says nothing about the object's own. `target_T_optical` takes the object
+/// into the frame of `header`.
 [[nodiscard]] vision_msgs::Detection3D to_message(const Detection& detection, const depth::Object3& object,
                                                   const Eigen::Isometry3d& target_T_optical,
                                                   const std_msgs::Header& header);

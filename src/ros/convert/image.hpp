@@ -10,8 +10,8 @@
 
 namespace extperfc::convert {
 
-/// A message's pixels as the core sees them. `holder` keeps the message alive; no pixel is copied unless the message's
-/// byte order differs from this machine's (16-bit and float pictures of a big-endian sender).
+/// A message's pixels as the core sees them. `holder` keeps the message alive; no pixel is copied unless the
+/// message's byte order differs from this machine's (16-bit and float pictures of a big-endian sender).
 struct SharedImage {
   cv_bridge::CvImageConstPtr holder;
   ImageView view;
@@ -22,10 +22,12 @@ struct SharedImage {
 /// kInvalidArgument for an empty picture or fewer bytes than its size says.
 [[nodiscard]] Result<SharedImage> share_image(const sensor_msgs::ImageConstPtr& message);
 
-/// Intrinsics of a colour camera and of the depth aligned to it: K and D for raw pictures. Accepts the distortion models
-/// plumb_bob (up to 5 coefficients) and none; others only with all coefficients zero (kUnsupported).
+/// Intrinsics of a colour camera and of the depth aligned to it: K and D for raw pictures. Accepts the
+/// distortion models plumb_bob (up to 5 coefficients) and none; others only with all coefficients zero
+/// (kUnsupported).
 [[nodiscard]] Result<CameraModel> to_camera_model(const sensor_msgs::CameraInfo& info);
 
-[[nodiscard]] sensor_msgs::CameraInfo to_camera_info(const CameraModel& camera, const std_msgs::Header& header);
+[[nodiscard]] sensor_msgs::CameraInfo to_camera_info(const CameraModel& camera,
+                                                     const std_msgs::Header& header);
 
 }  // namespace extperfc::convert

@@ -18,6 +18,7 @@
 #include "extperfc/base/stamp_matcher.hpp"
 #include "extperfc/base/stopwatch.hpp"
 #include "extperfc/depth/box_depth.hpp"
+
 #include "ros/convert/detections.hpp"
 #include "ros/convert/image.hpp"
 #include "ros/health/stream_health.hpp"
@@ -30,13 +31,15 @@ namespace extperfc {
 ///
 /// Subscribes (only while somebody listens to one of the outputs):
 ///   detections                               vision_msgs/Detection2DArray
-///   camera/aligned_depth_to_color/image_raw  sensor_msgs/Image 16UC1 [mm] or 32FC1 [m], aligned to the colour picture
-///   camera/color/camera_info                 sensor_msgs/CameraInfo of the colour camera, the size of the depth picture
-///   vision_info                              vision_msgs/VisionInfo: class names for the markers
+///   camera/aligned_depth_to_color/image_raw  sensor_msgs/Image 16UC1 [mm] or 32FC1 [m], aligned to the
+///   colour picture camera/color/camera_info                 sensor_msgs/CameraInfo of the colour camera, the
+///   size of the depth picture vision_info                              vision_msgs/VisionInfo: class names
+///   for the markers
 /// Publishes:
-///   detections_3d     vision_msgs/Detection3DArray   stamp of the detections; results[0].pose is the measured surface
-///                     point with its covariance, bbox.center and bbox.size the estimated extent. Boxes without a valid
-///                     depth are left out and counted.
+///   detections_3d     vision_msgs/Detection3DArray   stamp of the detections; results[0].pose is the
+///   measured surface
+///                     point with its covariance, bbox.center and bbox.size the estimated extent. Boxes
+///                     without a valid depth are left out and counted.
 ///   objects/markers   visualization_msgs/MarkerArray
 ///   diagnostics       diagnostic_msgs/DiagnosticArray
 /// Parameters (private; unknown keys are refused):
@@ -53,7 +56,8 @@ namespace extperfc {
 ///   marker_lifetime_s   [s]                                                         1, [0, 60]
 ///   timeout_s           silence after which diagnostics warn [s]                    5, [0.1, 3600]
 /// Frames: needs optical frame -> target_frame at the picture's stamp when target_frame is set.
-/// Diagnostics: rates, latency, how pictures arrive, boxes without depth, results without a matching picture; ERROR while
+/// Diagnostics: rates, latency, how pictures arrive, boxes without depth, results without a matching picture;
+/// ERROR while
 ///   inputs do not fit together (sizes, encodings, stamps, transforms).
 /// Threads: callbacks only match stamps; one worker computes. The newest matched pair replaces a waiting one.
 class BoxDepthNodelet : public nodelet::Nodelet {
@@ -64,7 +68,8 @@ class BoxDepthNodelet : public nodelet::Nodelet {
       const std::lock_guard lock(subscription_mutex_);
       closing_ = true;  // a listener that comes or goes now must not subscribe again
     }
-    for (auto* subscriber : {&detections_subscriber_, &depth_subscriber_, &info_subscriber_, &names_subscriber_})
+    for (auto* subscriber :
+         {&detections_subscriber_, &depth_subscriber_, &info_subscriber_, &names_subscriber_})
       subscriber->shutdown();
     pairs_.close();
     if (worker_.joinable()) worker_.join();
@@ -143,7 +148,8 @@ void BoxDepthNodelet::onInit() {
     tf_buffer_ = std::make_unique<tf2_ros::Buffer>();
     tf_listener_ = std::make_unique<tf2_ros::TransformListener>(*tf_buffer_);
   }
-  updater_ = std::make_unique<diagnostic_updater::Updater>(getNodeHandle(), getPrivateNodeHandle(), getName());
+  updater_ =
+      std::make_unique<diagnostic_updater::Updater>(getNodeHandle(), getPrivateNodeHandle(), getName());
   updater_->setHardwareID("none");
   updater_->add("box_depth", this, &BoxDepthNodelet::report);
   diagnostics_timer_ =
@@ -165,10 +171,12 @@ void BoxDepthNodelet::advertise() {
 void BoxDepthNodelet::update_subscription() {
   const std::lock_guard lock(subscription_mutex_);
   if (closing_) return;
-  const bool wanted = objects_publisher_.getNumSubscribers() > 0 || markers_publisher_.getNumSubscribers() > 0;
+  const bool wanted =
+      objects_publisher_.getNumSubscribers() > 0 || markers_publisher_.getNumSubscribers() > 0;
   for (auto* input : {&detections_health_, &depth_health_, &info_health_}) input->listening(wanted);
   if (!wanted) {
-    for (auto* subscriber : {&detections_subscriber_, &depth_subscriber_, &info_subscriber_, &names_subscriber_})
+    for (auto* subscriber :
+         {&detections_subscriber_, &depth_subscriber_, &info_subscriber_, &names_subscriber_})
       subscriber->shutdown();
     return;
   }
@@ -272,22 +280,23 @@ Result<CameraModel> BoxDepthNodelet::camera_for(const ImageView& depth) {
     info = info_;
   }
   if (!info)
-    return fail(ErrorCode::kNotFound,
-                "no camera info on " + getNodeHandle().resolveName(kInfoTopic) + " yet: positions need intrinsics");
+    return fail(ErrorCode::kNotFound, "no camera info on " + getNodeHandle().resolveName(kInfoTopic) +
+                                          " yet: positions need intrinsics");
   auto camera = convert::to_camera_model(*info);
   if (camera && (camera->width != depth.width || camera->height != depth.height))
     return fail(ErrorCode::kInvalidArgument,
-                "camera info is for " + std::to_string(camera->width) + " x " + std::to_string(camera->height) +
-                    " pixels, but the depth picture has " + std::to_string(depth.width) + " x " +
-                    std::to_string(depth.height) + ": use depth aligned to colour, and the colour camera's info");
+                "camera info is for " + std::to_string(camera->width) + " x " +
+                    std::to_string(camera->height) + " pixels, but the depth picture has " +
+                    std::to_string(depth.width) + " x " + std::to_string(depth.height) +
+                    ": use depth aligned to colour, and the colour camera's info");
   return camera;
 }
 
 Result<Eigen::Isometry3d> BoxDepthNodelet::transform_at(const std_msgs::Header& header) {
   if (params_.target_frame.empty()) return Eigen::Isometry3d::Identity();
   try {
-    return tf2::transformToEigen(tf_buffer_->lookupTransform(params_.target_frame, header.frame_id, header.stamp,
-                                                             ros::Duration(params_.transform_timeout_s)));
+    return tf2::transformToEigen(tf_buffer_->lookupTransform(
+        params_.target_frame, header.frame_id, header.stamp, ros::Duration(params_.transform_timeout_s)));
   } catch (const tf2::TransformException& error) {
     return fail(ErrorCode::kNotFound, "no transform from " + header.frame_id + " to " + params_.target_frame +
                                           " at the picture's stamp; is tf published?");
@@ -307,10 +316,11 @@ void BoxDepthNodelet::report(diagnostic_updater::DiagnosticStatusWrapper& status
   status.add("boxes without depth", without_depth_);
   status.add("detections without a depth picture", matcher_->unmatched());
   if (matcher_->unmatched() > unmatched_at_report_)
-    status.mergeSummaryf(diagnostic_msgs::DiagnosticStatus::WARN,
-                         "%s has no picture within %.3f s of the stamp of some detections: are both stamped by the same "
-                         "camera driver? raise stamp_tolerance_s if so",
-                         nh.resolveName(kDepthTopic).c_str(), params_.stamp_tolerance_s);
+    status.mergeSummaryf(
+        diagnostic_msgs::DiagnosticStatus::WARN,
+        "%s has no picture within %.3f s of the stamp of some detections: are both stamped by the same "
+        "camera driver? raise stamp_tolerance_s if so",
+        nh.resolveName(kDepthTopic).c_str(), params_.stamp_tolerance_s);
   unmatched_at_report_ = matcher_->unmatched();
 }
 

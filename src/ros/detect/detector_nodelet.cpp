@@ -18,6 +18,7 @@
 #include "extperfc/base/latest_slot.hpp"
 #include "extperfc/base/stopwatch.hpp"
 #include "extperfc/detect/detector.hpp"
+
 #include "ros/convert/annotate.hpp"
 #include "ros/convert/detections.hpp"
 #include "ros/convert/image.hpp"
@@ -29,12 +30,13 @@ namespace extperfc {
 /// Finds objects in a colour picture with a neural network.
 ///
 /// Subscribes (only while somebody listens to one of the outputs):
-///   camera/color/image_raw   sensor_msgs/Image   rgb8, bgr8, rgba8, bgra8, mono8, mono16, bayer_*8, yuv422(_yuy2)
+///   camera/color/image_raw   sensor_msgs/Image   rgb8, bgr8, rgba8, bgra8, mono8, mono16, bayer_*8,
+///   yuv422(_yuy2)
 /// Publishes:
-///   detections               vision_msgs/Detection2DArray   stamp and frame of the picture; id = index into the classes
-///   detections/image         sensor_msgs/Image bgr8         picture with boxes, drawn only while somebody listens
-///   vision_info              vision_msgs/VisionInfo         latched; names the parameter that holds the class names
-///   diagnostics              diagnostic_msgs/DiagnosticArray
+///   detections               vision_msgs/Detection2DArray   stamp and frame of the picture; id = index into
+///   the classes detections/image         sensor_msgs/Image bgr8         picture with boxes, drawn only while
+///   somebody listens vision_info              vision_msgs/VisionInfo         latched; names the parameter
+///   that holds the class names diagnostics              diagnostic_msgs/DiagnosticArray
 /// Parameters (private; unknown keys are refused):
 ///   model            path of a model folder, see models/README.md   default: models/shapes of this package
 ///   backend          auto | openvino | opencv                       auto: the fastest that loads the model
@@ -48,9 +50,11 @@ namespace extperfc {
 ///   timeout_s        silence after which diagnostics warn [s]       5, [0.1, 3600]
 ///   classes          WRITTEN by the nodelet: list of class names
 /// Frames: none of its own; boxes are in pixels.
-/// Diagnostics: model, what executes, rates, work and latency percentiles, drops, how pictures arrive; WARN when the
+/// Diagnostics: model, what executes, rates, work and latency percentiles, drops, how pictures arrive; WARN
+/// when the
 ///   topic is silent, ERROR while pictures are refused.
-/// Threads: the callback only stores the picture; one worker per back-end slot. The newest picture replaces a waiting one.
+/// Threads: the callback only stores the picture; one worker per back-end slot. The newest picture replaces a
+/// waiting one.
 class DetectorNodelet : public nodelet::Nodelet {
  public:
   ~DetectorNodelet() override {
@@ -68,7 +72,8 @@ class DetectorNodelet : public nodelet::Nodelet {
  private:
   using ImageEvent = ros::MessageEvent<const sensor_msgs::Image>;
   static constexpr const char* kImageTopic = "camera/color/image_raw";
-  /// More than ever wait, because the callback only stores a pointer: pictures are dropped, and counted, in one place.
+  /// More than ever wait, because the callback only stores a pointer: pictures are dropped, and counted, in
+  /// one place.
   static constexpr std::uint32_t kQueue = 20;
 
   struct Job {
@@ -112,7 +117,8 @@ class DetectorNodelet : public nodelet::Nodelet {
 
 void DetectorNodelet::onInit() {
   load();
-  updater_ = std::make_unique<diagnostic_updater::Updater>(getNodeHandle(), getPrivateNodeHandle(), getName());
+  updater_ =
+      std::make_unique<diagnostic_updater::Updater>(getNodeHandle(), getPrivateNodeHandle(), getName());
   updater_->setHardwareID("none");
   updater_->add("detector", this, &DetectorNodelet::report);
   diagnostics_timer_ =
@@ -151,7 +157,8 @@ void DetectorNodelet::advertise() {
   info_publisher_.publish(info);
 
   transport_ = std::make_unique<image_transport::ImageTransport>(nh);
-  const std::lock_guard lock(subscription_mutex_);  // the callbacks below must not run before all of this is set
+  const std::lock_guard lock(
+      subscription_mutex_);  // the callbacks below must not run before all of this is set
   const auto changed = [this](const auto&) { update_subscription(); };
   detections_publisher_ = nh.advertise<vision_msgs::Detection2DArray>("detections", 5, changed, changed);
   annotated_publisher_ = transport_->advertise("detections/image", 5, changed, changed);
@@ -160,7 +167,8 @@ void DetectorNodelet::advertise() {
 void DetectorNodelet::update_subscription() {
   const std::lock_guard lock(subscription_mutex_);
   if (closing_) return;
-  const bool wanted = detections_publisher_.getNumSubscribers() > 0 || annotated_publisher_.getNumSubscribers() > 0;
+  const bool wanted =
+      detections_publisher_.getNumSubscribers() > 0 || annotated_publisher_.getNumSubscribers() > 0;
   input_.listening(wanted);
   if (!wanted) {
     raw_subscriber_.shutdown();
@@ -173,8 +181,8 @@ void DetectorNodelet::update_subscription() {
           }));
   } else if (!decoding_subscriber_) {
     decoding_subscriber_ = transport_->subscribe(
-        kImageTopic, kQueue, [this](const sensor_msgs::ImageConstPtr& message) { on_image(message, false); }, {},
-        image_transport::TransportHints(params_.image_transport));
+        kImageTopic, kQueue, [this](const sensor_msgs::ImageConstPtr& message) { on_image(message, false); },
+        {}, image_transport::TransportHints(params_.image_transport));
   }
 }
 

@@ -20,22 +20,27 @@ bool came_by_pointer(const ros::MessageEvent<M>& event) {
   return event.getPublisherName() == ros::this_node::getName();
 }
 
-/// Time since `stamp` [ms]. Never throws, unlike ros::Time's own difference, which a wild stamp makes overflow.
-[[nodiscard]] inline double age_ms(const ros::Time& stamp) { return 1e3 * (ros::Time::now().toSec() - stamp.toSec()); }
+/// Time since `stamp` [ms]. Never throws, unlike ros::Time's own difference, which a wild stamp makes
+/// overflow.
+[[nodiscard]] inline double age_ms(const ros::Time& stamp) {
+  return 1e3 * (ros::Time::now().toSec() - stamp.toSec());
+}
 
 /// What one input topic delivers: counted in its callback, reported in diagnostics. Thread-safe.
 class InputHealth {
  public:
   explicit InputHealth(std::string label) : label_(std::move(label)) {}
 
-  /// A message arrived. `data` is where its payload lies: the same address at both ends proves that nothing was copied.
+  /// A message arrived. `data` is where its payload lies: the same address at both ends proves that nothing
+  /// was copied.
   void received(const ros::Time& stamp, const void* data, bool by_pointer);
 
   /// Listening begins or ends; the silence that diagnostics warn of is counted from here.
   void listening(bool on);
 
   /// Adds this topic's values to `status`; WARN when listening and silent for more than `timeout_s`.
-  void report(diagnostic_updater::DiagnosticStatusWrapper& status, const std::string& topic, double timeout_s);
+  void report(diagnostic_updater::DiagnosticStatusWrapper& status, const std::string& topic,
+              double timeout_s);
 
  private:
   std::mutex mutex_;
@@ -53,10 +58,12 @@ class InputHealth {
 /// What became of the work: processed, failed, and how long it took. Thread-safe.
 class WorkHealth {
  public:
-  /// One item done. `work_ms` is the time of the work itself, `latency_ms` from the item's stamp to its publication.
+  /// One item done. `work_ms` is the time of the work itself, `latency_ms` from the item's stamp to its
+  /// publication.
   void done(double work_ms, double latency_ms);
 
-  /// One item failed. Returns true when this error is new (not the one before it), so that it is worth logging.
+  /// One item failed. Returns true when this error is new (not the one before it), so that it is worth
+  /// logging.
   bool failed(const std::string& message);
 
   /// Adds rate and times to `status`; ERROR with the message while the last item failed.

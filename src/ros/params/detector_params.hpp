@@ -12,11 +12,11 @@
 namespace extperfc::ros_params {
 
 struct DetectorParams {
-  std::filesystem::path model;         ///< model folder
+  std::filesystem::path model;  ///< model folder
   detect::InferenceOptions inference;
-  double score_threshold{-1.0};        ///< [0, 1]; negative = the model's own
+  double score_threshold{-1.0};  ///< [0, 1]; negative = the model's own
   std::string image_transport{"raw"};
-  double timeout_s{5.0};               ///< silence on the image topic after which diagnostics warn [s]
+  double timeout_s{5.0};  ///< silence on the image topic after which diagnostics warn [s]
 };
 
 /// Reads `private_handle`; every problem is reported at once.
@@ -25,7 +25,8 @@ struct DetectorParams {
 /// Class names go to `<private>/classes`, where vision_msgs/VisionInfo::database_location points.
 void store_class_names(const ros::NodeHandle& private_handle, const std::vector<std::string>& names);
 
-/// The names stored at `location`, an absolute parameter name; empty when there are none or it is no parameter name.
+/// The names stored at `location`, an absolute parameter name; empty when there are none or it is no
+/// parameter name.
 [[nodiscard]] std::vector<std::string> load_class_names(const std::string& location);
 
 }  // namespace extperfc::ros_params

@@ -68,14 +68,16 @@ void ParamReader::read_number(const std::string& key, T& value, Range<T> range) 
     return wrong_type(key, std::is_floating_point_v<T> ? "a number" : "a whole number");
   }
   if (!(given >= range.low && given <= range.high)) {  // NaN fails too
-    errors_.push_back(ns_ + "/" + key + " = " + text_of(given) + " is out of its range [" + text_of(range.low) +
-                      ", " + text_of(range.high) + "]");
+    errors_.push_back(ns_ + "/" + key + " = " + text_of(given) + " is out of its range [" +
+                      text_of(range.low) + ", " + text_of(range.high) + "]");
     return;
   }
   value = given;
 }
 
-void ParamReader::read(const std::string& key, int& value, Range<int> range) { read_number(key, value, range); }
+void ParamReader::read(const std::string& key, int& value, Range<int> range) {
+  read_number(key, value, range);
+}
 
 void ParamReader::read(const std::string& key, double& value, Range<double> range) {
   read_number(key, value, range);
@@ -83,15 +85,14 @@ void ParamReader::read(const std::string& key, double& value, Range<double> rang
 
 void ParamReader::require(const std::string& key, std::string& value, const std::string& remedy) {
   read(key, value);
-  if (given_.count(key) == 0 || value.empty())
-    errors_.push_back(ns_ + "/" + key + " is not set: " + remedy);
+  if (given_.count(key) == 0 || value.empty()) errors_.push_back(ns_ + "/" + key + " is not set: " + remedy);
 }
 
 Result<void> ParamReader::finish() {
   for (const auto& entry : given_)
     if (std::find(known_.begin(), known_.end(), entry.first) == known_.end())
-      errors_.push_back(ns_ + "/" + entry.first + " is not a parameter of this nodelet; it knows: " +
-                        join(known_, ", "));
+      errors_.push_back(ns_ + "/" + entry.first +
+                        " is not a parameter of this nodelet; it knows: " + join(known_, ", "));
   if (errors_.empty()) return {};
   return fail(ErrorCode::kInvalidArgument, join(errors_, "\n  "));
 }

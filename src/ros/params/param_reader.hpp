@@ -18,8 +18,8 @@ struct Range {
   T high;
 };
 
-/// Reads the parameters of one private namespace and collects everything that is wrong with them, so that a user sees
-/// all errors at once: wrong types, values out of range, keys that nobody reads.
+/// Reads the parameters of one private namespace and collects everything that is wrong with them, so that a
+/// user sees all errors at once: wrong types, values out of range, keys that nobody reads.
 class ParamReader {
  public:
   explicit ParamReader(const ros::NodeHandle& private_handle);

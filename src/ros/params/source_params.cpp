@@ -1,6 +1,7 @@
 #include "ros/params/source_params.hpp"
 
 #include "extperfc/sources/recording.hpp"
+
 #include "ros/params/param_reader.hpp"
 
 namespace extperfc::ros_params {

@@ -1,6 +1,7 @@
 #include <pluginlib/class_list_macros.hpp>
 
 #include "extperfc/sources/recording.hpp"
+
 #include "ros/sources/source_nodelet.hpp"
 
 namespace extperfc {
@@ -14,11 +15,10 @@ namespace extperfc {
 ///   loop                 start again at the end                                       true
 ///   wait_for_subscriber  begin when somebody listens                                  true
 ///   recorded_stamps      stamps of the recording instead of the time of publishing    false
-///   depth_scale          units per metre of the depth files                           1000 (millimetres; TUM: 5000)
-///   frame_id             optical frame                                                camera_color_optical_frame
-///   world_frame          frame of recorded camera poses (groundtruth.txt)             map
-///   camera_info          calibration file; else the folder's camera_info.yaml         ""
-///   width height fx fy cx cy   intrinsics [px] instead of a file                      none
+///   depth_scale          units per metre of the depth files                           1000 (millimetres;
+///   TUM: 5000) frame_id             optical frame camera_color_optical_frame world_frame          frame of
+///   recorded camera poses (groundtruth.txt)             map camera_info          calibration file; else the
+///   folder's camera_info.yaml         "" width height fx fy cx cy   intrinsics [px] instead of a file none
 class ImagePairSourceNodelet : public SourceNodelet {
   Result<std::unique_ptr<sources::Recording>> open(const ros_params::SourceParams& params) override {
     return sources::open_pair_folder(params.path, params.depth_scale);

@@ -1,6 +1,7 @@
 #include <pluginlib/class_list_macros.hpp>
 
 #include "extperfc/sources/recording.hpp"
+
 #include "ros/sources/source_nodelet.hpp"
 
 namespace extperfc {
@@ -8,8 +9,8 @@ namespace extperfc {
 /// Plays the RGB-D observations of an MRPT rawlog.
 ///
 /// Publishes: see RecordingPlayer; diagnostics.
-/// Parameters: those of extperfc/image_pair_source; `path` is the rawlog file, `depth_scale` is not used, and the
-/// rawlog's own intrinsics count unless others are given.
+/// Parameters: those of extperfc/image_pair_source; `path` is the rawlog file, `depth_scale` is not used, and
+/// the rawlog's own intrinsics count unless others are given.
 class RawlogSourceNodelet : public SourceNodelet {
   Result<std::unique_ptr<sources::Recording>> open(const ros_params::SourceParams& params) override {
     return sources::open_rawlog(params.path);

@@ -17,8 +17,8 @@ namespace extperfc {
 
 namespace {
 
-/// Intrinsics for a recording that brings none: the nominal focal length of a PrimeSense/Kinect v1 class camera, 525 px
-/// at 640 pixels width, and the picture's middle.
+/// Intrinsics for a recording that brings none: the nominal focal length of a PrimeSense/Kinect v1 class
+/// camera, 525 px at 640 pixels width, and the picture's middle.
 CameraModel assumed_camera(int width, int height) {
   const double focal_px = 525.0 / 640.0 * width;
   return {width, height, focal_px, focal_px, 0.5 * (width - 1), 0.5 * (height - 1), {}};
@@ -27,13 +27,14 @@ CameraModel assumed_camera(int width, int height) {
 sensor_msgs::ImagePtr to_message(const cv::Mat& image) {
   namespace enc = sensor_msgs::image_encodings;
   if (image.empty()) return nullptr;
-  const std::string encoding = image.type() == CV_16UC1 ? enc::TYPE_16UC1
+  const std::string encoding = image.type() == CV_16UC1  ? enc::TYPE_16UC1
                                : image.type() == CV_8UC1 ? enc::MONO8
                                                          : enc::BGR8;
   return cv_bridge::CvImage(std_msgs::Header(), encoding, image).toImageMsg();
 }
 
-void add_last(diagnostic_updater::DiagnosticStatusWrapper& status, const char* key, const sensor_msgs::ImagePtr& image) {
+void add_last(diagnostic_updater::DiagnosticStatusWrapper& status, const char* key,
+              const sensor_msgs::ImagePtr& image) {
   if (!image) return;
   const auto& stamp = image->header.stamp;
   status.addf(key, "%u.%09u @ %p", stamp.sec, stamp.nsec, static_cast<const void*>(image->data.data()));
@@ -48,7 +49,8 @@ RecordingPlayer::RecordingPlayer(ros::NodeHandle handle, ros_params::SourceParam
   color_publisher_ = handle.advertise<sensor_msgs::Image>("camera/color/image_raw", 2);
   color_info_publisher_ = handle.advertise<sensor_msgs::CameraInfo>("camera/color/camera_info", 2);
   depth_publisher_ = handle.advertise<sensor_msgs::Image>("camera/aligned_depth_to_color/image_raw", 2);
-  depth_info_publisher_ = handle.advertise<sensor_msgs::CameraInfo>("camera/aligned_depth_to_color/camera_info", 2);
+  depth_info_publisher_ =
+      handle.advertise<sensor_msgs::CameraInfo>("camera/aligned_depth_to_color/camera_info", 2);
   thread_ = std::thread([this] { play(); });
 }
 
@@ -87,7 +89,8 @@ bool RecordingPlayer::wait_for_listener() {
   if (!params_.wait_for_subscriber) return !stopping_;
   while (!listened())
     if (!sleep_until(ros::WallTime::now() + ros::WallDuration(0.05))) return false;
-  // One listener rarely comes alone: the others of its pipeline connect within a moment and want the first frame too.
+  // One listener rarely comes alone: the others of its pipeline connect within a moment and want the first
+  // frame too.
   return sleep_until(ros::WallTime::now() + ros::WallDuration(0.5));
 }
 
@@ -104,7 +107,8 @@ std::optional<RecordingPlayer::Messages> RecordingPlayer::read(std::size_t index
     return std::nullopt;
   }
   Messages messages{to_message(frame->color), to_message(frame->depth), std::nullopt, frame->stamp_s};
-  if (frame->world_T_optical) messages.world_T_optical = tf2::eigenToTransform(*frame->world_T_optical).transform;
+  if (frame->world_T_optical)
+    messages.world_T_optical = tf2::eigenToTransform(*frame->world_T_optical).transform;
   return messages;
 }
 
@@ -113,15 +117,17 @@ double RecordingPlayer::period_to(const Messages& previous, const Messages& next
   constexpr double kLongestPauseS = 10.0;
   if (params_.rate_hz > 0.0) return 1.0 / params_.rate_hz;
   const double recorded_s = next.recorded_s - previous.recorded_s;
-  return recorded_s > 0.0 && recorded_s < kLongestPauseS ? recorded_s : kDefaultPeriodS;  // else: the loop's seam
+  return recorded_s > 0.0 && recorded_s < kLongestPauseS ? recorded_s
+                                                         : kDefaultPeriodS;  // else: the loop's seam
 }
 
 CameraModel RecordingPlayer::camera_of(const sensor_msgs::Image& image) {
   if (!camera_) {
     camera_ = assumed_camera(static_cast<int>(image.width), static_cast<int>(image.height));
-    ROS_WARN("%s brings no intrinsics: assuming fx = fy = %.1f px; positions are approximate until you give a "
-             "camera_info file",
-             params_.path.c_str(), camera_->fx);
+    ROS_WARN(
+        "%s brings no intrinsics: assuming fx = fy = %.1f px; positions are approximate until you give a "
+        "camera_info file",
+        params_.path.c_str(), camera_->fx);
   }
   return *camera_;
 }
@@ -140,7 +146,8 @@ void RecordingPlayer::publish(const Messages& messages) {
     transform.transform = *messages.world_T_optical;
     tf_broadcaster_.sendTransform(transform);
   }
-  const auto info = boost::make_shared<sensor_msgs::CameraInfo>(convert::to_camera_info(camera_of(*sample), header));
+  const auto info =
+      boost::make_shared<sensor_msgs::CameraInfo>(convert::to_camera_info(camera_of(*sample), header));
   color_info_publisher_.publish(info);
   depth_info_publisher_.publish(info);
   if (messages.depth) {  // before colour, so that it waits for the detections and not they for it

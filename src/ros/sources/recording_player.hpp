@@ -15,19 +15,21 @@
 
 #include "extperfc/base/latest_slot.hpp"
 #include "extperfc/sources/recording.hpp"
+
 #include "ros/params/source_params.hpp"
 
 namespace extperfc {
 
-/// Plays a recording as an RGB-D camera would publish it; shared by the nodelets that differ only in what they open.
+/// Plays a recording as an RGB-D camera would publish it; shared by the nodelets that differ only in what
+/// they open.
 ///
 /// Publishes:
 ///   camera/color/image_raw, camera/color/camera_info
 ///   camera/aligned_depth_to_color/image_raw (16UC1 [mm]), camera/aligned_depth_to_color/camera_info
 ///   tf: world_frame -> frame_id at the same stamp, when the recording knows where the camera was
-/// All of them carry one stamp. Pictures travel as pointers inside one manager; `color last` and `depth last` in diagnostics
-/// are stamp and address of what was published, which every subscriber in the manager reports too.
-/// Threads: one that reads ahead by one frame and keeps the rate.
+/// All of them carry one stamp. Pictures travel as pointers inside one manager; `color last` and `depth last`
+/// in diagnostics are stamp and address of what was published, which every subscriber in the manager reports
+/// too. Threads: one that reads ahead by one frame and keeps the rate.
 class RecordingPlayer {
  public:
   RecordingPlayer(ros::NodeHandle handle, ros_params::SourceParams params,

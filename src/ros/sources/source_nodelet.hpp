@@ -14,7 +14,8 @@ namespace extperfc {
 /// What the nodelets that play recordings share: load parameters, open, play, report.
 class SourceNodelet : public nodelet::Nodelet {
  protected:
-  [[nodiscard]] virtual Result<std::unique_ptr<sources::Recording>> open(const ros_params::SourceParams& params) = 0;
+  [[nodiscard]] virtual Result<std::unique_ptr<sources::Recording>> open(
+      const ros_params::SourceParams& params) = 0;
 
  private:
   void onInit() override {
@@ -24,10 +25,13 @@ class SourceNodelet : public nodelet::Nodelet {
     if (!recording) give_up(recording.error());
     NODELET_INFO("%s: %zu frames", params->path.c_str(), (*recording)->size());
     player_ = std::make_unique<RecordingPlayer>(getNodeHandle(), *params, std::move(*recording));
-    updater_ = std::make_unique<diagnostic_updater::Updater>(getNodeHandle(), getPrivateNodeHandle(), getName());
+    updater_ =
+        std::make_unique<diagnostic_updater::Updater>(getNodeHandle(), getPrivateNodeHandle(), getName());
     updater_->setHardwareID("none");
-    updater_->add("source", [this](diagnostic_updater::DiagnosticStatusWrapper& status) { player_->report(status); });
-    timer_ = getNodeHandle().createWallTimer(ros::WallDuration(0.2), [this](const auto&) { updater_->update(); });
+    updater_->add("source",
+                  [this](diagnostic_updater::DiagnosticStatusWrapper& status) { player_->report(status); });
+    timer_ =
+        getNodeHandle().createWallTimer(ros::WallDuration(0.2), [this](const auto&) { updater_->update(); });
   }
 
   [[noreturn]] void give_up(const Error& error) {

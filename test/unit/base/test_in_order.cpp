@@ -1,9 +1,9 @@
-#include "extperfc/base/in_order.hpp"
-
 #include <thread>
 #include <vector>
 
 #include <gtest/gtest.h>
+
+#include "extperfc/base/in_order.hpp"
 
 namespace extperfc {
 namespace {

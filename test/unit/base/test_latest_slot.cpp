@@ -1,10 +1,10 @@
-#include "extperfc/base/latest_slot.hpp"
-
 #include <memory>
 #include <thread>
 #include <vector>
 
 #include <gtest/gtest.h>
+
+#include "extperfc/base/latest_slot.hpp"
 
 namespace extperfc {
 namespace {

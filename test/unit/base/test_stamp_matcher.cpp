@@ -1,8 +1,8 @@
-#include "extperfc/base/stamp_matcher.hpp"
-
 #include <string>
 
 #include <gtest/gtest.h>
+
+#include "extperfc/base/stamp_matcher.hpp"
 
 namespace extperfc {
 namespace {

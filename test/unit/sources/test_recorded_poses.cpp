@@ -1,10 +1,10 @@
-#include "sources/recorded_poses.hpp"
-
 #include <filesystem>
 #include <fstream>
 #include <string>
 
 #include <gtest/gtest.h>
+
+#include "sources/recorded_poses.hpp"
 
 namespace extperfc::sources {
 namespace {
@@ -17,8 +17,8 @@ std::filesystem::path write_poses(const std::string& text) {
 
 TEST(RecordedPoses, ExactInterpolatedAndOutside) {
   // A quarter turn about z while moving 1 m along x.
-  const auto poses = RecordedPoses::load(
-      write_poses("# comment\n10.0 0 0 1 0 0 0 1\n10.2 1 0 1 0 0 0.70710678 0.70710678\n20.0 5 0 1 0 0 0 1\n"));
+  const auto poses = RecordedPoses::load(write_poses(
+      "# comment\n10.0 0 0 1 0 0 0 1\n10.2 1 0 1 0 0 0.70710678 0.70710678\n20.0 5 0 1 0 0 0 1\n"));
   ASSERT_TRUE(poses);
   EXPECT_TRUE(poses->at(10.2)->translation().isApprox(Eigen::Vector3d(1, 0, 1)));
   const auto middle = poses->at(10.1);

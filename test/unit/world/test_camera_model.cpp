@@ -1,15 +1,16 @@
-#include "extperfc/world/camera_model.hpp"
-
 #include <cmath>
 
 #include <gtest/gtest.h>
 
 #include "extperfc/base/rng.hpp"
+#include "extperfc/world/camera_model.hpp"
 
 namespace extperfc {
 namespace {
 
-CameraModel kinect() { return {640, 480, 518.0, 519.0, 325.5, 253.5, {}}; }
+CameraModel kinect() {
+  return {640, 480, 518.0, 519.0, 325.5, 253.5, {}};
+}
 
 TEST(CameraModel, PrincipalPointLooksStraightAhead) {
   const auto p = kinect().back_project(325.5, 253.5, 2.0);

@@ -1,8 +1,7 @@
-#include "extperfc/world/image_view.hpp"
-
 #include <gtest/gtest.h>
 
 #include "extperfc/world/detection.hpp"
+#include "extperfc/world/image_view.hpp"
 
 namespace extperfc {
 namespace {
@@ -15,7 +14,9 @@ TEST(PixelFormat, EncodingAndBackIsTheSame) {
   }
 }
 
-TEST(PixelFormat, UnknownEncodingIsNothing) { EXPECT_EQ(pixel_format_from_encoding("jpeg"), std::nullopt); }
+TEST(PixelFormat, UnknownEncodingIsNothing) {
+  EXPECT_EQ(pixel_format_from_encoding("jpeg"), std::nullopt);
+}
 
 TEST(Box2, IntersectionOverUnion) {
   const Box2 a{0, 0, 10, 10};
