@@ -47,8 +47,8 @@ class BoxDepthTest : public testing::Test {
   void load(const Params& params = {}) {
     ASSERT_TRUE(manager_.load("/box_depth", "box_depth", params)) << log_.text();
     ASSERT_TRUE(wait_for([this] {
-      return detections_.getNumSubscribers() > 0 && depth_.getNumSubscribers() > 0 && info_.getNumSubscribers() > 0 &&
-             objects_.connected();
+      return detections_.getNumSubscribers() > 0 && depth_.getNumSubscribers() > 0 &&
+             info_.getNumSubscribers() > 0 && objects_.connected();
     }));
   }
 
@@ -56,7 +56,8 @@ class BoxDepthTest : public testing::Test {
   void send_info(const sensor_msgs::CameraInfoConstPtr& info) const {
     const long before = std::max(0L, diagnostics_.latest().number("camera info received"));
     info_.publish(info);
-    ASSERT_TRUE(diagnostics_.wait_latest([&](const Report& r) { return r.number("camera info received") > before; }));
+    ASSERT_TRUE(
+        diagnostics_.wait_latest([&](const Report& r) { return r.number("camera info received") > before; }));
   }
 
   /// One box before a wall at 3 m. Null when no result comes.

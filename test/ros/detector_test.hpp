@@ -44,7 +44,8 @@ class ListeningDetectorTest : public DetectorTest {
   }
 
   /// What the detector makes of a picture; null when it does not answer.
-  [[nodiscard]] vision_msgs::Detection2DArrayConstPtr answer_to(const sensor_msgs::ImageConstPtr& picture) const {
+  [[nodiscard]] vision_msgs::Detection2DArrayConstPtr answer_to(
+      const sensor_msgs::ImageConstPtr& picture) const {
     send(picture);
     return detections_.wait_for_stamp(picture->header.stamp);
   }

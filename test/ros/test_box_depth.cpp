@@ -12,7 +12,8 @@
 namespace extperfc::ros_test {
 namespace {
 
-// The middle of kSquare, (120, 90) in edges and (119.5, 89.5) in pixel centres, seen by the camera of camera_info().
+// The middle of kSquare, (120, 90) in edges and (119.5, 89.5) in pixel centres, seen by the camera of
+// camera_info().
 constexpr double kRayX = (119.5 - 159.5) / kFocalPx;
 constexpr double kRayY = (89.5 - 119.5) / kFocalPx;
 constexpr double kBoxM = 1.5;

@@ -4,8 +4,9 @@
 #include <ros/param.h>
 #include <vision_msgs/VisionInfo.h>
 
-#include "detector_test.hpp"
 #include "extperfc/detect/inference.hpp"
+
+#include "detector_test.hpp"
 
 namespace extperfc::ros_test {
 namespace {
@@ -37,10 +38,11 @@ TEST_F(ListeningDetectorTest, AnnotatesOnlyOnDemand) {
   sensor_msgs::ImageConstPtr annotated;
   const auto original = to_image(draw_square(kRed), "bgr8", ros::Time(11, 0));
   const auto before = original->data;
-  ASSERT_TRUE(wait_for([&] {  // the detector learns of its viewer a moment later than the viewer of the detector
-    send(original);
-    return viewer.count() > 0;
-  }));
+  ASSERT_TRUE(
+      wait_for([&] {  // the detector learns of its viewer a moment later than the viewer of the detector
+        send(original);
+        return viewer.count() > 0;
+      }));
   annotated = viewer.all().front();
   EXPECT_EQ(annotated->header.stamp, ros::Time(11, 0)) << "the picture of before was drawn for nobody";
   EXPECT_EQ(annotated->header.frame_id, kFrame);

@@ -9,14 +9,17 @@ struct Encoding {
   int expected_class;
 };
 
-void PrintTo(const Encoding& encoding, std::ostream* out) { *out << encoding.name; }
+void PrintTo(const Encoding& encoding, std::ostream* out) {
+  *out << encoding.name;
+}
 
 class EncodingTest : public ListeningDetectorTest, public testing::WithParamInterface<Encoding> {};
 
 TEST_P(EncodingTest, TheSquareIsFoundWithItsColour) {
   load_and_listen();
   const bool grey = GetParam().expected_class == kClassWhite;
-  const auto answer = answer_to(to_image(draw_square(grey ? kWhite : kRed), GetParam().name, ros::Time(5, 6)));
+  const auto answer =
+      answer_to(to_image(draw_square(grey ? kWhite : kRed), GetParam().name, ros::Time(5, 6)));
   ASSERT_TRUE(answer);
   EXPECT_EQ(answer->header.stamp, ros::Time(5, 6));
   EXPECT_EQ(answer->header.frame_id, kFrame);
@@ -47,9 +50,11 @@ INSTANTIATE_TEST_SUITE_P(All, EncodingTest,
                          testing::Values(Encoding{"rgb8", kClassRed}, Encoding{"bgr8", kClassRed},
                                          Encoding{"rgba8", kClassRed}, Encoding{"bgra8", kClassRed},
                                          Encoding{"mono8", kClassWhite}, Encoding{"mono16", kClassWhite},
-                                         Encoding{"bayer_rggb8", kClassRed}, Encoding{"bayer_bggr8", kClassRed},
-                                         Encoding{"bayer_gbrg8", kClassRed}, Encoding{"bayer_grbg8", kClassRed},
-                                         Encoding{"yuv422", kClassRed}, Encoding{"yuv422_yuy2", kClassRed}),
+                                         Encoding{"bayer_rggb8", kClassRed},
+                                         Encoding{"bayer_bggr8", kClassRed},
+                                         Encoding{"bayer_gbrg8", kClassRed},
+                                         Encoding{"bayer_grbg8", kClassRed}, Encoding{"yuv422", kClassRed},
+                                         Encoding{"yuv422_yuy2", kClassRed}),
                          [](const auto& test) { return std::string(test.param.name); });
 
 /// A picture that cannot be read, and what must be said about it.
@@ -59,7 +64,9 @@ struct Fault {
   const char* complaint;
 };
 
-void PrintTo(const Fault& fault, std::ostream* out) { *out << fault.name; }
+void PrintTo(const Fault& fault, std::ostream* out) {
+  *out << fault.name;
+}
 
 class FaultTest : public ListeningDetectorTest, public testing::WithParamInterface<Fault> {};
 
@@ -79,7 +86,8 @@ TEST_P(FaultTest, IsNamedOnceAndTheNextGoodPictureIsFound) {
   const auto answer = answer_to(to_image(draw_square(kRed), "rgb8", ros::Time(100, 0)));
   ASSERT_TRUE(answer) << "the detector must go on";
   EXPECT_EQ(answer->detections.size(), 1U);
-  EXPECT_TRUE(diagnostics_.wait([](const Report& r) { return r.number("processed") == 1 && r.level() == 0; }));
+  EXPECT_TRUE(
+      diagnostics_.wait([](const Report& r) { return r.number("processed") == 1 && r.level() == 0; }));
   EXPECT_EQ(detections_.count(), 1U) << "nothing is published for a picture that cannot be read";
   EXPECT_EQ(log_.count(GetParam().complaint), 1U) << log_.text();
 }

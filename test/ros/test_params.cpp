@@ -1,4 +1,5 @@
-// Parameters of the nodelets: defaults, types, ranges, unknown keys, and that every shipped configuration loads.
+// Parameters of the nodelets: defaults, types, ranges, unknown keys, and that every shipped configuration
+// loads.
 #include <filesystem>
 #include <vector>
 
@@ -24,7 +25,9 @@ class ParamsTest : public testing::Test {
   ParamsTest() { (void)ros::param::del(kNs); }
 
   template <typename T>
-  static void set(const std::string& key, const T& value) { ros::param::set(std::string(kNs) + "/" + key, value); }
+  static void set(const std::string& key, const T& value) {
+    ros::param::set(std::string(kNs) + "/" + key, value);
+  }
 
   [[nodiscard]] static ros::NodeHandle handle() { return ros::NodeHandle(kNs); }
 
@@ -111,8 +114,9 @@ TEST_F(ParamsTest, EveryProblemHasItsLine) {
        {"/nodelet_under_test/whole must be a whole number, but is '1.5'",
         "/nodelet_under_test/number must be a number, but is 'much'",
         "/nodelet_under_test/flag must be true or false, but is '1'",
-        "/nodelet_under_test/text must be a text, but is '1'", "/nodelet_under_test/path is not set: name a folder",
-        "these do not fit together", "/nodelet_under_test/typo is not a parameter of this nodelet; it knows:"})
+        "/nodelet_under_test/text must be a text, but is '1'",
+        "/nodelet_under_test/path is not set: name a folder", "these do not fit together",
+        "/nodelet_under_test/typo is not a parameter of this nodelet; it knows:"})
     EXPECT_NE(message.find(expected), std::string::npos) << expected << "\nis not in\n" << message;
   EXPECT_EQ(std::count(message.begin(), message.end(), '\n'), 6) << message;
 }
@@ -126,8 +130,8 @@ TEST_F(ParamsTest, ClassNamesComeBackFromWhereTheyWereStored) {
 
 TEST_F(ParamsTest, ClassNamesThatAreNotThereAreNone) {
   set("number", 1);
-  for (const char* location : {"", "/no/such/parameter", "/nodelet_under_test/number", "https://example.org/a b.json",
-                               "C:\\names", "~", "/", "5"})
+  for (const char* location : {"", "/no/such/parameter", "/nodelet_under_test/number",
+                               "https://example.org/a b.json", "C:\\names", "~", "/", "5"})
     EXPECT_TRUE(load_class_names(location).empty()) << location;
 }
 
@@ -137,7 +141,8 @@ TEST_F(ParamsTest, CameraIsAllOrNothing) {
   set("fx", 500.0);
   const auto incomplete = load_source_params(handle());
   ASSERT_FALSE(incomplete);
-  EXPECT_NE(incomplete.error().message.find("belong together"), std::string::npos) << incomplete.error().message;
+  EXPECT_NE(incomplete.error().message.find("belong together"), std::string::npos)
+      << incomplete.error().message;
   set("fy", 501.0);
   set("cx", 320.0);
   set("cy", 240.0);

@@ -27,10 +27,13 @@ class RosbagTest : public testing::Test {
   /// Plays a recording with its own stamps to `rosbag record`, which ends by itself.
   void record() {
     write_tum_recording(folder_.path(), kFrames);
-    ChildProcess recorder({"rosbag", "record", "-O", bag(), "-l", std::to_string(kFrames), kColor, kDepth, kInfo});
+    ChildProcess recorder(
+        {"rosbag", "record", "-O", bag(), "-l", std::to_string(kFrames), kColor, kDepth, kInfo});
     Manager manager;
     ASSERT_TRUE(manager.load("/source", "image_pair_source",
-                             {{"path", folder_.path().string()}, {"rate_hz", 10.0}, {"recorded_stamps", true},
+                             {{"path", folder_.path().string()},
+                              {"rate_hz", 10.0},
+                              {"recorded_stamps", true},
                               {"depth_scale", 5000.0}}));
     ASSERT_EQ(recorder.wait_for_end(), 0);
   }
@@ -63,7 +66,8 @@ class RosbagTest : public testing::Test {
   Manager manager_;
 };
 
-/// With the clock that `rosbag play --clock` publishes or without, it must be the same. Nobody here uses simulated time.
+/// With the clock that `rosbag play --clock` publishes or without, it must be the same. Nobody here uses
+/// simulated time.
 class RosbagClockTest : public RosbagTest, public testing::WithParamInterface<bool> {};
 
 TEST_P(RosbagClockTest, ALoopedBagIsDetectedAgainAndAgain) {
@@ -73,8 +77,8 @@ TEST_P(RosbagClockTest, ALoopedBagIsDetectedAgainAndAgain) {
   if (GetParam()) command.emplace_back("--clock");
   ChildProcess player(command);
   ASSERT_TRUE(wait_for([this] { return rounds() >= 2; }))
-      << objects_.count() << " results; player runs: " << player.running() << "\n" << log_.text()
-      << depth_.latest().message();
+      << objects_.count() << " results; player runs: " << player.running() << "\n"
+      << log_.text() << depth_.latest().message();
   std::set<double> stamps;
   for (const auto& message : objects_.all()) {
     const double stamp_s = message->header.stamp.toSec();

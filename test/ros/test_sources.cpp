@@ -8,6 +8,7 @@
 #include <sensor_msgs/Image.h>
 
 #include "extperfc/sources/recording.hpp"
+
 #include "inbox.hpp"
 #include "manager.hpp"
 #include "pictures.hpp"
@@ -134,7 +135,8 @@ TEST_F(SourceTest, AnUnreadablePictureIsNamedAndPassedOver) {
   write_recording(folder_.path(), 3);
   std::filesystem::resize_file(folder_.path() / "rgb" / "1.png", 20);
   load({});
-  EXPECT_TRUE(diagnostics_.wait([](const Report& r) { return r.is_warning_about("1 frames could not be read"); }));
+  EXPECT_TRUE(
+      diagnostics_.wait([](const Report& r) { return r.is_warning_about("1 frames could not be read"); }));
   EXPECT_TRUE(log_.wait("1.png")) << log_.text();
   ASSERT_TRUE(color_.wait_for_count(2));
   EXPECT_TRUE(never([this] { return color_.count() > 2; }, 0.3));
@@ -201,7 +203,8 @@ TEST(SourceWithoutListener, WaitsForOne) {
 
 TEST_F(SourceTest, RawlogIsPlayed) {
   if (!std::filesystem::exists(kRgbdRawlog)) GTEST_SKIP() << "no " << kRgbdRawlog << ": install mrpt-common";
-  if (const auto opened = sources::open_rawlog(kRgbdRawlog); !opened && opened.error().code == ErrorCode::kUnsupported)
+  if (const auto opened = sources::open_rawlog(kRgbdRawlog);
+      !opened && opened.error().code == ErrorCode::kUnsupported)
     GTEST_SKIP() << opened.error().message;
   load({{"path", kRgbdRawlog}, {"loop", true}}, "rawlog_source");
   ASSERT_TRUE(color_.wait_for_count(3)) << log_.text();
@@ -215,7 +218,8 @@ TEST_F(SourceTest, RawlogIsPlayed) {
   EXPECT_EQ(info->width, color->width);
   EXPECT_GT(info->K[0], 0.0);
   const auto pixels = cv_bridge::toCvShare(depth, "16UC1")->image;
-  EXPECT_GT(cv::countNonZero(pixels), 0.1 * static_cast<double>(pixels.total())) << "depth must have measurements";
+  EXPECT_GT(cv::countNonZero(pixels), 0.1 * static_cast<double>(pixels.total()))
+      << "depth must have measurements";
 }
 
 TEST_F(SourceTest, ARawlogThatIsNoneIsRefused) {

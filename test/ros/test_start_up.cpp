@@ -8,6 +8,7 @@
 #include <ros/service.h>
 
 #include "extperfc/detect/inference.hpp"
+
 #include "manager.hpp"
 #include "recording.hpp"
 #include "temporary_folder.hpp"
@@ -23,8 +24,10 @@ class StartUpTest : public testing::Test {
   /// The nodelet refuses, and one message has all of these texts.
   void expect_refusal(const std::string& type, const Params& params, const std::vector<std::string>& texts) {
     EXPECT_FALSE(manager_.load("/victim", type, params));
-    ASSERT_TRUE(log_.wait(texts.front())) << "no message with '" << texts.front() << "', but:\n" << log_.text();
-    for (const auto& text : texts) EXPECT_NE(log_.text().find(text), std::string::npos) << text << "\n" << log_.text();
+    ASSERT_TRUE(log_.wait(texts.front())) << "no message with '" << texts.front() << "', but:\n"
+                                          << log_.text();
+    for (const auto& text : texts)
+      EXPECT_NE(log_.text().find(text), std::string::npos) << text << "\n" << log_.text();
     EXPECT_EQ(log_.count(texts.front()), 1U) << "once is enough:\n" << log_.text();
   }
 
@@ -57,13 +60,15 @@ TEST_F(StartUpTest, ModelFolderIsMissing) {
 }
 
 TEST_F(StartUpTest, ModelFolderIsEmpty) {
-  expect_refusal("detector", {{"model", folder_.path().string()}}, {"has neither model.yaml nor an ONNX file"});
+  expect_refusal("detector", {{"model", folder_.path().string()}},
+                 {"has neither model.yaml nor an ONNX file"});
 }
 
 TEST_F(StartUpTest, ChecksumIsWrong) {
   const auto model = copy_of_model();
   std::ofstream(model / "square.onnx", std::ios::app) << "x";
-  expect_refusal("detector", {{"model", model.string()}}, {"sha256: square.onnx has", "fetch the file again"});
+  expect_refusal("detector", {{"model", model.string()}},
+                 {"sha256: square.onnx has", "fetch the file again"});
 }
 
 TEST_F(StartUpTest, NetworkIsCorrupt) {
@@ -113,7 +118,10 @@ TEST_F(StartUpTest, EveryWrongParameterOfTheDetectorIsNamedAtOnce) {
 
 TEST_F(StartUpTest, EveryWrongParameterOfBoxDepthIsNamedAtOnce) {
   expect_refusal("box_depth",
-                 {{"estimator", "guess"}, {"window", 3}, {"central_fraction", 0.0}, {"depth_queue", 1.5},
+                 {{"estimator", "guess"},
+                  {"window", 3},
+                  {"central_fraction", 0.0},
+                  {"depth_queue", 1.5},
                   {"target_frame", 7}},
                  {"/victim/window is not a parameter", "guess",
                   "/victim/central_fraction = 0 is out of its range [0.01, 1]",

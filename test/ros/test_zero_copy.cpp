@@ -1,5 +1,5 @@
-// Pictures travel as pointers inside one manager: the address that a subscriber reads from is the one that the publisher
-// wrote to. From another process they come through a socket, and diagnostics say so.
+// Pictures travel as pointers inside one manager: the address that a subscriber reads from is the one that
+// the publisher wrote to. From another process they come through a socket, and diagnostics say so.
 #include <gtest/gtest.h>
 #include <vision_msgs/Detection2DArray.h>
 #include <vision_msgs/Detection3DArray.h>
@@ -34,7 +34,8 @@ void expect_same_addresses(const Addresses& published, const Addresses& received
 
 Addresses addresses_of(const Inbox<sensor_msgs::Image>& inbox) {
   Addresses addresses;
-  for (const auto& image : inbox.all()) addresses[stamp_text(image->header.stamp)] = address_text(image->data.data());
+  for (const auto& image : inbox.all())
+    addresses[stamp_text(image->header.stamp)] = address_text(image->data.data());
   return addresses;
 }
 
@@ -50,7 +51,8 @@ TEST(ZeroCopy, DetectorReadsThePictureWhereThisTestPutIt) {
   for (std::size_t i = 0; i < kFrames; ++i) {
     kept.push_back(to_image(draw_square(kRed), "bgr8", ros::Time::now()));
     pictures.publish(kept.back());
-    const auto expected = stamp_text(kept.back()->header.stamp) + " @ " + address_text(kept.back()->data.data());
+    const auto expected =
+        stamp_text(kept.back()->header.stamp) + " @ " + address_text(kept.back()->data.data());
     ASSERT_TRUE(detector.wait_latest([&](const Report& r) { return r.value("image last") == expected; }))
         << "wanted " << expected << ", the detector says " << detector.latest().value("image last");
   }
@@ -70,7 +72,8 @@ TEST(ZeroCopy, OnePictureForSourceDetectorDepthAndThisTest) {
   ASSERT_TRUE(manager.load("/detector", "detector", detector_params()));
   ASSERT_TRUE(manager.load("/box_depth", "box_depth", {}));
   // Diagnostics come five times a second, so at this rate hardly a frame is missing in them.
-  ASSERT_TRUE(manager.load("/source", "image_pair_source", {{"path", folder.path().string()}, {"rate_hz", 4.0}}));
+  ASSERT_TRUE(
+      manager.load("/source", "image_pair_source", {{"path", folder.path().string()}, {"rate_hz", 4.0}}));
 
   const auto enough = [&] {
     const auto color = addresses_of(color_images);
@@ -113,8 +116,10 @@ struct Robot {
 TEST(ZeroCopy, HoldsInARealManager) {
   const Robot robot("near");
   ASSERT_TRUE(robot.wait_for_frames(kFrames)) << robot.objects.count() << " results";
-  expect_same_addresses(robot.source.addresses("color last"), robot.detector.addresses("image last"), "detector");
-  expect_same_addresses(robot.source.addresses("depth last"), robot.depth.addresses("depth last"), "box_depth");
+  expect_same_addresses(robot.source.addresses("color last"), robot.detector.addresses("image last"),
+                        "detector");
+  expect_same_addresses(robot.source.addresses("depth last"), robot.depth.addresses("depth last"),
+                        "box_depth");
   EXPECT_EQ(robot.detector.latest().value("image transport"), kPointer);
   EXPECT_EQ(robot.depth.latest().value("depth transport"), kPointer);
 }
@@ -124,7 +129,8 @@ TEST(ZeroCopy, SourceInAnotherProcessComesThroughTheNetwork) {
   ASSERT_TRUE(robot.wait_for_frames(5)) << robot.objects.count() << " results";
   EXPECT_EQ(robot.detector.latest().value("image transport"), "network");
   EXPECT_EQ(robot.depth.latest().value("depth transport"), "network");
-  EXPECT_EQ(robot.depth.latest().value("detections transport"), kPointer) << "detector and box_depth share a manager";
+  EXPECT_EQ(robot.depth.latest().value("detections transport"), kPointer)
+      << "detector and box_depth share a manager";
   EXPECT_GT(robot.objects.count(), 0U);
 }
 

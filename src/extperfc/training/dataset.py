@@ -12,7 +12,7 @@ from . import scenes
 
 WIDTH, HEIGHT, PAD = 320, 256, 114  # network input [px] and padding value
 SHARD = 100  # pictures per label file
-GENERATOR_FILES = ('textures.py', 'solids.py', 'render.py', 'things.py', 'others.py', 'camera.py', 'rooms.py', 'scenes.py')
+GENERATOR_FILES = ('textures.py', 'solids.py', 'render.py', 'polygons.py', 'things.py', 'others.py', 'camera.py', 'rooms.py', 'scenes.py')
 SPLITS = {'train': (0, 20000), 'val': (1000000, 400), 'test': (2000000, 1000)}  # first seed, pictures
 ROOMS = (3000000, 1000)  # likewise for the ordinary views of sequence.py, for evaluation only
 
@@ -94,7 +94,8 @@ def manifest(cache=None):
             split['pictures'] = len(entries)
             split['objects'] = {cls: labels.count(i) for i, cls in enumerate(scenes.CLASSES)}
     digest = hashlib.sha256((Path(__file__).parent / 'sequence.py').read_bytes()).hexdigest()
-    out['splits']['rooms'] = {'first_seed': ROOMS[0], 'pictures': ROOMS[1], 'generator': 'extperfc.training.sequence', 'sha256': digest}
+    out['splits']['rooms'] = {'first_seed': ROOMS[0], 'pictures': ROOMS[1],
+                              'generator': 'extperfc.training.sequence', 'sha256': digest}
     return out
 
 
@@ -110,7 +111,8 @@ def letterbox(image):
     scale, left, top = placement(width, height)
     size = (round(width * scale), round(height * scale))
     out = np.full((HEIGHT, WIDTH, 3), PAD, np.uint8)
-    out[top:top + size[1], left:left + size[0]] = cv2.resize(image, size, interpolation=cv2.INTER_AREA if scale < .5 else cv2.INTER_LINEAR)
+    how = cv2.INTER_AREA if scale < 0.5 else cv2.INTER_LINEAR
+    out[top:top + size[1], left:left + size[0]] = cv2.resize(image, size, interpolation=how)
     return out
 
 

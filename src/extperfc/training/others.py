@@ -87,7 +87,10 @@ def torus(rng):
     over = np.arange(11) * 2 * np.pi / 10
     rgb = textures.colour(rng)
     look = render.Surface(None, textures.grain(rng, rgb, .03))
-    spot = lambda a, b: np.array([np.cos(a) * (.5 - tube + tube * np.cos(b)), np.sin(a) * (.5 - tube + tube * np.cos(b)), tube * np.sin(b)])
+
+    def spot(a, b):
+        reach = .5 - tube + tube * np.cos(b)
+        return np.array([np.cos(a) * reach, np.sin(a) * reach, tube * np.sin(b)])
     for i in range(20):
         for j in range(10):
             thing.polygon([spot(around[i], over[j]), spot(around[i + 1], over[j]),
@@ -186,7 +189,8 @@ def shelf(rng):
     return thing
 
 
-OTHERS = (cylinder, cylinder, bottle, slab, slab, post, pyramid, egg, capsule, torus, disc, table, limb, person, portrait, portrait, shelf)
+OTHERS = (cylinder, cylinder, bottle, slab, slab, post, pyramid, egg, capsule, torus, disc, table, limb, person,
+          portrait, portrait, shelf)
 
 
 def other(rng):

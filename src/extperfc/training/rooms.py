@@ -37,12 +37,15 @@ def collage(rng, frame):
         if kind == 0:
             cv2.fillPoly(image, [np.int32(at + size * rng.normal(0, 1, (int(rng.integers(3, 7)), 2)))], ink, cv2.LINE_AA)
         elif kind == 1:
-            cv2.line(image, tuple(np.int32(at)), tuple(np.int32(at + size * rng.normal(0, 2, 2))), ink, int(rng.integers(1, 12)), cv2.LINE_AA)
+            end = tuple(np.int32(at + size * rng.normal(0, 2, 2)))
+            cv2.line(image, tuple(np.int32(at)), end, ink, int(rng.integers(1, 12)), cv2.LINE_AA)
         elif kind == 2:
             axes = (int(size), int(size * rng.uniform(.2, .7)))
-            cv2.ellipse(image, tuple(np.int32(at)), axes, rng.uniform(0, 180), 0, 360, ink, int(pick(rng, (-1, 2, 5))), cv2.LINE_AA)
+            turn, width = rng.uniform(0, 180), int(pick(rng, (-1, 2, 5)))
+            cv2.ellipse(image, tuple(np.int32(at)), axes, turn, 0, 360, ink, width, cv2.LINE_AA)
         elif kind == 3:
-            cv2.rectangle(image, tuple(np.int32(at)), tuple(np.int32(at + size * rng.uniform(.3, 2, 2))), ink, int(pick(rng, (-1, -1, 3))))
+            end = tuple(np.int32(at + size * rng.uniform(.3, 2, 2)))
+            cv2.rectangle(image, tuple(np.int32(at)), end, ink, int(pick(rng, (-1, -1, 3))))
         else:
             patch = cv2.resize(pick(rng, textures.WALL)(rng), (int(size) + 2, int(size * rng.uniform(.5, 2)) + 2))
             x, y = np.int32(at)

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import cv2
 import numpy as np
 
-from . import camera, others, render, rooms, textures, things
+from . import camera, others, polygons, render, rooms, textures, things
 from .textures import pick
 
 VERSION = 4
@@ -47,17 +47,17 @@ class World:
         """Draws a textured rectangle spanned by two edges."""
         corners = self.to_camera([origin, origin + edge_u, origin + edge_u + edge_v, origin + edge_v])
         basis = (corners[0], corners[1] - corners[0], corners[3] - corners[0])
-        render.polygon(self.frame, ident, corners, basis, render.Surface(None, texture, gloss, 20, 0, repeat), True)
+        polygons.polygon(self.frame, ident, corners, basis, render.Surface(None, texture, gloss, 20, 0, repeat), True)
 
     def shade(self, points, ident=None):
         """Draws the shadow of world points on the ground: a soft one from the sun, a dark one at the contact."""
         ident = self.ground_id if ident is None else ident
         seen, plane = self.to_camera(points), (self.to_camera([[0, 0, 0]])[0], self.turn[:, 2])
-        render.shadow(self.frame, seen, plane, self.frame.light.towards, ident, self.strength, self.softness)
+        polygons.shadow(self.frame, seen, plane, self.frame.light.towards, ident, self.strength, self.softness)
         low = points[points[:, 2] < points[:, 2].min() + 0.3 * np.ptp(points[:, 2])]
         if low[:, 2].min() < 0.02 * np.ptp(points[:, 2]) + 1e-3:
             centre = low.mean(0)
-            render.shadow(self.frame, self.to_camera(centre + (low - centre) * 1.12), plane, self.turn[:, 2], ident, .5, .12)
+            polygons.shadow(self.frame, self.to_camera(centre + (low - centre) * 1.12), plane, self.turn[:, 2], ident, .5, .12)
 
     def draw(self, thing, turn, place, scale):
         """Draws a thing with world orientation and centre [m]; returns its number."""
@@ -127,7 +127,7 @@ def _flat_shape(rng, world, spot, size):
     if points[:, 2].min() < render.NEAR:
         return
     basis = (points[0], points[1] - points[0], points[-1] - points[0])
-    render.polygon(world.frame, 1, points, basis, render.Surface(None, texture), True)
+    polygons.polygon(world.frame, 1, points, basis, render.Surface(None, texture), True)
 
 
 def _stack(rng, placed):

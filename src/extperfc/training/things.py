@@ -7,7 +7,7 @@ from dataclasses import dataclass, field
 import cv2
 import numpy as np
 
-from . import render, solids, textures
+from . import polygons, render, solids, textures
 from .textures import pick
 
 CLASSES = ('cone', 'cube', 'sphere')
@@ -58,7 +58,8 @@ class Thing:
         """Adds a cone, cylinder or disc."""
         turn = np.eye(3) if turn is None else turn
         centre = np.asarray(centre, float)
-        rings = [np.column_stack([_RING * r, np.full(len(_RING), z)]) for r, z in ((bottom, -height / 2), (top, height / 2))]
+        ends = ((bottom, -height / 2), (top, height / 2))
+        rings = [np.column_stack([_RING * r, np.full(len(_RING), z)]) for r, z in ends]
         points = np.concatenate(rings) @ turn.T + centre
         self.parts.append((lambda frame, ident, rot, t, s: render.frustum(
             frame, ident, rot @ turn, t + s * (rot @ centre), bottom * s, top * s, height * s, surface), points))
@@ -70,7 +71,7 @@ class Thing:
 
         def draw(frame, ident, rot, t, s):
             moved = (points * s) @ rot.T + t
-            render.polygon(frame, ident, moved, (moved[0], moved[1] - moved[0], moved[-1] - moved[0]), surface, two_sided)
+            polygons.polygon(frame, ident, moved, (moved[0], moved[1] - moved[0], moved[-1] - moved[0]), surface, two_sided)
         self.parts.append((draw, points))
         return self
 
@@ -222,7 +223,8 @@ def cone(rng):
             flat = render.Surface(None, textures.grain(rng, base, .03), look.gloss)
             thing.box((0, 0, -.5 + plate / 2), (2 * wide, 2 * wide, plate), [flat])
         elif rng.random() < 0.7:
-            thing.frustum((0, 0, -.5 + plate / 2), wide, wide * .95, plate, render.Surface(solids.solid(rng, base), None, look.gloss))
+            round_look = render.Surface(solids.solid(rng, base), None, look.gloss)
+            thing.frustum((0, 0, -.5 + plate / 2), wide, wide * .95, plate, round_look)
         thing.frustum((0, 0, plate / 2), radius, tip, 1 - plate, look)
         thing.frustum((0, 0, .5), tip * .85, tip * .85, .004, render.Surface(solids.solid(rng, (.05, .04, .04))))
     else:

@@ -1,7 +1,7 @@
-#include "ros/convert/annotate.hpp"
-
 #include <boost/make_shared.hpp>
 #include <gtest/gtest.h>
+
+#include "ros/convert/annotate.hpp"
 
 namespace extperfc::convert {
 namespace {
@@ -19,8 +19,8 @@ sensor_msgs::ImagePtr grey_picture(const std::string& encoding, std::uint32_t ch
 }
 
 TEST(Annotate, DrawsIntoACopy) {
-  for (const auto& [encoding, channels] :
-       std::vector<std::pair<std::string, std::uint32_t>>{{"bgr8", 3}, {"rgb8", 3}, {"mono8", 1}, {"bgra8", 4}}) {
+  for (const auto& [encoding, channels] : std::vector<std::pair<std::string, std::uint32_t>>{
+           {"bgr8", 3}, {"rgb8", 3}, {"mono8", 1}, {"bgra8", 4}}) {
     const auto original = grey_picture(encoding, channels);
     const auto before = original->data;
     const auto shared = share_image(original);
@@ -31,7 +31,8 @@ TEST(Annotate, DrawsIntoACopy) {
     EXPECT_EQ((*drawn)->encoding, "bgr8");
     EXPECT_EQ((*drawn)->header.stamp, ros::Time(3, 4));
     EXPECT_EQ((*drawn)->header.frame_id, "optical");
-    EXPECT_NE((*drawn)->data, std::vector<std::uint8_t>(64 * 48 * 3, 128)) << encoding << ": nothing was drawn";
+    EXPECT_NE((*drawn)->data, std::vector<std::uint8_t>(64 * 48 * 3, 128))
+        << encoding << ": nothing was drawn";
   }
 }
 

@@ -1,8 +1,8 @@
-#include "ros/convert/detections.hpp"
-
 #include <gtest/gtest.h>
 
 #include "extperfc/base/rng.hpp"
+
+#include "ros/convert/detections.hpp"
 
 namespace extperfc::convert {
 namespace {

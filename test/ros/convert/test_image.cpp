@@ -1,10 +1,10 @@
-#include "ros/convert/image.hpp"
-
 #include <limits>
 
 #include <boost/make_shared.hpp>
 #include <gtest/gtest.h>
 #include <sensor_msgs/image_encodings.h>
+
+#include "ros/convert/image.hpp"
 
 namespace extperfc::convert {
 namespace {
@@ -51,15 +51,14 @@ TEST_P(KnownEncoding, OneMissingByteIsNoticed) {
 
 INSTANTIATE_TEST_SUITE_P(
     All, KnownEncoding,
-    testing::Values(Known{"rgb8", 3, PixelFormat::kRgb8}, Known{"bgr8", 3, PixelFormat::kBgr8},
-                    Known{"rgba8", 4, PixelFormat::kRgba8}, Known{"bgra8", 4, PixelFormat::kBgra8},
-                    Known{"mono8", 1, PixelFormat::kMono8}, Known{"mono16", 2, PixelFormat::kMono16},
-                    Known{"bayer_rggb8", 1, PixelFormat::kBayerRggb8},
-                    Known{"bayer_bggr8", 1, PixelFormat::kBayerBggr8},
-                    Known{"bayer_gbrg8", 1, PixelFormat::kBayerGbrg8},
-                    Known{"bayer_grbg8", 1, PixelFormat::kBayerGrbg8}, Known{"yuv422", 2, PixelFormat::kYuv422},
-                    Known{"yuv422_yuy2", 2, PixelFormat::kYuv422Yuy2}, Known{"16UC1", 2, PixelFormat::kDepth16Mm},
-                    Known{"32FC1", 4, PixelFormat::kDepth32M}),
+    testing::Values(
+        Known{"rgb8", 3, PixelFormat::kRgb8}, Known{"bgr8", 3, PixelFormat::kBgr8},
+        Known{"rgba8", 4, PixelFormat::kRgba8}, Known{"bgra8", 4, PixelFormat::kBgra8},
+        Known{"mono8", 1, PixelFormat::kMono8}, Known{"mono16", 2, PixelFormat::kMono16},
+        Known{"bayer_rggb8", 1, PixelFormat::kBayerRggb8}, Known{"bayer_bggr8", 1, PixelFormat::kBayerBggr8},
+        Known{"bayer_gbrg8", 1, PixelFormat::kBayerGbrg8}, Known{"bayer_grbg8", 1, PixelFormat::kBayerGrbg8},
+        Known{"yuv422", 2, PixelFormat::kYuv422}, Known{"yuv422_yuy2", 2, PixelFormat::kYuv422Yuy2},
+        Known{"16UC1", 2, PixelFormat::kDepth16Mm}, Known{"32FC1", 4, PixelFormat::kDepth32M}),
     [](const auto& test) { return std::string("encoding_") + test.param.encoding; });
 
 TEST(ShareImage, KeepsTheMessageAlive) {
@@ -117,7 +116,9 @@ TEST(ShareImage, BigEndianDepthIsTurned) {
   EXPECT_EQ(reinterpret_cast<const std::uint16_t*>(shared->view.data)[0], 1000);
 }
 
-CameraModel some_camera() { return {640, 480, 610.5, 611.5, 319.0, 241.0, {0.1, -0.2, 0.001, -0.002, 0.05}}; }
+CameraModel some_camera() {
+  return {640, 480, 610.5, 611.5, 319.0, 241.0, {0.1, -0.2, 0.001, -0.002, 0.05}};
+}
 
 TEST(CameraInfo, ThereAndBackAgain) {
   std_msgs::Header header;

@@ -1,8 +1,8 @@
-#include "ros/health/stream_health.hpp"
-
 #include <limits>
 
 #include <gtest/gtest.h>
+
+#include "ros/health/stream_health.hpp"
 
 namespace extperfc::health {
 namespace {

@@ -1,13 +1,14 @@
 #pragma once
 
-#include <sys/types.h>
-
 #include <string>
 #include <vector>
 
+#include <sys/types.h>
+
 namespace extperfc::ros_test {
 
-/// A program that runs beside the test, in a process group of its own; interrupted (SIGINT) and awaited at the end.
+/// A program that runs beside the test, in a process group of its own; interrupted (SIGINT) and awaited at
+/// the end.
 class ChildProcess {
  public:
   /// `command[0]` is looked up on the PATH. A program that cannot be started exits with 127.

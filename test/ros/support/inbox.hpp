@@ -10,7 +10,8 @@
 
 namespace extperfc::ros_test {
 
-/// Collects everything that arrives on a topic. Pointers are kept, so that no address is used twice meanwhile.
+/// Collects everything that arrives on a topic. Pointers are kept, so that no address is used twice
+/// meanwhile.
 template <typename M>
 class Inbox {
  public:

@@ -22,7 +22,9 @@ void Manager::unload(const std::string& name) {
   names_.erase(name);
 }
 
-std::string model_folder(const std::string& name) { return std::string(EXTPERFC_TEST_DATA) + "/models/" + name; }
+std::string model_folder(const std::string& name) {
+  return std::string(EXTPERFC_TEST_DATA) + "/models/" + name;
+}
 
 Params detector_params(const std::string& model) {
   return {{"model", model_folder(model)}, {"backend", "opencv"}, {"threads", 1}};

@@ -11,8 +11,8 @@ namespace extperfc::ros_test {
 
 using Params = std::map<std::string, XmlRpc::XmlRpcValue>;
 
-/// Nodelets in the test's own process, as a nodelet manager hosts them. Unloads them all, and removes their parameters,
-/// at its end.
+/// Nodelets in the test's own process, as a nodelet manager hosts them. Unloads them all, and removes their
+/// parameters, at its end.
 class Manager {
  public:
   Manager() = default;

@@ -10,7 +10,8 @@ namespace extperfc::ros_test {
 
 namespace {
 
-/// Which colour a Bayer sensor sees at a pixel: "bayer_rggb8" names the first row's pair and the second row's.
+/// Which colour a Bayer sensor sees at a pixel: "bayer_rggb8" names the first row's pair and the second
+/// row's.
 cv::Mat1b bayer(const cv::Mat3b& rgb, const std::string& encoding) {
   const std::string pattern = encoding.substr(6, 4);
   cv::Mat1b mosaic(rgb.size());
@@ -77,8 +78,8 @@ sensor_msgs::ImagePtr to_image(const cv::Mat3b& rgb, const std::string& encoding
   return message;
 }
 
-sensor_msgs::ImagePtr depth_image(double wall_m, double box_m, const cv::Rect& box, const std::string& encoding,
-                                  const ros::Time& stamp, const cv::Size& size) {
+sensor_msgs::ImagePtr depth_image(double wall_m, double box_m, const cv::Rect& box,
+                                  const std::string& encoding, const ros::Time& stamp, const cv::Size& size) {
   cv::Mat depth(size, CV_32FC1, cv::Scalar(wall_m));
   depth(box).setTo(box_m);
   if (encoding == "16UC1") depth.convertTo(depth, CV_16U, 1000.0);

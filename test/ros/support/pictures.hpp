@@ -9,9 +9,10 @@
 namespace extperfc::ros_test {
 
 constexpr const char* kFrame = "camera_color_optical_frame";
-inline const cv::Size kSize{320, 240};          ///< of every picture, unless a test says otherwise
-inline const cv::Rect kSquare{80, 60, 80, 60};  ///< whole cells of the model `square`, so that its box is exact
-inline const cv::Vec3b kRed{230, 20, 20};       ///< r, g, b
+inline const cv::Size kSize{320, 240};  ///< of every picture, unless a test says otherwise
+inline const cv::Rect kSquare{80, 60, 80,
+                              60};         ///< whole cells of the model `square`, so that its box is exact
+inline const cv::Vec3b kRed{230, 20, 20};  ///< r, g, b
 inline const cv::Vec3b kGreen{20, 230, 20};
 inline const cv::Vec3b kBlue{20, 20, 230};
 inline const cv::Vec3b kWhite{240, 240, 240};
@@ -24,7 +25,8 @@ enum SquareClass { kClassRed, kClassGreen, kClassBlue, kClassWhite };
 [[nodiscard]] cv::Mat3b draw_square(const cv::Vec3b& color, const cv::Rect& where = kSquare);
 
 /// The picture as a camera of this encoding would send it.
-[[nodiscard]] sensor_msgs::ImagePtr to_image(const cv::Mat3b& rgb, const std::string& encoding, const ros::Time& stamp);
+[[nodiscard]] sensor_msgs::ImagePtr to_image(const cv::Mat3b& rgb, const std::string& encoding,
+                                             const ros::Time& stamp);
 
 /// A wall with a nearer box in front of it [m]; `encoding` is 16UC1 or 32FC1. 0 = no measurement.
 [[nodiscard]] sensor_msgs::ImagePtr depth_image(double wall_m, double box_m, const cv::Rect& box,

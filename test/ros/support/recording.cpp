@@ -31,7 +31,9 @@ void write_frames(const std::filesystem::path& folder, int frames, double units_
 
 }  // namespace
 
-void write_recording(const std::filesystem::path& folder, int frames) { write_frames(folder, frames, 1000.0); }
+void write_recording(const std::filesystem::path& folder, int frames) {
+  write_frames(folder, frames, 1000.0);
+}
 
 void write_tum_recording(const std::filesystem::path& folder, int frames) {
   write_frames(folder, frames, 5000.0);

@@ -15,6 +15,8 @@ bool wait_for(const std::function<bool()>& condition, double patience_s) {
   return true;
 }
 
-bool never(const std::function<bool()>& condition, double watch_s) { return !wait_for(condition, watch_s); }
+bool never(const std::function<bool()>& condition, double watch_s) {
+  return !wait_for(condition, watch_s);
+}
 
 }  // namespace extperfc::ros_test

@@ -4,7 +4,8 @@
 
 namespace extperfc::ros_test {
 
-/// How long a test waits for what must come. Long, because a busy machine may be slow; a passing test never waits it out.
+/// How long a test waits for what must come. Long, because a busy machine may be slow; a passing test never
+/// waits it out.
 constexpr double kPatienceS = 20.0;
 
 /// How long a test watches that something does NOT happen.

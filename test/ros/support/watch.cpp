@@ -6,7 +6,8 @@
 
 namespace extperfc::ros_test {
 
-Report::Report(const diagnostic_msgs::DiagnosticStatus& status) : level_(status.level), message_(status.message) {
+Report::Report(const diagnostic_msgs::DiagnosticStatus& status)
+    : level_(status.level), message_(status.message) {
   for (const auto& pair : status.values) values_[pair.key] = pair.value;
 }
 
