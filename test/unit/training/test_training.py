@@ -142,18 +142,17 @@ class Shipped(unittest.TestCase):
         stated = re.search(r'^sha256: ([0-9a-f]{64})$', (MODEL / 'model.yaml').read_text(), re.M).group(1)
         self.assertEqual(stated, hashlib.sha256((MODEL / 'shapes.onnx').read_bytes()).hexdigest())
 
-    def test_finds_things_in_held_out_pictures(self):
-        first = dataset.SPLITS['test'][0]
-        detector, hits, total = evaluate.Detector(MODEL / 'shapes.onnx'), 0, 0
-        for seed in range(first, first + 25):
-            picture = scenes.make_picture(seed)
-            found = detector(picture.image)
-            for label, box in zip(picture.labels, picture.boxes):
-                mine = found[found[:, 0] == label, 2:]
-                total += 1
-                hits += len(mine) > 0 and evaluate.overlap(np.array([box]), mine).max() > 0.5
-        self.assertGreater(total, 20)
-        self.assertGreater(hits / total, 0.6)
+    def test_finds_things_in_held_out_rooms(self):
+        detector, hits, total, false = evaluate.Detector(MODEL / 'shapes.onnx'), 0, 0, 0
+        for image, boxes in evaluate.rooms(24):
+            found = detector(image)
+            for kind in range(3):
+                mine, truth = found[found[:, 0] == kind], boxes[boxes[:, 0] == kind, 1:]
+                result = evaluate.match(mine, truth, boxes[boxes[:, 0] < 0, 1:], 0.5)
+                hits, total, false = hits + np.sum(result == 1), total + len(truth), false + np.sum(result == 0)
+        self.assertGreater(total, 100)
+        self.assertGreater(hits / total, 0.7)
+        self.assertLess(false / total, 0.3)
 
 
 if __name__ == '__main__':

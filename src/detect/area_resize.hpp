@@ -1,0 +1,54 @@
+#pragma once
+
+#include <array>
+#include <vector>
+
+#include <opencv2/core.hpp>
+
+namespace extperfc::detect {
+
+/// One channel of the result: value * scale + offset.
+struct AreaPlane {
+  cv::Mat pixels;  ///< CV_32FC1 of the result's size; may be a part of a larger matrix
+  int channel{0};  ///< of the picture
+  double scale{1};
+  double offset{0};
+};
+
+/// Makes 8-bit pictures smaller: each pixel of the result is the mean of the picture over the pixel's area,
+/// as cv::INTER_AREA computes it, but not rounded to whole grey levels. A uniform picture keeps its value
+/// exactly.
+class AreaResizer {
+ public:
+  /// Whether run() takes this: 1, 3 or 4 channels of 8 bits, larger on no axis and smaller on one at least.
+  [[nodiscard]] static bool suits(const cv::Mat& picture, cv::Size result);
+
+  /// Allocates only when the picture's or the result's size differs from the last call's. The planes must
+  /// share one size and must not overlap the picture.
+  void run(const cv::Mat& picture, std::array<AreaPlane, 3>& planes);
+
+ private:
+  /// Which of the `from` pixels of one axis make each of its `to` pixels, and with which weights. All pixels
+  /// have `taps` weights, the surplus ones are zero.
+  struct Axis {
+    int from{0};
+    int to{0};
+    int taps{0};
+    std::vector<int> starts;
+    std::vector<float> weights;  ///< weight t of pixel i at [i * taps + t]
+  };
+
+  [[nodiscard]] static Axis make_axis(int from, int to);
+  void prepare(const cv::Mat& picture, cv::Size result);
+  void sum_rows(const cv::Mat& picture, int y);
+  void write_row(int y, std::array<AreaPlane, 3>& planes) const;
+
+  Axis columns_;
+  Axis rows_;
+  int channels_{0};
+  std::vector<int> block_starts_;     ///< columns_.starts as places in row_, filled up to whole blocks
+  std::vector<float> block_weights_;  ///< weight t of pixel p of block b at [(b * taps + t) * kBlock + p]
+  std::vector<float> row_;            ///< one row of the result at the picture's width, channels interleaved
+};
+
+}  // namespace extperfc::detect
