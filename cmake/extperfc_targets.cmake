@@ -6,7 +6,8 @@ add_library(extperfc_flags INTERFACE)
 target_compile_features(extperfc_flags INTERFACE cxx_std_17)
 target_compile_options(extperfc_flags INTERFACE
   -Wall -Wextra -Wpedantic -Wshadow -Wnon-virtual-dtor -Woverloaded-virtual -Wconversion -Wno-sign-conversion
-  $<$<BOOL:${EXTPERFC_WERROR}>:-Werror>)
+  $<$<BOOL:${EXTPERFC_WERROR}>:-Werror>
+  $<$<CXX_COMPILER_ID:GNU>:-fpch-preprocess>)  # lets ccache see through precompiled headers
 if(EXTPERFC_SANITIZE)
   target_compile_options(extperfc_flags INTERFACE
     -fsanitize=${EXTPERFC_SANITIZE} -fno-sanitize-recover=all -fno-omit-frame-pointer -g1)
@@ -46,6 +47,10 @@ function(extperfc_add_test name)
   target_link_libraries(${target} PRIVATE extperfc_flags ${ARG_LINK} GTest::gtest_main)
   target_compile_definitions(${target} PRIVATE
     EXTPERFC_TEST_DATA="${PROJECT_SOURCE_DIR}/test/data" EXTPERFC_SOURCE_DIR="${PROJECT_SOURCE_DIR}")
+  if(EXTPERFC_SANITIZE MATCHES address)
+    target_sources(${target} PRIVATE ${PROJECT_SOURCE_DIR}/test/support/no_deepbind.cpp)
+    target_link_options(${target} PRIVATE -rdynamic)
+  endif()
   add_test(NAME unit/${name} COMMAND ${target})
   set_tests_properties(unit/${name} PROPERTIES LABELS unit TIMEOUT 120)
 endfunction()

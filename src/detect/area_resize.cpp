@@ -82,8 +82,10 @@ void store(float* target, const Float4& values, int count) {
 }  // namespace
 
 bool AreaResizer::suits(const cv::Mat& picture, cv::Size result) {
+  // From 640 x 480 to 320 x 240, cv::resize and the conversion take 83 us, this 197.
+  const bool halved = picture.cols == 2 * result.width && picture.rows == 2 * result.height;
   return picture.depth() == CV_8U && picture.channels() != 2 && picture.channels() <= 4 &&
-         picture.cols >= result.width && picture.rows >= result.height && picture.size() != result;
+         picture.cols >= result.width && picture.rows >= result.height && picture.size() != result && !halved;
 }
 
 /// In whole numbers: a pixel of the picture is `to` long, one of the result `from`. Rounding the sums of

@@ -20,7 +20,8 @@ struct AreaPlane {
 /// exactly.
 class AreaResizer {
  public:
-  /// Whether run() takes this: 1, 3 or 4 channels of 8 bits, larger on no axis and smaller on one at least.
+  /// Whether run() is the way to do it: 1, 3 or 4 channels of 8 bits, larger on no axis and smaller on one at
+  /// least. Not for half the size, where OpenCV is faster.
   [[nodiscard]] static bool suits(const cv::Mat& picture, cv::Size result);
 
   /// Allocates only when the picture's or the result's size differs from the last call's. The planes must

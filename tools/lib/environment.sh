@@ -7,6 +7,7 @@ unset PYTHONPATH PYTHONHOME PYTHONSTARTUP VIRTUAL_ENV PYENV_VERSION CMAKE_PREFIX
 export PYTHONDONTWRITEBYTECODE=1
 export ROS_LANG_DISABLE=genlisp   # nobody here reads messages in Lisp
 export LC_ALL=C.UTF-8
+export CCACHE_SLOPPINESS=pch_defines,time_macros,include_file_mtime,include_file_ctime
 
 say() { printf '\033[1m%s\033[0m\n' "$*" >&2; }
 die() { printf 'error: %s\n' "$*" >&2; exit 1; }

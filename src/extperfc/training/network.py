@@ -1,9 +1,5 @@
 """The shape detector's network: residual backbone, pyramid neck on strides 8, 16, 32, anchor-free decoupled head."""
-try:
-    import torch
-    import torchvision  # noqa: F401  (checked here so that the message names both packages)
-except ImportError as error:
-    raise ImportError('training needs PyTorch: apt install python3-torch python3-torchvision') from error
+import torch
 from torch import nn
 from torch.nn import functional
 

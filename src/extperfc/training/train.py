@@ -65,6 +65,8 @@ class Trainer:
     """One training run; `run` returns when the time budget is used up."""
 
     def __init__(self, options):
+        if not dataset.index(options.cache, 'train', options.versions):
+            raise SystemExit(f'no pictures in {options.cache}: run `tools/train_shapes generate` first')
         torch.manual_seed(options.seed)
         torch.set_num_threads(options.threads)
         self.options = options

@@ -17,7 +17,6 @@ from extperfc.training import dataset, evaluate, scenes, sequence  # noqa: E402
 
 try:
     import torch
-    import torchvision  # noqa: F401
 except ImportError:
     torch = None
 
