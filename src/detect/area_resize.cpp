@@ -115,18 +115,19 @@ void AreaResizer::prepare(const cv::Mat& picture, cv::Size result) {
   if (columns_.from == picture.cols && columns_.to == result.width && channels_ == picture.channels()) return;
   columns_ = make_axis(picture.cols, result.width);
   channels_ = picture.channels();
-  const int taps = columns_.taps;
-  const int filled = (result.width + kBlock - 1) / kBlock * kBlock;
-  block_starts_.assign(static_cast<std::size_t>(filled), 0);
-  block_weights_.assign(static_cast<std::size_t>(filled) * static_cast<std::size_t>(taps), 0.0F);
-  for (int x = 0; x < result.width; ++x) {
-    block_starts_[static_cast<std::size_t>(x)] = columns_.starts[static_cast<std::size_t>(x)] * channels_;
-    for (int t = 0; t < taps; ++t)
-      block_weights_[static_cast<std::size_t>((x / kBlock * taps + t) * kBlock + x % kBlock)] =
-          columns_.weights[static_cast<std::size_t>(x * taps + t)];
+  const auto taps = static_cast<std::size_t>(columns_.taps);
+  const auto channels = static_cast<std::size_t>(channels_);
+  const auto width = static_cast<std::size_t>(result.width);
+  const std::size_t filled = (width + kBlock - 1) / kBlock * kBlock;
+  block_starts_.assign(filled, 0);
+  block_weights_.assign(filled * taps, 0.0F);
+  for (std::size_t x = 0; x < width; ++x) {
+    block_starts_[x] = columns_.starts[x] * channels_;
+    for (std::size_t t = 0; t < taps; ++t)
+      block_weights_[(x / kBlock * taps + t) * kBlock + x % kBlock] = columns_.weights[x * taps + t];
   }
   // Surplus weights and the unused fourth channel reach beyond the last pixel: zeros stand there.
-  row_.assign(static_cast<std::size_t>((picture.cols + taps) * channels_ + kBlock), 0.0F);
+  row_.assign((static_cast<std::size_t>(picture.cols) + taps) * channels + kBlock, 0.0F);
 }
 
 void AreaResizer::sum_rows(const cv::Mat& picture, int y) {
@@ -159,10 +160,10 @@ void AreaResizer::write_row(int y, std::array<AreaPlane, 3>& planes) const {
     const float* weights = block_weights_.data() + static_cast<std::ptrdiff_t>(x) * taps;
     const Block block = channels_ == 1 ? grey_block(row_.data(), starts, weights, taps)
                                        : colour_block(row_.data(), starts, weights, taps, channels_);
-    for (std::size_t c = 0; c < 3; ++c)
-      store(targets[c] + x,
-            cv::v_muladd(block[static_cast<std::size_t>(planes[c].channel)], scales[c], offsets[c]),
-            columns_.to - x);
+    for (std::size_t c = 0; c < 3; ++c) {
+      const Float4 levels = cv::v_cvt_f32(cv::v_round(block[static_cast<std::size_t>(planes[c].channel)]));
+      store(targets[c] + x, cv::v_muladd(levels, scales[c], offsets[c]), columns_.to - x);
+    }
   }
 }
 

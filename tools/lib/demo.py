@@ -7,6 +7,7 @@ import argparse
 import csv
 import os
 import pathlib
+import re
 import statistics
 import subprocess
 import sys
@@ -75,6 +76,19 @@ def display_works():
     if not os.environ.get("DISPLAY"):
         return False
     return subprocess.run(["xset", "q"], stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL).returncode == 0
+
+
+def rviz_config(folder, fixed_frame):
+    """The prepared configuration; for a camera that moves about the origin of a map, with a view of that origin."""
+    prepared = REPO / "config" / "rviz" / "detection.rviz"
+    if fixed_frame != "map":
+        return prepared
+    text = re.sub(r"Focal Point: \{.*\}", "Focal Point: {X: 0, Y: 0, Z: 0.2}", prepared.read_text())
+    text = text.replace("Fixed Frame: base_link", f"Fixed Frame: {fixed_frame}")
+    text = re.sub(r"Yaw: .*", "Yaw: 4.4", text)
+    changed = folder / "demo.rviz"
+    changed.write_text(text)
+    return changed
 
 
 def count_frames(source):
@@ -287,7 +301,8 @@ def run(options):
         session.launch(
             "extperfc", "demo.launch", source=source, model=options.model.resolve(), rate_hz=options.rate,
             source_type="rawlog_source" if is_rawlog else "image_pair_source", backend=options.backend,
-            device=options.device, fixed_camera=str(not has_poses).lower(), fixed_frame=fixed_frame, depth_scale=options.depth_scale, rviz=str(with_rviz).lower(),
+            device=options.device, fixed_camera=str(not has_poses).lower(),
+            rviz_config=rviz_config(options.out, fixed_frame), depth_scale=options.depth_scale, rviz=str(with_rviz).lower(),
             camera_info=options.camera_info.resolve() if options.camera_info else "",
             target_frame="" if options.frame == OPTICAL_FRAME else options.frame)
         wait_for_master(session)

@@ -5,7 +5,7 @@
 #include <cmath>
 #include <cstdio>
 
-#include <Eigen/Core>
+#include <Eigen/Geometry>
 
 namespace extperfc::convert {
 
@@ -38,19 +38,31 @@ visualization_msgs::Marker base_marker(const std_msgs::Header& header, const cha
   return marker;
 }
 
+/// A point over the box as the camera sees it (the optical frame's y points down), clear of it by `gap_m`.
+geometry_msgs::Point above(const vision_msgs::BoundingBox3D& box, double gap_m) {
+  const auto& q = box.center.orientation;
+  const Eigen::Vector3d up(0.0, -(0.5 * box.size.y + gap_m), 0.0);
+  const Eigen::Vector3d offset = Eigen::Quaterniond(q.w, q.x, q.y, q.z) * up;
+  geometry_msgs::Point point = box.center.position;
+  point.x += offset.x();
+  point.y += offset.y();
+  point.z += offset.z();
+  return point;
+}
+
 visualization_msgs::Marker label_marker(const vision_msgs::Detection3D& object, const std::string& name,
                                         int id, double lifetime_s) {
   constexpr double kTextHeightM = 0.06;
   auto marker = base_marker(object.header, "labels", id, lifetime_s);
   marker.type = visualization_msgs::Marker::TEXT_VIEW_FACING;
-  marker.pose.position = object.bbox.center.position;
+  marker.pose.position = above(object.bbox, kTextHeightM);
   marker.scale.z = kTextHeightM;
   marker.color.r = marker.color.g = marker.color.b = marker.color.a = 1.0F;
-  const auto& surface = object.results.front().pose.pose.position;
-  std::array<char, 96> text{};
-  std::snprintf(text.data(), text.size(), "%s %.0f %%\n%.2f m", name.c_str(),
-                100.0 * object.results.front().score,
-                std::sqrt(surface.x * surface.x + surface.y * surface.y + surface.z * surface.z));
+  const auto& result = object.results.front();
+  const auto& surface = result.pose.pose.position;
+  std::array<char, 128> text{};
+  std::snprintf(text.data(), text.size(), "%s %.0f %%\n%.2f  %.2f  %.2f m", name.c_str(),
+                100.0 * result.score, surface.x, surface.y, surface.z);
   marker.text = text.data();
   return marker;
 }
