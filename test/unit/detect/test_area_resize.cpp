@@ -65,10 +65,9 @@ TEST(AreaResizer, GivesWhatOpenCvGives) {
         cv::Mat one;
         cv::extractChannel(expected, one, plane.channel);
         one.convertTo(one, CV_32F, plane.scale, plane.offset);
-        // OpenCV drops weights below 1e-3, so that a few values round the other way.
+        // Means close to a half may round the other way: of 2 x 3 pixels, one mean in six is a half.
         EXPECT_LE(cv::norm(one, plane.pixels, cv::NORM_INF), plane.scale) << name_of(sizes, channels);
-        EXPECT_LE(cv::countNonZero(one != plane.pixels), 1 + sizes.to.area() / 50)
-            << name_of(sizes, channels);
+        EXPECT_LE(cv::countNonZero(one != plane.pixels), 1 + sizes.to.area() / 6) << name_of(sizes, channels);
       }
     }
 }

@@ -3,17 +3,19 @@
 #include <cstdlib>
 #include <filesystem>
 #include <fstream>
+#include <stdexcept>
 #include <string>
 #include <system_error>
 
-namespace extperfc::sources {
+namespace extperfc {
 
-/// A new empty folder that goes away with everything in it.
+/// A new empty folder of a test's own that goes away with everything in it.
 class TemporaryFolder {
  public:
   TemporaryFolder() {
     std::string pattern = (std::filesystem::temp_directory_path() / "extperfc_XXXXXX").string();
-    path_ = mkdtemp(pattern.data());
+    if (mkdtemp(pattern.data()) == nullptr) throw std::runtime_error("cannot make " + pattern);
+    path_ = pattern;
   }
   TemporaryFolder(const TemporaryFolder&) = delete;
   TemporaryFolder& operator=(const TemporaryFolder&) = delete;
@@ -24,16 +26,21 @@ class TemporaryFolder {
 
   [[nodiscard]] const std::filesystem::path& path() const { return path_; }
 
-  /// Writes a text file, creating its folder.
-  std::filesystem::path write(const std::string& name, const std::string& text) const {
+  /// Writes a file, creating its folder.
+  std::filesystem::path write(const std::string& name, const std::string& content) const {
     const auto file = path_ / name;
     std::filesystem::create_directories(file.parent_path());
-    std::ofstream(file, std::ios::binary) << text;
+    std::ofstream(file, std::ios::binary) << content;
     return file;
+  }
+
+  std::filesystem::path copy(const std::filesystem::path& file, const std::string& name) const {
+    std::filesystem::copy_file(file, path_ / name);
+    return path_ / name;
   }
 
  private:
   std::filesystem::path path_;
 };
 
-}  // namespace extperfc::sources
+}  // namespace extperfc
