@@ -35,8 +35,8 @@ class QuietOpenCv {
 /// for everything else here that uses OpenCV, and the last model loaded decides.
 class OpenCvBackend : public InferenceBackend {
  public:
-  OpenCvBackend(cv::dnn::Net net, const InputSpec& input, std::vector<std::string> outputs)
-      : net_(std::move(net)), input_name_(input.name), output_names_(std::move(outputs)) {
+  OpenCvBackend(const cv::dnn::Net& net, const InputSpec& input, std::vector<std::string> outputs)
+      : net_(net), input_name_(input.name), output_names_(std::move(outputs)) {
     const int shape[] = {1, 3, input.height, input.width};
     input_ = cv::Mat(4, shape, CV_32F, cv::Scalar(0));
   }

@@ -62,7 +62,7 @@ class OpenVinoBackend : public InferenceBackend {
     std::vector<TensorView> views;
     for (const auto& name : output_names_) {
       const ov::Tensor tensor = request(slot).get_tensor(name);
-      const ov::Shape shape = tensor.get_shape();
+      const ov::Shape& shape = tensor.get_shape();
       views.push_back({{shape.begin(), shape.end()}, tensor.data<const float>()});
     }
     return views;

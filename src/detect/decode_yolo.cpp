@@ -36,8 +36,10 @@ void decode_anchor(const ModelSpec& spec, const float* planes, int columns, int 
     const BestClass best = best_class(at + 5 * area, class_count(spec), area);
     const float score = sigmoid(at[4 * area]) * sigmoid(best.value);
     if (!(score >= spec.thresholds.score)) return;
-    const float cx = (2.0F * sigmoid(at[0]) - 0.5F + static_cast<float>(cell % columns)) * stride;
-    const float cy = (2.0F * sigmoid(at[area]) - 0.5F + static_cast<float>(cell / columns)) * stride;
+    const auto column = cell % columns;
+    const auto row = cell / columns;
+    const float cx = (2.0F * sigmoid(at[0]) - 0.5F + static_cast<float>(column)) * stride;
+    const float cy = (2.0F * sigmoid(at[area]) - 0.5F + static_cast<float>(row)) * stride;
     const float w = 2.0F * sigmoid(at[2 * area]);
     const float h = 2.0F * sigmoid(at[3 * area]);
     add_candidate(found, best.index, score, box_around(cx, cy, w * w * anchor_px[0], h * h * anchor_px[1]));
@@ -81,7 +83,8 @@ Detections decode_yolo_anchors(const ModelSpec& spec, const std::vector<TensorVi
     const auto& [stride, anchors] = spec.output.anchors[level];
     const int columns = axis_from_end(outputs[level], 0);
     const int rows = axis_from_end(outputs[level], 1);
-    const auto anchor_size = static_cast<std::size_t>((5 + class_count(spec)) * columns * rows);
+    const std::size_t anchor_size = static_cast<std::size_t>(5 + class_count(spec)) *
+                                    static_cast<std::size_t>(columns) * static_cast<std::size_t>(rows);
     for (std::size_t a = 0; a < anchors.size(); ++a)
       decode_anchor(spec, outputs[level].data + a * anchor_size, columns, rows, stride, anchors[a], found);
   }
@@ -102,8 +105,10 @@ Detections decode_yolo_grid(const ModelSpec& spec, const TensorView& output) {
     const BestClass best = best_class(at + 5 * area, class_count(spec), area);
     const float score = std::pow(at[0], 0.6F) * std::pow(best.value, 0.4F);
     if (!(score >= spec.thresholds.score)) return;
-    const float cx = (std::tanh(at[area]) + static_cast<float>(cell % columns)) * cell_w;
-    const float cy = (std::tanh(at[2 * area]) + static_cast<float>(cell / columns)) * cell_h;
+    const auto column = cell % columns;
+    const auto row = cell / columns;
+    const float cx = (std::tanh(at[area]) + static_cast<float>(column)) * cell_w;
+    const float cy = (std::tanh(at[2 * area]) + static_cast<float>(row)) * cell_h;
     const float w = sigmoid(at[3 * area]) * static_cast<float>(spec.input.width);
     const float h = sigmoid(at[4 * area]) * static_cast<float>(spec.input.height);
     add_candidate(found, best.index, score, box_around(cx, cy, w, h));

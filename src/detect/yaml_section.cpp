@@ -44,7 +44,7 @@ std::optional<T> decoded(const YAML::Node& node) {
 /// The content of a node for a message, shortened.
 std::string shown(const YAML::Node& node) {
   if (!node.IsScalar()) return node.IsNull() ? "nothing" : node.IsMap() ? "a map" : "a list";
-  const std::string text = node.Scalar();
+  const std::string& text = node.Scalar();
   return '"' + (text.size() > 40 ? text.substr(0, 37) + "..." : text) + '"';
 }
 
@@ -69,15 +69,15 @@ Error Problems::to_error(const std::string& where) const {
   return {list_.empty() ? ErrorCode::kFailed : list_.front().code, message};
 }
 
-YamlSection::YamlSection(YAML::Node node, std::string path, Problems& problems)
-    : node_(std::move(node)), path_(std::move(path)), problems_(&problems) {
+YamlSection::YamlSection(const YAML::Node& node, std::string path, Problems& problems)
+    : node_(node), path_(std::move(path)), problems_(&problems) {
   if (node_.IsMap()) return;
   problems_->add(ErrorCode::kInvalidArgument, (path_.empty() ? "the file" : path_) +
                                                   " must be a map of keys and values, not " + shown(node_));
   node_ = YAML::Node(YAML::NodeType::Map);
 }
 
-std::string YamlSection::text(const std::string& key, std::optional<std::string> fallback) {
+std::string YamlSection::text(const std::string& key, const std::optional<std::string>& fallback) {
   const auto node = find(key, !fallback);
   if (!node) return fallback.value_or("");
   const auto value = decoded<std::string>(*node);
@@ -112,8 +112,8 @@ float YamlSection::number(const std::string& key, Range<float> range, std::optio
 }
 
 std::vector<float> YamlSection::numbers(const std::string& key, std::size_t count, Range<float> range,
-                                        std::optional<std::vector<float>> fallback, bool spread) {
-  const std::vector<float> otherwise = fallback.value_or(std::vector<float>(count, range.low));
+                                        const std::optional<std::vector<float>>& fallback, bool spread) {
+  std::vector<float> otherwise = fallback.value_or(std::vector<float>(count, range.low));
   if (spread && has(key) && !is_list(key)) return std::vector<float>(count, number(key, range));
   const auto list = find_list(key, !fallback);
   if (!list) return otherwise;

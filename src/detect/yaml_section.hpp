@@ -32,15 +32,15 @@ struct Range {
 /// default then; a read without a fallback asks for a key that must be there. Nothing throws.
 class YamlSection {
  public:
-  YamlSection(YAML::Node node, std::string path, Problems& problems);
+  YamlSection(const YAML::Node& node, std::string path, Problems& problems);
 
-  [[nodiscard]] std::string text(const std::string& key, std::optional<std::string> fallback = {});
+  [[nodiscard]] std::string text(const std::string& key, const std::optional<std::string>& fallback = {});
   [[nodiscard]] bool flag(const std::string& key, bool fallback);
   [[nodiscard]] int integer(const std::string& key, Range<int> range, std::optional<int> fallback = {});
   [[nodiscard]] float number(const std::string& key, Range<float> range, std::optional<float> fallback = {});
   /// Exactly `count` numbers; a single number stands for all of them when `spread` is set.
   [[nodiscard]] std::vector<float> numbers(const std::string& key, std::size_t count, Range<float> range,
-                                           std::optional<std::vector<float>> fallback = {},
+                                           const std::optional<std::vector<float>>& fallback = {},
                                            bool spread = false);
   /// A list of numbers of any length, empty when the key is absent.
   [[nodiscard]] std::vector<float> number_list(const std::string& key, Range<float> range);

@@ -11,8 +11,8 @@ namespace extperfc {
 /// reorders `samples`.
 [[nodiscard]] inline double percentile(std::vector<double>& samples, double fraction) {
   if (samples.empty()) return std::nan("");
-  const auto rank = static_cast<std::ptrdiff_t>(
-      std::clamp(fraction, 0.0, 1.0) * static_cast<double>(samples.size() - 1) + 0.5);
+  const std::ptrdiff_t rank =
+      std::lround(std::clamp(fraction, 0.0, 1.0) * static_cast<double>(samples.size() - 1));
   std::nth_element(samples.begin(), samples.begin() + rank, samples.end());
   return samples[static_cast<std::size_t>(rank)];
 }
