@@ -1,0 +1,59 @@
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <variant>
+#include <vector>
+
+#include <Eigen/Core>
+
+#include "extperfc/world/pose.hpp"
+
+namespace extperfc::simulate {
+
+/// Shapes are centred on their origin; cylinder and cone stand along z (a cone's tip at +height/2), as in
+/// URDF.
+struct Box {
+  Eigen::Vector3d size_m{Eigen::Vector3d::Ones()};  ///< full lengths of the edges
+};
+struct Cylinder {
+  double radius_m{0};
+  double length_m{0};
+};
+struct Sphere {
+  double radius_m{0};
+};
+struct Cone {
+  double radius_m{0};
+  double height_m{0};
+};
+/// Triangles of a binary STL file of our own.
+struct MeshFile {
+  std::filesystem::path path;
+  Eigen::Vector3d scale{Eigen::Vector3d::Ones()};
+};
+using Geometry = std::variant<Box, Cylinder, Sphere, Cone, MeshFile>;
+
+/// Pattern that is multiplied with the colour; made by the program itself, from a seed.
+enum class Texture { kNone, kWood, kTiles, kPlaster, kCloth, kCarpet, kMarble, kChecker, kBooks };
+
+/// Name of a texture as worlds write it: "none", "wood", "tiles", "plaster", "cloth", "carpet", "marble",
+/// "checker", "books".
+[[nodiscard]] const char* to_string(Texture texture);
+
+/// What a surface looks like.
+struct Material {
+  Eigen::Vector3f colour{0.7F, 0.7F, 0.7F};  ///< sRGB, each in [0, 1]
+  Texture texture{Texture::kNone};
+  float texture_size_m{1.0F};  ///< length of surface that one repetition of the texture covers
+  float gloss{0.0F};           ///< weight of the highlight, [0, 1]
+};
+
+/// One convex or triangulated part of a body.
+struct Shape {
+  Geometry geometry;
+  Pose body_T_shape{Pose::Identity()};
+  Material material;
+};
+
+}  // namespace extperfc::simulate

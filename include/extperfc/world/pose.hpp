@@ -1,0 +1,37 @@
+#pragma once
+
+#include <Eigen/Geometry>
+
+namespace extperfc {
+
+/// Rigid transform; a variable is named target_T_source. Metres.
+using Pose = Eigen::Isometry3d;
+
+/// From a position [m] and roll, pitch, yaw about the fixed axes [rad] (URDF's and REP 103's convention).
+[[nodiscard]] Pose make_pose(const Eigen::Vector3d& xyz_m,
+                             const Eigen::Vector3d& rpy_rad = Eigen::Vector3d::Zero());
+
+/// A pose on the floor.
+struct Pose2 {
+  double x{0};    ///< [m]
+  double y{0};    ///< [m]
+  double yaw{0};  ///< [rad], counter-clockwise
+};
+
+/// A velocity on the floor, in the frame of the body that moves.
+struct Twist2 {
+  double vx{0};  ///< forward [m/s]
+  double vy{0};  ///< to the left [m/s]
+  double wz{0};  ///< counter-clockwise [rad/s]
+};
+
+/// The pose in space at z = 0.
+[[nodiscard]] Pose to_pose(const Pose2& pose);
+
+/// The angle in (-pi, pi].
+[[nodiscard]] double wrap_angle(double angle_rad);
+
+/// `pose` after `twist` was held for `duration_s`: exact for a constant twist (the exponential map of SE(2)).
+[[nodiscard]] Pose2 advance(const Pose2& pose, const Twist2& twist, double duration_s);
+
+}  // namespace extperfc

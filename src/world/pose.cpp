@@ -1,0 +1,39 @@
+#include "extperfc/world/pose.hpp"
+
+#include <cmath>
+
+namespace extperfc {
+
+Pose make_pose(const Eigen::Vector3d& xyz_m, const Eigen::Vector3d& rpy_rad) {
+  Pose pose = Pose::Identity();
+  pose.translation() = xyz_m;
+  pose.linear() = (Eigen::AngleAxisd(rpy_rad.z(), Eigen::Vector3d::UnitZ()) *
+                   Eigen::AngleAxisd(rpy_rad.y(), Eigen::Vector3d::UnitY()) *
+                   Eigen::AngleAxisd(rpy_rad.x(), Eigen::Vector3d::UnitX()))
+                      .toRotationMatrix();
+  return pose;
+}
+
+Pose to_pose(const Pose2& pose) {
+  return make_pose({pose.x, pose.y, 0.0}, {0.0, 0.0, pose.yaw});
+}
+
+double wrap_angle(double angle_rad) {
+  const double wrapped = std::remainder(angle_rad, 2 * M_PI);
+  return wrapped <= -M_PI ? wrapped + 2 * M_PI : wrapped;
+}
+
+Pose2 advance(const Pose2& pose, const Twist2& twist, double duration_s) {
+  const double turn = twist.wz * duration_s;
+  // sin(a)/a and (1 - cos(a))/a, by their series where the quotient loses digits.
+  const bool small = std::abs(turn) < 1e-6;
+  const double along = small ? 1 - turn * turn / 6 : std::sin(turn) / turn;
+  const double across = small ? turn / 2 : (1 - std::cos(turn)) / turn;
+  const double dx = (twist.vx * along - twist.vy * across) * duration_s;
+  const double dy = (twist.vx * across + twist.vy * along) * duration_s;
+  const double c = std::cos(pose.yaw);
+  const double s = std::sin(pose.yaw);
+  return {pose.x + c * dx - s * dy, pose.y + s * dx + c * dy, wrap_angle(pose.yaw + turn)};
+}
+
+}  // namespace extperfc
