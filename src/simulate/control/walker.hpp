@@ -1,0 +1,32 @@
+#pragma once
+
+#include <vector>
+
+#include "extperfc/simulate/world_spec.hpp"
+#include "extperfc/world/pose.hpp"
+
+namespace extperfc::simulate {
+
+/// A person on the way along a path: at constant speed, turned to where it goes, and waiting while the way is
+/// not free.
+class Walker {
+ public:
+  explicit Walker(const PersonSpec& person);
+
+  /// One step. A person waits while the robot's centre is nearer than 0.8 m and ahead.
+  void step(double step_s, const Pose2& robot);
+  [[nodiscard]] const Pose2& pose() const { return pose_; }
+
+ private:
+  [[nodiscard]] bool way_is_free(const Pose2& robot) const;
+  void turn_towards(double heading, double step_s);
+  [[nodiscard]] Pose2 at(double along_m) const;
+
+  std::vector<Eigen::Vector2d> corners_;  // the way, there and back when it is open
+  double length_m_{0};
+  double speed_m_s_;
+  double along_m_{0};
+  Pose2 pose_;
+};
+
+}  // namespace extperfc::simulate
