@@ -159,7 +159,7 @@ TEST_P(Determinism, TwoRunsAreEqualBitForBit) {
 }
 
 INSTANTIATE_TEST_SUITE_P(Modes, Determinism, testing::Bool(),
-                         [](const auto& info) { return info.param ? "Dynamic" : "Kinematic"; });
+                         [](const auto& mode) { return mode.param ? "Dynamic" : "Kinematic"; });
 
 class DynamicSimulator : public SimulatorTest {
  protected:
