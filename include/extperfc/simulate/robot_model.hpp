@@ -52,12 +52,13 @@ struct Joint {
 };
 
 /// A robot's tree of links, read from a URDF. Links and joints are in order from the root: a parent stands
-/// before its children. Immutable, so it may be shared between threads.
+/// before its children, and the child of joint i is link i + 1. Immutable, so it may be shared between
+/// threads.
 class RobotModel {
  public:
-  /// `resource_root` is where `package://extperfc/` points. Errors: not a URDF, unknown mesh, a joint type
-  /// that is not in JointType, a mimic of a missing joint, a limit with lower > upper. Numbers are read in
-  /// the "C" locale.
+  /// `resource_root` is where `package://extperfc/` points. Errors: not a URDF, not a tree, a shape without
+  /// size, an unknown mesh, a joint type that is not in JointType, a mimic of a joint that is missing or not
+  /// driven, a limit with lower > upper. Numbers are read in the "C" locale. Thread-safe.
   [[nodiscard]] static Result<RobotModel> from_urdf(const std::string& xml,
                                                     const std::filesystem::path& resource_root);
   [[nodiscard]] static Result<RobotModel> from_file(const std::filesystem::path& urdf,
@@ -71,7 +72,7 @@ class RobotModel {
   [[nodiscard]] std::optional<int> joint(const std::string& name) const;
 
   /// Pose of every link in the root link's frame; `positions` has one value per joint (ignored for fixed and
-  /// mimic joints). O(links).
+  /// mimic joints). Throws std::out_of_range when values are missing. O(links).
   [[nodiscard]] std::vector<Pose> link_poses(const std::vector<double>& positions) const;
 
  private:
