@@ -1,0 +1,41 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+
+#include "extperfc/base/error.hpp"
+
+namespace extperfc::scan {
+
+enum class NumberType { kInt8, kUint8, kInt16, kUint16, kInt32, kUint32, kFloat32, kFloat64 };
+
+[[nodiscard]] std::size_t bytes_of(NumberType type);
+
+/// Where one number of every point stands.
+struct CloudField {
+  std::size_t offset{0};  ///< from the start of the point [byte]
+  NumberType type{NumberType::kFloat32};
+};
+
+/// A point cloud in somebody else's memory, laid out as in sensor_msgs/PointCloud2. Organised clouds have
+/// several rows, unorganised ones a single row. Rows may be padded; nothing needs to be aligned.
+struct CloudView {
+  const std::uint8_t* data{nullptr};
+  std::size_t bytes{0};
+  std::size_t width{0};       ///< points per row
+  std::size_t height{0};      ///< rows
+  std::size_t point_step{0};  ///< from point to point [byte]
+  std::size_t row_step{0};    ///< from row to row [byte]
+  bool big_endian{false};
+  CloudField x, y, z;                   ///< [m]
+  std::optional<CloudField> intensity;  ///< in the sensor's own unit
+  std::optional<CloudField> ring;       ///< number of the laser
+
+  [[nodiscard]] std::size_t size() const { return width * height; }
+};
+
+/// Error when points or fields would lie outside of the data.
+[[nodiscard]] Result<void> validate(const CloudView& cloud);
+
+}  // namespace extperfc::scan
