@@ -38,7 +38,14 @@ struct JointTarget {
 /// Deterministic: the same calls give the same states, bit for bit, on one build and machine.
 /// The robot's root is kinematic: it is where set_root() says. Joints: in kinematic mode positions are set,
 /// links push loose bodies and a gripper's fingers stop when both touch one loose body, which then is
-/// carried; in dynamic mode a btMultiBody with a motor per joint.
+/// carried; in dynamic mode each arm is a btMultiBody with a motor per joint. In both modes:
+/// - The robot's links meet the world, not each other.
+/// - A gripper holds what both pads touch from inside while it is told to close, and lets go when it is told
+///   to open by more than 0.5 mm. Fingers move with 0.15 m/s at most.
+/// - Friction and restitution of two bodies multiply. Fingers have 1.5, other links 0.6.
+/// - Meshes count as their convex hulls. Wheels (continuous joints) are part of the chassis and are where
+///   they are told.
+/// - Loose bodies that rest for 2 s sleep, which costs nothing; what touches or moves something wakes them.
 class Bodies {
  public:
   /// `start_positions` has a value per joint of the robot. Errors: a parameter out of range, a loose body
@@ -49,20 +56,23 @@ class Bodies {
                                                             const std::vector<double>& start_positions);
   virtual ~Bodies() = default;
 
-  /// Where the root is at the end of the next step.
+  /// Where the root is at the end of the next step. What is farther than 5 m/s or 10 rad/s allow is a jump:
+  /// the robot is there at rest, with what its grippers hold. Not finite: ignored.
   virtual void set_root(const Pose& world_T_root) = 0;
   /// True when the robot's chassis (links that hang on the root by fixed joints), put there, would overlap a
   /// fixed or movable body or a person by more than 2 mm. The floor (anything below 3 cm) does not count.
   [[nodiscard]] virtual bool root_collides(const Pose& world_T_root) = 0;
 
-  /// `joint` is an index into RobotModel::joints(). Mimic joints follow on their own.
+  /// `joint` is an index into RobotModel::joints(). Mimic joints follow on their own. Positions are kept
+  /// inside the joint's limits; a target that is not finite is ignored. It holds until the next one; the
+  /// first one is the start position.
   virtual void set_target(int joint, const JointTarget& target) = 0;
   virtual void step() = 0;
 
   [[nodiscard]] virtual double position(int joint) const = 0;  ///< [rad] or [m]
   [[nodiscard]] virtual double velocity(int joint) const = 0;  ///< [rad/s] or [m/s]
-  /// What the motor applied in the last step [N m] or [N]. Kinematic: the gravity torque that a motor would
-  /// hold.
+  /// What the motor applied in the last step [N m] or [N]; about 0 for fingers that hold something with
+  /// `hold_gripped` (see grip_force). Kinematic: the gravity torque that a motor would hold.
   [[nodiscard]] virtual double effort(int joint) const = 0;
   /// Efforts that hold the robot's arms against gravity where they are, one per joint [N m] or [N].
   [[nodiscard]] virtual std::vector<double> gravity_efforts() const = 0;
@@ -71,15 +81,18 @@ class Bodies {
   [[nodiscard]] virtual Pose world_T_body(int body) const = 0;              ///< index into WorldSpec::bodies
   [[nodiscard]] virtual Eigen::Vector3d body_velocity(int body) const = 0;  ///< linear, world frame [m/s]
 
-  /// Puts a movable or loose body somewhere, at rest. Error for a fixed body.
+  /// Puts a movable or loose body somewhere, at rest; a gripper that holds it lets go. Error for a fixed
+  /// body, a wrong index, a pose that is not finite.
   [[nodiscard]] virtual Result<void> move_body(int body, const Pose& world_T_body) = 0;
-  /// Index into WorldSpec::people.
+  /// Index into WorldSpec::people. Where the person is at the end of the next step; faster than 5 m/s: at
+  /// once.
   virtual void set_person(int person, const Pose2& pose) = 0;
 
   /// Loose body that both fingers of this gripper touch; `finger_joint` is the one that the other finger
   /// mimics.
   [[nodiscard]] virtual std::optional<int> gripped(int finger_joint) const = 0;
-  /// Force with which the fingers press [N].
+  /// Force with which the fingers press [N]: measured at the pads in dynamic mode, until `hold_gripped` fixes
+  /// the body; then, and in kinematic mode, the motor's limit while it is told to close.
   [[nodiscard]] virtual double grip_force(int finger_joint) const = 0;
 };
 
