@@ -17,19 +17,23 @@ namespace extperfc::simulate {
 
 /// Depth errors of an active stereo camera (D435i): see docs/depth.md for the model of the noise.
 struct DepthNoiseParams {
-  double min_depth_m{0.175};       ///< nearer gives no measurement [m]
-  double max_depth_m{10.0};        ///< farther gives none [m]
-  double focal_px{424.0};          ///< of the infrared pair, at its own resolution
-  double baseline_m{0.050};        ///< of the infrared pair
-  double subpixel_px{0.08};        ///< standard deviation of the disparity; 0: no noise
-  double quantum_m{0.001};         ///< depth unit
-  double hole_probability{0.002};  ///< of a pixel on a plain surface, [0, 1]
-  double edge_holes{0.35};         ///< share of pixels without a measurement beside an edge of depth, [0, 1]
+  double min_depth_m{0.175};   ///< nearer gives no measurement [m]
+  double max_depth_m{10.0};    ///< farther gives none [m]
+  double focal_px{424.0};      ///< of the infrared pair, at its own resolution
+  double baseline_m{0.050};    ///< of the infrared pair
+  double subpixel_px{0.08};    ///< standard deviation of the disparity; 0: no noise
+  double correlation_px{7.0};  ///< side of the patch whose noise moves together, >= 1; 1: every pixel its own
+  double disparity_step_px{1.0 / 32.0};  ///< of the matcher; 0: none. Not used without noise
+  double quantum_m{0.001};               ///< depth unit
+  double hole_probability{0.002};        ///< of a pixel on a plain surface, [0, 1]
+  double edge_holes{0.35};  ///< share of pixels without a measurement beside an edge of depth, [0, 1]
 };
 
 struct CameraParams {
   CameraModel model{640, 480, 615.0, 615.0, 319.5, 239.5, {}};
+  std::uint32_t sensor{0};  ///< number of this camera: tells its noise from another's
   bool shadows{true};
+  bool soft_light{true};      ///< a lamp with a size and less light in corners; false: sharp shadows, cheaper
   int supersampling{1};       ///< 1 or 2: 2 x 2 rays per pixel, for training pictures
   double image_noise{0.006};  ///< standard deviation of a colour value, as a share of full scale; 0: none
   DepthNoiseParams depth;
@@ -47,6 +51,7 @@ struct CameraImages {
 
 /// Velodyne VLP-16: 16 rings from -15 to +15 degrees, 10 Hz, 300,000 points/s (data sheet 63-9243).
 struct LidarParams {
+  std::uint32_t sensor{0};   ///< number of this lidar: tells its noise from another's
   double rotation_hz{10.0};  ///< [5, 20]
   int columns{1875};         ///< firings of all rings per turn at rotation_hz
   double min_range_m{0.4};
@@ -90,7 +95,8 @@ class SensorRig {
   /// Moves everything to where it is in the snapshot and updates the tree; what did not move costs nothing.
   virtual void pose(const Snapshot& snapshot) = 0;
 
-  /// `images` keeps its memory from call to call. Pose: of the optical frame (x right, y down, z forward).
+  /// `images` keeps its memory from call to call; it is empty when the camera model is not valid. Pose: of the
+  /// optical frame (x right, y down, z forward).
   virtual void camera(const CameraParams& params, const Pose& world_T_optical, CameraImages& images) = 0;
 
   /// One turn. The sensor's pose is interpolated from its start to its end, so points are in the sensor's
@@ -98,8 +104,8 @@ class SensorRig {
   virtual void lidar(const LidarParams& params, const Pose& world_T_begin, const Pose& world_T_end,
                      std::vector<LidarPoint>& points) = 0;
 
-  /// Distance along the frame's x axis inside a cone of `half_angle_rad` (the nearest of 9 rays) [m];
-  /// infinity: nothing within `max_m`.
+  /// Distance to the nearest thing inside a cone of `half_angle_rad` about the frame's x axis (9 rays: the
+  /// axis and eight on the cone), along the ray [m]; infinity: nothing within `max_m`.
   [[nodiscard]] virtual double range(const Pose& world_T_sensor, double half_angle_rad, double max_m) = 0;
 
   [[nodiscard]] virtual const std::vector<Instance>& instances() const = 0;  ///< [0] is "nothing"

@@ -1,0 +1,49 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <vector>
+
+#include "extperfc/base/error.hpp"
+#include "extperfc/simulate/robot_model.hpp"
+#include "extperfc/simulate/sensor_rig.hpp"
+#include "extperfc/simulate/world_spec.hpp"
+
+#include "simulate/render/mesh.hpp"
+#include "simulate/render/textures.hpp"
+
+namespace extperfc::simulate::render {
+
+/// What a ray finds on a triangle.
+struct Surface {
+  std::array<float, 3> albedo{};  ///< linear, texture not included
+  float gloss{0};
+  const std::uint32_t* texture{nullptr};  ///< pixels of a MipTexture; null: none
+  float pixels_per_m{0};                  ///< of the texture's level 0
+  float brightness{0};                    ///< linear luminance, texture included
+  std::uint16_t instance{0};
+};
+
+/// Who says where a piece is.
+enum class Mover { kNone, kLink, kBody, kPerson };
+
+/// Triangles that move together. Fixed bodies are one piece, in world coordinates; links that are joined by
+/// fixed joints are one piece, in the frame of the first of them.
+struct Piece {
+  Mesh mesh;
+  Mover mover{Mover::kNone};
+  int index{0};  ///< of the link, body or person
+};
+
+/// All that can be seen. Instance 0 is nothing, 1 the robot, then bodies and people in the order of the
+/// world.
+struct Stage {
+  std::vector<Piece> pieces;
+  std::vector<Surface> surfaces;
+  std::vector<Instance> instances;
+};
+
+/// Errors: a mesh that cannot be read, more than 65,000 instances.
+[[nodiscard]] Result<Stage> build_stage(const RobotModel& robot, const WorldSpec& world);
+
+}  // namespace extperfc::simulate::render

@@ -1,0 +1,288 @@
+#include "simulate/render/textures.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include "simulate/render/hash_noise.hpp"
+
+namespace extperfc::simulate::render {
+
+namespace {
+
+constexpr float kTurn = 6.28318530718F;
+
+/// sRGB, [0, 1].
+struct Colour {
+  float r, g, b;
+};
+
+Colour grey(float value) {
+  return {value, value, value};
+}
+
+Colour mix(const Colour& a, const Colour& b, float t) {
+  return {a.r + (b.r - a.r) * t, a.g + (b.g - a.g) * t, a.b + (b.b - a.b) * t};
+}
+
+Colour scaled(const Colour& c, float by) {
+  return {c.r * by, c.g * by, c.b * by};
+}
+
+float smooth_step(float low, float high, float x) {
+  const float t = std::clamp((x - low) / (high - low), 0.0F, 1.0F);
+  return t * t * (3.0F - 2.0F * t);
+}
+
+int wrap(int i, int period) {
+  return ((i % period) + period) % period;
+}
+
+/// Uniform value of a cell of a lattice, [0, 1).
+float cell(std::uint32_t layer, int x, int y) {
+  return uniform(noise_bits({layer * 0x68E31DA4U + 17U, layer}, static_cast<std::uint32_t>(y * 4096 + x)));
+}
+
+/// Smooth noise on a lattice of `across` x `down` cells that repeats; x, y in [0, 1) are the whole texture.
+float lattice(std::uint32_t layer, float x, float y, int across, int down) {
+  const float fx = x * static_cast<float>(across);
+  const float fy = y * static_cast<float>(down);
+  const int ix = static_cast<int>(std::floor(fx));
+  const int iy = static_cast<int>(std::floor(fy));
+  const float tx = smooth_step(0, 1, fx - static_cast<float>(ix));
+  const float ty = smooth_step(0, 1, fy - static_cast<float>(iy));
+  const auto at = [&](int dx, int dy) { return cell(layer, wrap(ix + dx, across), wrap(iy + dy, down)); };
+  const float top = at(0, 0) + (at(1, 0) - at(0, 0)) * tx;
+  const float bottom = at(0, 1) + (at(1, 1) - at(0, 1)) * tx;
+  return top + (bottom - top) * ty;
+}
+
+/// Sum of octaves, [0, 1).
+float octaves(std::uint32_t layer, float x, float y, int across, int down, int count) {
+  float sum = 0;
+  float weight = 0.5F;
+  float total = 0;
+  for (int i = 0; i < count; ++i, across *= 2, down *= 2, weight *= 0.5F) {
+    sum += weight * lattice(layer + static_cast<std::uint32_t>(i), x, y, across, down);
+    total += weight;
+  }
+  return sum / total;
+}
+
+/// Four boards, grain along x.
+Colour wood(float x, float y) {
+  constexpr int kBoards = 4;
+  const float across = y * kBoards;
+  const int board = static_cast<int>(across);
+  const float shift = cell(31, board, 0);
+  const float sx = x + shift - std::floor(x + shift);
+  const float bend = octaves(32, sx, y, 2, 8, 3);
+  const float rings = 0.5F + 0.5F * std::sin(kTurn * (9.0F * y + 2.6F * bend + 7.0F * shift));
+  const float fibres = octaves(36, sx, y, 6, 128, 2);
+  const Colour light{1.0F, 0.93F, 0.83F};
+  const Colour dark{0.80F, 0.68F, 0.55F};
+  Colour colour = mix(light, dark, 0.55F * rings * rings + 0.35F * fibres);
+  const float in_board = across - static_cast<float>(board);
+  const float joint = std::min(in_board, 1.0F - in_board);
+  colour = scaled(colour, 0.90F + 0.10F * cell(33, board, 1));
+  return scaled(colour, 0.72F + 0.28F * smooth_step(0.0F, 0.025F, joint));
+}
+
+/// Two by two tiles with joints.
+Colour tiles(float x, float y) {
+  const float fx = 2 * x;
+  const float fy = 2 * y;
+  const int ix = static_cast<int>(fx);
+  const int iy = static_cast<int>(fy);
+  const float dx = std::abs(fx - static_cast<float>(ix) - 0.5F);
+  const float dy = std::abs(fy - static_cast<float>(iy) - 0.5F);
+  const float to_joint = 0.5F - std::max(dx, dy);
+  const float tone = 0.88F + 0.07F * cell(41, ix, iy);
+  const float cloud = octaves(42, x, y, 6, 6, 4);
+  const float speck = lattice(47, x, y, 170, 170) > 0.86F ? -0.05F : 0.0F;
+  const Colour tile = scaled({1.0F, 0.985F, 0.96F}, tone + 0.09F * (cloud - 0.5F) + speck);
+  const float bevel = 0.94F + 0.06F * smooth_step(0.012F, 0.03F, to_joint);
+  return mix(grey(0.60F), scaled(tile, bevel), smooth_step(0.006F, 0.014F, to_joint));
+}
+
+Colour plaster(float x, float y) {
+  const float broad = octaves(51, x, y, 4, 4, 4);
+  const float grain = lattice(57, x, y, 128, 128) + lattice(58, x, y, 256, 256);
+  return grey(0.93F + 0.06F * (broad - 0.5F) + 0.035F * (grain - 1.0F));
+}
+
+/// Plain weave of 64 x 64 threads.
+Colour cloth(float x, float y) {
+  constexpr int kThreads = 64;
+  const float fx = x * kThreads;
+  const float fy = y * kThreads;
+  const int ix = static_cast<int>(fx);
+  const int iy = static_cast<int>(fy);
+  const bool warp = ((ix + iy) & 1) == 0;
+  const float along = warp ? fy - static_cast<float>(iy) : fx - static_cast<float>(ix);
+  const float across = warp ? fx - static_cast<float>(ix) : fy - static_cast<float>(iy);
+  const float round = std::sqrt(std::max(0.0F, 1.0F - 3.2F * (across - 0.5F) * (across - 0.5F)));
+  const float dip = std::sin(0.5F * kTurn * along);
+  const float thread = 0.92F + 0.08F * cell(61, warp ? ix : iy, warp ? 0 : 1);
+  const float fold = octaves(62, x, y, 3, 3, 3);
+  return grey(thread * (0.66F + 0.24F * round * (0.55F + 0.45F * dip) + 0.12F * fold));
+}
+
+Colour carpet(float x, float y) {
+  const float tuft = 0.6F * lattice(71, x, y, 128, 128) + 0.4F * lattice(72, x, y, 256, 256);
+  const float worn = octaves(73, x, y, 3, 3, 3);
+  return scaled({1.0F, 0.98F, 0.97F}, 0.62F + 0.30F * tuft + 0.12F * worn);
+}
+
+Colour marble(float x, float y) {
+  const float warp = octaves(81, x, y, 4, 4, 5);
+  const float vein = std::abs(std::sin(0.5F * kTurn * (2.0F * x + 1.0F * y + 2.4F * warp)));
+  const float fine =
+      std::abs(std::sin(0.5F * kTurn * (1.0F * x - 3.0F * y + 3.1F * octaves(87, x, y, 5, 5, 4))));
+  const float dark = 0.30F * std::pow(1.0F - vein, 6.0F) + 0.14F * std::pow(1.0F - fine, 10.0F);
+  return scaled({0.98F, 0.98F, 1.0F}, 0.96F - dark + 0.05F * (warp - 0.5F));
+}
+
+Colour checker(float x, float y) {
+  const int odd = (static_cast<int>(2 * x) + static_cast<int>(2 * y)) & 1;
+  const float worn = 0.04F * octaves(91, x, y, 8, 8, 3);
+  return grey((odd != 0 ? 0.16F : 0.96F) + (odd != 0 ? worn : -worn));
+}
+
+constexpr std::array<Colour, 10> kBindings{{{0.55F, 0.13F, 0.12F},
+                                            {0.13F, 0.22F, 0.40F},
+                                            {0.16F, 0.34F, 0.22F},
+                                            {0.76F, 0.66F, 0.46F},
+                                            {0.30F, 0.17F, 0.11F},
+                                            {0.80F, 0.78F, 0.72F},
+                                            {0.12F, 0.12F, 0.14F},
+                                            {0.60F, 0.36F, 0.13F},
+                                            {0.28F, 0.42F, 0.52F},
+                                            {0.48F, 0.16F, 0.30F}}};
+
+/// Backs of 14 books that stand side by side on a board; y is up.
+Colour books(float x, float y) {
+  constexpr int kBooks = 14;
+  int book = 0;
+  float left = 0;
+  float width = 0;
+  float total = 0;
+  for (int i = 0; i < kBooks; ++i) total += 0.6F + 0.9F * cell(101, i, 0);
+  for (float right = 0; book < kBooks; ++book, left = right) {
+    width = (0.6F + 0.9F * cell(101, book, 0)) / total;
+    right = left + width;
+    if (x < right || book == kBooks - 1) break;
+  }
+  const float height = 0.74F + 0.20F * cell(102, book, 0);
+  if (y > height) return scaled({0.20F, 0.16F, 0.13F}, 0.5F + 0.5F * (1.0F - y));
+  const float across = std::clamp((x - left) / width, 0.0F, 1.0F);
+  const float edge = std::min(across, 1.0F - across) * width;
+  Colour colour = kBindings[static_cast<std::size_t>(cell(103, book, 0) * kBindings.size())];
+  const float band = std::abs(y - height * (0.72F + 0.12F * cell(104, book, 0)));
+  const float low_band = std::abs(y - 0.12F);
+  const bool title = cell(106, book, 0) > 0.35F && std::abs(across - 0.5F) < 0.16F && y > 0.25F * height &&
+                     y < 0.62F * height && lattice(107, x, y, 32, 70) > 0.35F;
+  if (band < 0.014F || (cell(105, book, 0) > 0.5F && low_band < 0.01F) || title)
+    colour = mix(colour, {0.90F, 0.80F, 0.55F}, 0.75F);
+  const float round = 0.62F + 0.38F * std::sqrt(1.0F - 0.8F * (2 * across - 1) * (2 * across - 1));
+  return scaled(colour, round * (0.92F + 0.16F * lattice(108, x, y, 200, 40)) * smooth_step(0, 0.003F, edge));
+}
+
+Colour pattern(Texture texture, float x, float y) {
+  switch (texture) {
+    case Texture::kWood:
+      return wood(x, y);
+    case Texture::kTiles:
+      return tiles(x, y);
+    case Texture::kPlaster:
+      return plaster(x, y);
+    case Texture::kCloth:
+      return cloth(x, y);
+    case Texture::kCarpet:
+      return carpet(x, y);
+    case Texture::kMarble:
+      return marble(x, y);
+    case Texture::kChecker:
+      return checker(x, y);
+    case Texture::kBooks:
+      return books(x, y);
+    case Texture::kNone:
+      break;
+  }
+  return grey(1.0F);
+}
+
+std::uint32_t pack(const Colour& c) {
+  const auto byte = [](float v) {
+    return static_cast<std::uint32_t>(std::clamp(v, 0.0F, 1.0F) * 255.0F + 0.5F);
+  };
+  return byte(c.r) | byte(c.g) << 8 | byte(c.b) << 16;
+}
+
+/// Mean of 2 x 2 pixels of the level with twice the size, by channel.
+std::uint32_t mean_of_four(const std::uint32_t* larger, int size, int x, int y) {
+  const std::uint32_t* const at = larger + static_cast<std::ptrdiff_t>(2 * y) * (2 * size) + 2 * x;
+  const std::array<std::uint32_t, 4> four{at[0], at[1], at[2 * size], at[2 * size + 1]};
+  std::uint32_t mean = 0;
+  for (int shift = 0; shift < 24; shift += 8) {
+    std::uint32_t sum = 2;
+    for (const auto pixel : four) sum += pixel >> shift & 0xFFU;
+    mean |= (sum / 4) << shift;
+  }
+  return mean;
+}
+
+MipTexture make_texture(Texture kind) {
+  MipTexture texture;
+  constexpr int n = MipTexture::kSize;
+  texture.pixels.reserve(static_cast<std::size_t>(MipTexture::first_pixel(1)) + 1);
+  for (int y = 0; y < n; ++y)
+    for (int x = 0; x < n; ++x)
+      texture.pixels.push_back(
+          pack(pattern(kind, (static_cast<float>(x) + 0.5F) / n, (static_cast<float>(y) + 0.5F) / n)));
+  for (int size = n / 2; size > 0; size /= 2) {
+    const std::uint32_t* const larger = texture.pixels.data() + MipTexture::first_pixel(2 * size);
+    for (int y = 0; y < size; ++y)
+      for (int x = 0; x < size; ++x) texture.pixels.push_back(mean_of_four(larger, size, x, y));
+  }
+  const auto linear = [&](int shift) {
+    const float value = static_cast<float>(texture.pixels.back() >> shift & 0xFFU) / 255.0F;
+    return value * value;
+  };
+  texture.brightness = 0.2126F * linear(0) + 0.7152F * linear(8) + 0.0722F * linear(16);
+  return texture;
+}
+
+template <Texture kKind>
+const MipTexture* made_once() {
+  static const MipTexture texture = make_texture(kKind);
+  return &texture;
+}
+
+}  // namespace
+
+const MipTexture* texture_of(Texture texture) {
+  switch (texture) {
+    case Texture::kWood:
+      return made_once<Texture::kWood>();
+    case Texture::kTiles:
+      return made_once<Texture::kTiles>();
+    case Texture::kPlaster:
+      return made_once<Texture::kPlaster>();
+    case Texture::kCloth:
+      return made_once<Texture::kCloth>();
+    case Texture::kCarpet:
+      return made_once<Texture::kCarpet>();
+    case Texture::kMarble:
+      return made_once<Texture::kMarble>();
+    case Texture::kChecker:
+      return made_once<Texture::kChecker>();
+    case Texture::kBooks:
+      return made_once<Texture::kBooks>();
+    case Texture::kNone:
+      break;
+  }
+  return nullptr;
+}
+
+}  // namespace extperfc::simulate::render
