@@ -1,1 +1,123 @@
-// To be written.
+#include "extperfc/simulate/world_spec.hpp"
+
+#include <fstream>
+#include <sstream>
+
+#include <yaml-cpp/yaml.h>
+
+#include "simulate/worlds/material_reader.hpp"
+#include "simulate/worlds/thing_reader.hpp"
+#include "simulate/worlds/world_checks.hpp"
+#include "simulate/worlds/yaml_map.hpp"
+
+namespace extperfc::simulate {
+
+namespace {
+
+using namespace worlds;  // NOLINT: the reader's own parts
+
+constexpr double kDegree = 0.01745329251994329577;  // [rad]
+
+YamlMap section(YamlMap& owner, const std::string& key) {
+  return {owner.node(key).value_or(YAML::Node(YAML::NodeType::Map)), key, owner.problems()};
+}
+
+void read_floor_plan(YamlMap& file, WorldSpec& world) {
+  if (!file.has("floor_plan"))
+    file.problem("floor_plan", "is missing: add `floor_plan: {min: [x, y], max: [x, y]}` in metres");
+  YamlMap map = section(file, "floor_plan");
+  world.min_m = map.vector2("min", kAny, world.min_m);
+  world.max_m = map.vector2("max", kAny, world.max_m);
+  map.refuse_unknown();
+  if ((world.max_m - world.min_m).minCoeff() <= 0)
+    map.problem("max", "must be greater than `min` in x and in y: give the corners of the floor plan");
+}
+
+Origin read_robot(YamlMap& file, WorldSpec& world) {
+  YamlMap map = section(file, "robot");
+  const Eigen::Vector2d at = map.vector2("at", kAny, Eigen::Vector2d(0, 0));
+  world.robot_start = {at.x(), at.y(), map.number("yaw_deg", kAny, 0) * kDegree};
+  map.refuse_unknown();
+  return {file.line("robot"), "robot"};
+}
+
+void read_light(YamlMap& file, LightSpec& light) {
+  YamlMap map = section(file, "light");
+  light.lamp_m = map.vector3("at", kAny, light.lamp_m);
+  light.lamp = static_cast<float>(map.number("lamp", {0, 2}, static_cast<double>(light.lamp)));
+  light.ambient = static_cast<float>(map.number("ambient", {0, 2}, static_cast<double>(light.ambient)));
+  light.sky = read_colour(map, "sky", light.sky);
+  map.refuse_unknown();
+}
+
+std::vector<Origin> read_people(YamlMap& file, WorldSpec& world) {
+  std::vector<Origin> origins;
+  for (YamlMap& map : file.maps("people")) {
+    PersonSpec person;
+    person.name = map.text("name");
+    person.path_m = map.points("path", 1);
+    person.speed_m_s = map.number("speed", {0.01, 5}, person.speed_m_s);
+    person.closed = map.flag("closed", false);
+    person.colour = read_colour(map, "colour", person.colour);
+    map.refuse_unknown();
+    for (const PersonSpec& other : world.people)
+      if (other.name == person.name)
+        map.problem("name", "there are two people \"" + person.name + "\": give them different names");
+    world.people.push_back(person);
+    origins.push_back(map.origin());
+  }
+  return origins;
+}
+
+void check_names(const WorldSpec& world, const std::vector<Origin>& origins, Problems& problems) {
+  for (std::size_t i = 0; i < world.people.size(); ++i)
+    for (const BodySpec& body : world.bodies)
+      if (body.name == world.people[i].name)
+        problems.add(origins[i].line, origins[i].key_path + ".name",
+                     "a thing has the name \"" + body.name + "\" too: give them different names");
+}
+
+WorldSpec read_world(YamlMap& file) {
+  WorldSpec world;
+  world.name = file.text("name");
+  world.description = file.text("description", "");
+  read_floor_plan(file, world);
+  const Origin robot = read_robot(file, world);
+  read_light(file, world.light);
+  const auto people = read_people(file, world);
+  file.expect("templates");  // a place for YAML anchors
+  ThingReader reader(file.problems(), world.min_m, world.max_m);
+  reader.read(file);
+  file.refuse_unknown();
+  for (const PlacedThing& thing : reader.things()) world.bodies.push_back(thing.body);
+  check_names(world, people, file.problems());
+  if (file.problems().empty()) check_world(world, reader.things(), robot, people, file.problems());
+  return world;
+}
+
+}  // namespace
+
+Result<WorldSpec> parse_world(const std::string& yaml, const std::string& source_name) try {
+  Problems problems(source_name);
+  YamlMap file(YAML::Load(yaml), "", problems);
+  WorldSpec world = read_world(file);
+  if (!problems.empty()) return tl::unexpected(problems.to_error());
+  return world;
+} catch (const YAML::Exception& error) {
+  Problems problems(source_name);
+  problems.add(error.mark.is_null() ? 0 : error.mark.line + 1, "",
+               "not YAML: " + error.msg + ": mend this line");
+  return fail(ErrorCode::kCorrupt, problems.to_error().message);
+}
+
+Result<WorldSpec> load_world(const std::filesystem::path& file) {
+  std::ifstream in(file, std::ios::binary);
+  std::ostringstream text;
+  std::error_code error;
+  if (!std::filesystem::is_regular_file(file, error) || !(text << in.rdbuf()))
+    return fail(ErrorCode::kNotFound,
+                file.string() + ": cannot be read: give the path of a world, e.g. config/worlds/lab.yaml");
+  return parse_world(text.str(), file.string());
+}
+
+}  // namespace extperfc::simulate

@@ -1,0 +1,39 @@
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "extperfc/base/error.hpp"
+
+namespace extperfc::simulate::render_tool {
+
+struct Options {
+  std::filesystem::path out;
+  int count{100};  ///< pictures, [1, 999999]
+  std::uint64_t seed{1};
+  int width{640};               ///< [64, 4096]
+  int height{480};              ///< [64, 4096]
+  std::filesystem::path world;  ///< empty: random worlds
+  int supersampling{2};         ///< 1 or 2
+  bool depth{false};
+  bool plain{false};  ///< without the lens and sensor effects
+  bool resume{false};
+  int threads{0};      ///< 0: one per processor
+  int min_pixels{40};  ///< visible pixels of an object that gets a box
+  double val{0.1};     ///< share of the worlds that go to val.txt, [0, 1]
+  std::vector<std::string> classes{"cone", "cube", "sphere"};
+  bool help{false};
+};
+
+extern const char* const kHelp;
+
+/// From the words behind the program's name. Errors: unknown option, value missing or out of its range.
+[[nodiscard]] Result<Options> parse_options(const std::vector<std::string>& words);
+
+/// What decides about the pictures, as text: two runs with the same text write the same files.
+/// Reads the world's file.
+[[nodiscard]] std::string fingerprint(const Options& options);
+
+}  // namespace extperfc::simulate::render_tool

@@ -1,0 +1,20 @@
+#pragma once
+
+#include "extperfc/simulate/world_spec.hpp"
+#include "extperfc/world/camera_model.hpp"
+#include "extperfc/world/pose.hpp"
+
+namespace extperfc::simulate::render_tool {
+
+/// How a body would look if nothing stood before it and the picture had no border. Numbers of pixels.
+struct WholeView {
+  double pixels{0};         ///< in the picture and outside
+  double pixels_inside{0};  ///< in the picture
+};
+
+/// Casts a ray through the body's shapes for every pixel near it, or for every n-th of large bodies. A camera
+/// without distortion. Of a body that reaches around the camera, one picture's size on every side counts.
+[[nodiscard]] WholeView whole_view(const BodySpec& body, const CameraModel& camera,
+                                   const Pose& world_T_optical);
+
+}  // namespace extperfc::simulate::render_tool

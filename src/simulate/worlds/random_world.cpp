@@ -1,0 +1,99 @@
+#include "extperfc/simulate/random_world.hpp"
+
+#include "simulate/worlds/furniture.hpp"
+#include "simulate/worlds/random_floor.hpp"
+#include "simulate/worlds/random_look.hpp"
+#include "simulate/worlds/random_objects.hpp"
+#include "simulate/worlds/random_scene.hpp"
+#include "simulate/worlds/walls.hpp"
+
+namespace extperfc::simulate {
+
+namespace {
+
+using namespace worlds;  // NOLINT: the scene's parts
+
+constexpr int kMostThings = 40;
+constexpr double kRobotFront = 0.5;  // [m] from its origin
+
+Result<void> check(const RandomWorldParams& params) {
+  const auto counts = [](int least, int most) { return least >= 0 && least <= most && most <= kMostThings; };
+  const auto share = [](double value) { return value >= 0 && value <= 1; };
+  if (!counts(params.min_objects, params.max_objects) ||
+      !counts(params.min_distractors, params.max_distractors))
+    return fail(ErrorCode::kInvalidArgument,
+                "random world: numbers of objects and distractors must be 0 <= min <= max <= 40");
+  if (!share(params.crowded) || !share(params.stacked) || !share(params.person))
+    return fail(ErrorCode::kInvalidArgument, "random world: crowded, stacked and person must be in [0, 1]");
+  return {};
+}
+
+void put_room(RandomScene& scene, double height) {
+  WorldSpec& world = scene.world();
+  const Eigen::Vector2d size = world.max_m - world.min_m;
+  const Eigen::Vector2d middle = (world.max_m + world.min_m) / 2;
+  Piece floor;
+  add(floor, Box{{size.x(), size.y(), 0.1}}, {0, 0, -0.05}, random_floor(scene.rng()));
+  scene.put(floor, "floor", upright(middle.x(), middle.y(), 0, 0));
+  WallParams wall;
+  wall.closed = true;
+  wall.thickness_m = 0.1;
+  wall.height_m = height;
+  const Eigen::Vector2d low = world.min_m + Eigen::Vector2d::Constant(0.05);
+  const Eigen::Vector2d high = world.max_m - Eigen::Vector2d::Constant(0.05);
+  wall.path_m = {low, {high.x(), low.y()}, high, {low.x(), high.y()}};
+  wall.skirting = scene.rng().chance(0.7);
+  scene.put(walls(wall, random_wall(scene.rng())), "walls", Pose::Identity());
+}
+
+TableTop put_table(RandomScene& scene) {
+  Rng& rng = scene.rng();
+  const Eigen::Vector3d size{rng.uniform(0.5, 0.95), rng.uniform(0.8, 1.8), rng.uniform(0.35, 0.95)};
+  const double x = kRobotFront + rng.uniform(0.05, 0.25) + size.x() / 2;
+  const double y = rng.uniform(-0.25, 0.25);
+  const Material top = random_table_top(rng);
+  const Material legs = random_furniture(rng);
+  scene.put_apart(table(size, top, legs), "table", upright(x, y, 0, 0), size.head<2>(), 0.5);
+  return {upright(x, y, size.z(), 0), size.head<2>() / 2};
+}
+
+void put_person(RandomScene& scene) {
+  Rng& rng = scene.rng();
+  const WorldSpec& world = scene.world();
+  PersonSpec person;
+  person.name = "person_1";
+  const double x = rng.uniform(1.9, world.max_m.x() - 0.8);
+  const double y = rng.uniform(world.min_m.y() + 0.9, world.max_m.y() - 0.9);
+  person.path_m = {{x, y}, {x, y + (y > 0 ? -0.3 : 0.3)}};
+  person.colour = random_colour(rng, {0.1, 0.9, 0.2, 0.8});
+  scene.reserve({x - 0.4, y - 0.7}, {x + 0.4, y + 0.7});
+  scene.world().people.push_back(person);
+}
+
+WorldSpec table_world(const RandomWorldParams& params, std::uint64_t seed) {
+  RandomScene scene("random_table_" + std::to_string(seed), seed);
+  Rng& rng = scene.rng();
+  WorldSpec& world = scene.world();
+  world.min_m = {-rng.uniform(1.2, 2.2), -rng.uniform(1.6, 3.2)};
+  world.max_m = {rng.uniform(2.9, 5.0), rng.uniform(1.6, 3.2)};
+  const double height = rng.uniform(2.4, 3.0);
+  world.light = random_light(rng, world.min_m, world.max_m, height);
+  put_room(scene, height);
+  const TableTop top = put_table(scene);
+  scene.reserve({-0.9, -0.9}, {0.9, 0.9});  // the robot's place
+  if (rng.chance(params.person)) put_person(scene);
+  const Eigen::Vector2d inset = Eigen::Vector2d::Constant(0.115);
+  furnish_walls(scene, world.min_m + inset, world.max_m - inset, rng.integer(3, 9), height);
+  put_objects(scene, params, top);
+  return world;
+}
+
+}  // namespace
+
+Result<WorldSpec> random_world(const RandomWorldParams& params, std::uint64_t seed) {
+  if (const auto checked = check(params); !checked) return tl::unexpected(checked.error());
+  return params.kind == RandomWorldParams::Kind::kTable ? table_world(params, seed)
+                                                        : floor_world(params, seed);
+}
+
+}  // namespace extperfc::simulate

@@ -1,0 +1,290 @@
+#include "simulate/worlds/thing_reader.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "simulate/worlds/piece_reader.hpp"
+
+namespace extperfc::simulate::worlds {
+
+namespace {
+
+constexpr double kDegree = 0.01745329251994329577;  // [rad]
+constexpr int kMostCopies = 100;
+constexpr int kDeepest = 8;                // groups in groups: an anchor may hold itself
+constexpr std::size_t kMostThings = 5000;  // groups of groups of copies may multiply
+
+/// `mobility`, `mass`, `label`, `friction` and `rolling_friction`.
+void read_body_keys(YamlMap& map, Piece& piece) {
+  const std::string fixed_names[] = {"fixed", "movable", "loose"};
+  const std::string mobility = map.text("mobility", fixed_names[static_cast<int>(piece.mobility)]);
+  const auto* found = std::find(std::begin(fixed_names), std::end(fixed_names), mobility);
+  if (found == std::end(fixed_names))
+    map.problem("mobility", "unknown mobility \"" + mobility + "\": use fixed, movable or loose");
+  else
+    piece.mobility = static_cast<Mobility>(found - std::begin(fixed_names));
+  const bool loose = piece.mobility == Mobility::kLoose;
+  if (map.has("mass"))
+    piece.mass_kg = map.number("mass", {1e-4, 1000});
+  else if (loose && piece.mass_kg <= 0)
+    map.problem("mass", "a loose body needs a mass: add `mass` in kg");
+  else
+    map.expect("mass");
+  piece.label = map.text("label", piece.label);
+  piece.friction = map.number("friction", {0, 10}, piece.friction);
+  piece.rolling_friction = map.number("rolling_friction", {0, 1}, piece.rolling_friction);
+}
+
+/// The opening's place: nearest segment to a point on the wall.
+void locate_opening(YamlMap& map, const WallParams& wall, const Eigen::Vector2d& point, Opening& opening) {
+  double nearest = wall.thickness_m;
+  bool found = false;
+  for (std::size_t i = 0; i < segment_count(wall); ++i) {
+    const Eigen::Vector2d& from = wall.path_m[i];
+    const Eigen::Vector2d along = (wall.path_m[(i + 1) % wall.path_m.size()] - from).normalized();
+    const double at = along.dot(point - from);
+    const double off = std::abs(along.x() * (point - from).y() - along.y() * (point - from).x());
+    if (at < 0 || at > segment_length_m(wall, i) || off > nearest) continue;
+    nearest = off;
+    opening.segment = i;
+    opening.at_m = at;
+    found = true;
+  }
+  if (!found)
+    map.problem("at", "the opening is not on the wall: give the point [x, y] of its middle on the path");
+}
+
+void check_opening(YamlMap& map, const WallParams& wall, const Opening& opening) {
+  const double half = opening.width_m / 2;
+  if (opening.at_m - half < 0.01 || opening.at_m + half > segment_length_m(wall, opening.segment) - 0.01)
+    map.problem("width", "the opening reaches over an end of its piece of wall: move it or make it narrower");
+  if (opening.top_m > wall.height_m || opening.sill_m >= opening.top_m)
+    map.problem("top", "the opening must lie between `sill` and the wall's height: lower `top` or `sill`");
+  for (const Opening& other : wall.openings)
+    if (other.segment == opening.segment && std::abs(other.at_m - opening.at_m) < half + other.width_m / 2)
+      map.problem("at", "the opening overlaps another one of this wall: move it");
+}
+
+struct Copies {
+  int count{1};
+  Eigen::Vector2d step_m{Eigen::Vector2d::Zero()};
+};
+
+Copies read_copies(YamlMap& map) {
+  Copies copies;
+  const auto node = map.node("copies");
+  if (!node) return copies;
+  YamlMap section(*node, map.path() + ".copies", map.problems());
+  copies.count = section.integer("count", 1, kMostCopies);
+  copies.step_m = section.vector2("step", kAny);
+  section.refuse_unknown();
+  return copies;
+}
+
+std::string colour_word(const YamlMap& map) {
+  const YAML::Node& node = map.raw();
+  if (!map.has("colour") || !node["colour"].IsScalar()) return "";
+  const std::string& text = node["colour"].Scalar();
+  return text.empty() || text[0] == '#' ? "" : "_" + text;
+}
+
+}  // namespace
+
+void ThingReader::read(YamlMap& world) {
+  materials_.read_own(world);
+  read_list(world, {});
+}
+
+void ThingReader::read_list(YamlMap& owner, const Group& group) {
+  for (YamlMap& entry : owner.maps("things")) {
+    if (things_.size() >= kMostThings) {
+      entry.problem("", "more than 5000 things: make the world smaller");
+      return;
+    }
+    if (entry.raw().size() != 1) {
+      entry.problem(
+          "", "must be one thing like `table: {at: [1, 0], ...}`: put one kind in each item of the list");
+      continue;
+    }
+    const std::string kind = entry.raw().begin()->first.as<std::string>("");
+    YamlMap map(entry.raw().begin()->second, entry.path() + "." + kind, *problems_);
+    read_thing(kind, map, group);
+  }
+}
+
+void ThingReader::read_thing(const std::string& kind, YamlMap& map, const Group& group) {
+  if (kind == "group") return read_group(map, group);
+  if (kind == "wall") return read_wall(map, group);
+  if (kind == "floor" || kind == "ceiling") {
+    read_slab(map, group, kind == "ceiling");
+  } else if (kind == "door") {
+    const Eigen::Vector3d at = map.place("at");
+    const Pose opening = upright(at.x(), at.y(), at.z(), map.number("yaw_deg", kAny, 0) * kDegree);
+    DoorParams params;
+    params.width_m = map.number("width", {0.3, 5}, params.width_m);
+    params.height_m = map.number("height", {0.3, 5}, params.height_m);
+    read_door(map, group.world_T_group * opening, params, group);
+  } else if (auto piece = read_piece(kind, map, materials_)) {
+    read_placed(map, group, std::move(*piece), kind + colour_word(map));
+  } else {
+    auto kinds = piece_kinds();
+    for (const char* more : {"group", "wall", "floor", "ceiling", "door"}) kinds.emplace_back(more);
+    map.problem("", "unknown kind of thing \"" + kind + "\"" + hint_for(kind, kinds) +
+                        ": config/worlds/README.md lists them");
+    return;
+  }
+  map.refuse_unknown();
+}
+
+void ThingReader::read_group(YamlMap& map, const Group& group) {
+  Group inner = group;
+  inner.prefix = name_of(map, group, "group") + "_";
+  const Eigen::Vector3d at = map.place("at");
+  inner.world_T_group =
+      group.world_T_group * upright(at.x(), at.y(), at.z(), map.number("yaw_deg", kAny, 0) * kDegree);
+  map.expect("things");
+  map.refuse_unknown();
+  if (++inner.depth > kDeepest)
+    map.problem("things", "groups within groups are too deep: does this one hold itself?");
+  else
+    read_list(map, inner);
+}
+
+void ThingReader::read_slab(YamlMap& map, const Group& group, bool ceiling) {
+  const Eigen::Vector2d size = map.vector2("size", kLength, Eigen::Vector2d(max_m_ - min_m_));
+  const Eigen::Vector2d middle = map.vector2("at", kAny, Eigen::Vector2d((min_m_ + max_m_) / 2));
+  const double thick = 0.1;
+  const double z = ceiling ? map.number("height", {0.1, 100}, 2.6) : -thick;
+  Piece piece;
+  const Material material = materials_.read(map, ceiling ? "plaster" : "tiles");
+  add(piece, Box{{size.x(), size.y(), thick}}, {0, 0, thick / 2}, material);
+  const std::string name = name_of(map, group, ceiling ? "ceiling" : "floor");
+  keep(map, piece, name, group.world_T_group * upright(middle.x(), middle.y(), z, 0));
+}
+
+void ThingReader::read_wall(YamlMap& map, const Group& group) {
+  WallParams wall;
+  wall.closed = map.flag("closed", false);
+  wall.path_m = map.points("path", wall.closed ? 3 : 2);
+  wall.height_m = map.number("height", {0.05, 20}, wall.height_m);
+  wall.thickness_m = map.number("thickness", {0.01, 2}, wall.thickness_m);
+  wall.skirting = map.flag("skirting", wall.skirting);
+  const Material material = materials_.read(map, "plaster");
+  const std::string name = name_of(map, group, "wall");
+  auto openings = map.maps("openings");
+  map.refuse_unknown();
+  if (wall.path_m.size() < 2) return;
+  for (std::size_t i = 0; i < segment_count(wall); ++i)
+    if (segment_length_m(wall, i) < wall.thickness_m)
+      map.problem("path",
+                  "piece " + std::to_string(i + 1) + " is shorter than the wall is thick: take a point out");
+  for (YamlMap& opening : openings) {
+    read_opening(opening, wall);
+    read_opening_door(opening, wall, group);
+    opening.refuse_unknown();
+  }
+  keep(map, walls(wall, material), name, group.world_T_group, "", false);
+}
+
+void ThingReader::read_opening(YamlMap& map, WallParams& wall) {
+  Opening opening;
+  opening.width_m = map.number("width", {0.05, 100}, opening.width_m);
+  opening.sill_m = map.number("sill", {0, 20}, opening.sill_m);
+  opening.top_m = map.number("top", {0.05, 20}, std::min(opening.top_m, wall.height_m));
+  locate_opening(map, wall, map.vector2("at", kAny), opening);
+  check_opening(map, wall, opening);
+  wall.openings.push_back(opening);
+}
+
+void ThingReader::read_opening_door(YamlMap& opening, const WallParams& wall, const Group& group) {
+  const auto node = opening.node("door");
+  if (!node) return;
+  YamlMap map(*node, opening.path() + ".door", *problems_);
+  DoorParams params;
+  params.width_m = wall.openings.back().width_m;
+  params.height_m = wall.openings.back().top_m;
+  read_door(map, group.world_T_group * opening_pose(wall, wall.openings.back()), params, group);
+  map.refuse_unknown();
+}
+
+void ThingReader::read_door(YamlMap& map, const Pose& world_T_opening, DoorParams params,
+                            const Group& group) {
+  const std::string hinge = map.text("hinge", "left");
+  if (hinge != "left" && hinge != "right")
+    map.problem("hinge", "must be left or right, not \"" + hinge + "\"");
+  params.hinge_right = hinge == "right";
+  const double open = map.number("open_deg", {-170, 170}, 0) * kDegree;
+  const Material material = materials_.read(map, "pine");
+  const std::string name = name_of(map, group, "door");
+  keep(map, door(params, material), name, world_T_opening * door_pose(params, open));
+}
+
+void ThingReader::read_placed(YamlMap& map, const Group& group, Piece piece, const std::string& kind) {
+  read_body_keys(map, piece);
+  const Eigen::Vector3d at = map.place("at");
+  const double yaw = map.number("yaw_deg", kAny, 0) * kDegree;
+  const Support under = support(map, group);
+  const Copies copies = read_copies(map);
+  const std::string name = name_of(map, group, kind);
+  for (int i = 0; i < copies.count; ++i) {
+    const Eigen::Vector2d point = at.head<2>() + i * copies.step_m;
+    Pose pose = group.world_T_group * upright(point.x(), point.y(), at.z(), yaw);
+    if (!under.name.empty()) rest_on(map, under, pose);
+    keep(map, piece, copies.count > 1 ? name + "_" + std::to_string(i + 1) : name, pose, under.name);
+  }
+}
+
+void ThingReader::rest_on(YamlMap& map, const Support& support, Pose& world_T_piece) const {
+  const Eigen::Vector3d local = support.world_T_support.inverse() * world_T_piece.translation();
+  const Eigen::Vector2d off = (local.head<2>() - support.surface.centre_m).cwiseAbs();
+  if ((off - support.surface.half_m).maxCoeff() > 0)
+    map.problem("at", "is not above \"" + support.name + "\": choose a point on it, or take `on` out");
+  world_T_piece.translation().z() = support.world_T_support.translation().z() + support.surface.z_m;
+}
+
+ThingReader::Support ThingReader::support(YamlMap& map, const Group& group) const {
+  const std::string on = map.text("on", "");
+  const int level = map.integer("level", 1, 20, 1);
+  if (on.empty()) return {};
+  const PlacedThing* under = find(group.prefix + on);
+  if (under == nullptr) under = find(on);
+  if (under == nullptr) {
+    map.problem("on", "there is no thing \"" + on + "\" above this line: name one that stands earlier");
+    return {};
+  }
+  const auto& surfaces = under->surfaces;
+  if (static_cast<std::size_t>(level) <= surfaces.size())
+    return {under->body.name, under->world_T_piece, surfaces[static_cast<std::size_t>(level - 1)]};
+  map.problem(surfaces.empty() ? "on" : "level", "\"" + under->body.name + "\" has " +
+                                                     std::to_string(surfaces.size()) +
+                                                     " places to stand on: choose another level or thing");
+  return {};
+}
+
+void ThingReader::keep(const YamlMap& map, const Piece& piece, const std::string& name,
+                       const Pose& world_T_piece, const std::string& on, bool bounded) {
+  if (const PlacedThing* other = find(name))
+    problems_->add(map.line("name"), map.path() + ".name",
+                   "there are two things \"" + name + "\" (the other one at line " +
+                       std::to_string(other->origin.line) + "): give them different names");
+  index_by_name_.emplace(name, things_.size());
+  things_.push_back(
+      {place(piece, name, world_T_piece), world_T_piece, piece.surfaces, map.origin(), on, bounded});
+}
+
+std::string ThingReader::name_of(YamlMap& map, const Group& group, const std::string& kind) {
+  if (map.has("name")) return group.prefix + map.text("name");
+  map.expect("name");
+  const std::string base = group.prefix + kind;
+  std::string name;
+  do name = base + "_" + std::to_string(++running_numbers_[base]);
+  while (find(name) != nullptr);
+  return name;
+}
+
+const PlacedThing* ThingReader::find(const std::string& name) const {
+  const auto found = index_by_name_.find(name);
+  return found == index_by_name_.end() ? nullptr : &things_[found->second];
+}
+
+}  // namespace extperfc::simulate::worlds

@@ -1,0 +1,139 @@
+#include "simulate/worlds/world_checks.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <sstream>
+
+#include "simulate/worlds/solid.hpp"
+
+namespace extperfc::simulate::worlds {
+
+namespace {
+
+constexpr double kOverlap = 0.005;     // obvious [m]
+constexpr double kRobotRadius = 0.42;  // of the base [m]
+constexpr double kPersonRadius = 0.2;  // [m]
+constexpr double kPersonHeight = 1.8;  // [m]
+constexpr double kFloor = 0.03;        // what ends below can be stepped on [m]
+constexpr double kStride = 0.1;        // between points at which a path is checked [m]
+
+struct Outline {
+  const PlacedThing* thing;
+  Polygon polygon;
+};
+
+/// Outlines of fixed shapes that are in the way of something as tall as a person.
+std::vector<Outline> obstacles(const std::vector<PlacedThing>& things) {
+  std::vector<Outline> list;
+  for (const PlacedThing& thing : things) {
+    if (thing.body.mobility != Mobility::kFixed) continue;
+    for (const Shape& shape : thing.body.shapes)
+      if (auto polygon =
+              outline(shape.geometry, thing.body.world_T_body * shape.body_T_shape, kFloor, kPersonHeight))
+        list.push_back({&thing, std::move(*polygon)});
+  }
+  return list;
+}
+
+const Outline* near(const std::vector<Outline>& list, const Eigen::Vector2d& point, double radius) {
+  const auto found = std::find_if(list.begin(), list.end(), [&](const Outline& outline) {
+    return distance_m(outline.polygon, point) < radius;
+  });
+  return found == list.end() ? nullptr : &*found;
+}
+
+bool within(const WorldSpec& world, const Eigen::Vector2d& point) {
+  constexpr double kSlack = 1e-6;
+  return ((point - world.min_m).array() >= -kSlack).all() && ((world.max_m - point).array() >= -kSlack).all();
+}
+
+std::string text_of(const Eigen::Vector2d& point) {
+  std::ostringstream out;
+  out.imbue(std::locale::classic());
+  out.precision(3);
+  out << '[' << point.x() << ", " << point.y() << ']';
+  return out.str();
+}
+
+void check_places(const WorldSpec& world, const std::vector<PlacedThing>& things, Problems& problems) {
+  for (const PlacedThing& thing : things)
+    if (thing.bounded && !within(world, thing.body.world_T_body.translation().head<2>()))
+      problems.add(thing.origin.line, thing.origin.key_path,
+                   "\"" + thing.body.name + "\" stands outside the floor plan: move it or widen floor_plan");
+}
+
+void check_overlaps(const std::vector<PlacedThing>& things, Problems& problems) {
+  for (std::size_t i = 0; i < things.size(); ++i)
+    for (std::size_t j = 0; j < i; ++j) {
+      const BodySpec& a = things[i].body;
+      const BodySpec& b = things[j].body;
+      if (a.mobility != Mobility::kLoose && b.mobility != Mobility::kLoose) continue;
+      if (certain_overlap_m(a, b) > kOverlap)
+        problems.add(things[i].origin.line, things[i].origin.key_path,
+                     "\"" + a.name + "\" and \"" + b.name + "\" are inside each other: move one of them");
+    }
+}
+
+void check_robot(const WorldSpec& world, const std::vector<Outline>& fixed, const Origin& origin,
+                 Problems& problems) {
+  const Eigen::Vector2d at(world.robot_start.x, world.robot_start.y);
+  if (!within(world, at))
+    problems.add(origin.line, origin.key_path,
+                 "the robot starts outside the floor plan: move it or widen floor_plan");
+  if (const Outline* in_the_way = near(fixed, at, kRobotRadius))
+    problems.add(origin.line, origin.key_path,
+                 "the robot starts inside or too near to \"" + in_the_way->thing->body.name +
+                     "\" (its base needs 0.42 m around it): move one of them");
+}
+
+/// The first point of a path that is in a fixed thing or outside; points along the way included.
+void check_path(const WorldSpec& world, const std::vector<Outline>& fixed, const PersonSpec& person,
+                const Origin& origin, Problems& problems) {
+  const std::size_t count = person.path_m.size();
+  for (std::size_t i = 0; i < count; ++i) {
+    if (!within(world, person.path_m[i]))
+      return problems.add(origin.line, origin.key_path,
+                          "point " + text_of(person.path_m[i]) + " is outside the floor plan: move it");
+    if (i + 1 == count && !person.closed && count > 1) return;
+    const Eigen::Vector2d way = person.path_m[(i + 1) % count] - person.path_m[i];
+    const int steps = static_cast<int>(std::ceil(way.norm() / kStride));
+    for (int step = 0; step <= steps; ++step) {
+      const Eigen::Vector2d point =
+          person.path_m[i] + way * (steps == 0 ? 0.0 : static_cast<double>(step) / steps);
+      if (const Outline* hit = near(fixed, point, kPersonRadius))
+        return problems.add(origin.line, origin.key_path,
+                            "\"" + person.name + "\" walks into \"" + hit->thing->body.name + "\" near " +
+                                text_of(point) + ": lead the path around it");
+    }
+  }
+}
+
+}  // namespace
+
+double certain_overlap_m(const BodySpec& a, const BodySpec& b) {
+  double deepest = 0;
+  for (const Shape& one : a.shapes)
+    for (const Shape& other : b.shapes) {
+      const Pose pose = a.world_T_body * one.body_T_shape;
+      const Pose other_pose = b.world_T_body * other.body_T_shape;
+      const ShapeBox box = inner_box(one.geometry);
+      const ShapeBox other_box = inner_box(other.geometry);
+      if ((pose.translation() - other_pose.translation()).norm() >
+          box.half_m.norm() + box.centre_m.norm() + other_box.half_m.norm() + other_box.centre_m.norm())
+        continue;
+      deepest = std::max(deepest, box_overlap_m(box, pose, other_box, other_pose));
+    }
+  return deepest;
+}
+
+void check_world(const WorldSpec& world, const std::vector<PlacedThing>& things, const Origin& robot,
+                 const std::vector<Origin>& people, Problems& problems) {
+  const std::vector<Outline> fixed = obstacles(things);
+  check_places(world, things, problems);
+  check_overlaps(things, problems);
+  check_robot(world, fixed, robot, problems);
+  for (std::size_t i = 0; i < world.people.size(); ++i)
+    check_path(world, fixed, world.people[i], people[i], problems);
+}
+
+}  // namespace extperfc::simulate::worlds

@@ -1,0 +1,17 @@
+#pragma once
+
+#include <vector>
+
+#include "simulate/worlds/thing_reader.hpp"
+
+namespace extperfc::simulate::worlds {
+
+/// What is wrong with things that are fine on their own: outside the floor plan, inside each other, robot or
+/// people where they cannot be. `people` has one origin per person of `world`.
+void check_world(const WorldSpec& world, const std::vector<PlacedThing>& things, const Origin& robot,
+                 const std::vector<Origin>& people, Problems& problems);
+
+/// Depth by which two bodies certainly overlap: of boxes that lie within their shapes [m].
+[[nodiscard]] double certain_overlap_m(const BodySpec& a, const BodySpec& b);
+
+}  // namespace extperfc::simulate::worlds
