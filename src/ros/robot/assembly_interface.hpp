@@ -1,0 +1,40 @@
+#pragma once
+
+#include <ros/node_handle.h>
+#include <std_msgs/Bool.h>
+#include <std_msgs/Empty.h>
+
+#include "ros/robot/complaints.hpp"
+#include "ros/simulate/sim_host.hpp"
+#include "ros/simulate/ticker.hpp"
+
+namespace extperfc {
+
+/// The robot as a whole: switched on, off, stopped in an emergency and reset after it.
+///
+/// Publishes:  robot/state             baxter_core_msgs/AssemblyState
+/// Subscribes: robot/set_super_enable  std_msgs/Bool; refused while stopped
+///             robot/set_super_stop    std_msgs/Empty: e-stop
+///             robot/set_super_reset   std_msgs/Empty: takes the e-stop back; the robot stays disabled
+class AssemblyInterface {
+ public:
+  AssemblyInterface(ros::NodeHandle handle, SimHost& host, double rate_hz);
+
+  void after_step(const simulate::Simulator& simulator, const ros::Time& stamp);
+
+ private:
+  void on_enable(const std_msgs::BoolConstPtr& message);
+  void on_stop(const std_msgs::EmptyConstPtr& message);
+  void on_reset(const std_msgs::EmptyConstPtr& message);
+  void hand_over(const char* topic, std::function<void(simulate::Simulator&)> work);
+
+  SimHost& host_;
+  Ticker ticker_;
+  Complaints complaints_;
+  ros::Publisher publisher_;
+  ros::Subscriber enable_subscriber_;
+  ros::Subscriber stop_subscriber_;
+  ros::Subscriber reset_subscriber_;
+};
+
+}  // namespace extperfc

@@ -1,0 +1,59 @@
+#include "ros/robot/trajectory_messages.hpp"
+
+namespace extperfc::convert {
+
+namespace {
+
+std::vector<simulate::JointTolerance> from_messages(
+    const std::vector<control_msgs::JointTolerance>& messages) {
+  std::vector<simulate::JointTolerance> tolerances;
+  tolerances.reserve(messages.size());
+  for (const auto& message : messages)
+    tolerances.push_back({message.name, message.position, message.velocity, message.acceleration});
+  return tolerances;
+}
+
+trajectory_msgs::JointTrajectoryPoint to_message(const simulate::JointMotion& motion) {
+  trajectory_msgs::JointTrajectoryPoint message;
+  message.positions.assign(motion.position.begin(), motion.position.end());
+  message.velocities.assign(motion.velocity.begin(), motion.velocity.end());
+  message.accelerations.assign(motion.acceleration.begin(), motion.acceleration.end());
+  return message;
+}
+
+}  // namespace
+
+simulate::TrajectoryGoal from_message(const control_msgs::FollowJointTrajectoryGoal& message) {
+  simulate::TrajectoryGoal goal;
+  goal.joints = message.trajectory.joint_names;
+  for (const auto& point : message.trajectory.points)
+    goal.points.push_back(
+        {point.time_from_start.toSec(), point.positions, point.velocities, point.accelerations});
+  if (!message.trajectory.header.stamp.isZero()) goal.start_s = message.trajectory.header.stamp.toSec();
+  goal.path_tolerance = from_messages(message.path_tolerance);
+  goal.goal_tolerance = from_messages(message.goal_tolerance);
+  goal.goal_time_tolerance_s = message.goal_time_tolerance.toSec();
+  return goal;
+}
+
+control_msgs::FollowJointTrajectoryResult to_message(const simulate::TrajectoryEnd& end) {
+  control_msgs::FollowJointTrajectoryResult message;
+  message.error_code = static_cast<std::int32_t>(end.code);
+  message.error_string = end.message;
+  return message;
+}
+
+control_msgs::FollowJointTrajectoryFeedback feedback_message(
+    const std::vector<simulate::FollowedJoint>& joints, const simulate::JointMotion& desired,
+    const simulate::JointMotion& actual, const ros::Time& stamp) {
+  control_msgs::FollowJointTrajectoryFeedback message;
+  message.header.stamp = stamp;
+  for (const auto& joint : joints) message.joint_names.push_back(joint.name);
+  message.desired = to_message(desired);
+  message.actual = to_message(actual);
+  message.error = to_message({desired.position - actual.position, desired.velocity - actual.velocity,
+                              desired.acceleration - actual.acceleration});
+  return message;
+}
+
+}  // namespace extperfc::convert
