@@ -31,7 +31,11 @@ class SimHost {
     auto answer = task->get_future();
     if (!post([task](simulate::Simulator& simulator) { (*task)(simulator); }))
       throw std::runtime_error("the simulation does not take commands");
-    return answer.get();
+    try {
+      return answer.get();
+    } catch (const std::future_error&) {  // the work was dropped
+      throw std::runtime_error("the simulation ends");
+    }
   }
 
   /// `publish` is called in the simulation thread after every step with the step's stamp; keep it short.

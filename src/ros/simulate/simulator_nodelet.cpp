@@ -1,0 +1,85 @@
+#include <algorithm>
+#include <memory>
+#include <stdexcept>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include <diagnostic_updater/diagnostic_updater.h>
+#include <nodelet/nodelet.h>
+#include <pluginlib/class_list_macros.hpp>
+
+#include "ros/params/simulator_params.hpp"
+#include "ros/simulate/simulation.hpp"
+
+namespace extperfc {
+
+/// A mobile Baxter in a simulated world, with the topics, services, actions and frames of the real one.
+///
+/// Subscribes: cmd_vel (see BaseInterface), Baxter's commands (see RobotInterface).
+/// Publishes:
+///   /clock, sim/real_time_factor                       see SimThread
+///   odom, imu/data, tf                                 see BaseInterface
+///   robot/...                                          see RobotInterface
+///   camera/color/..., camera/aligned_depth_to_color/...   see CameraSensor
+///   velodyne_points                                    see LidarSensor
+///   robot/range/..., robot/sonar/head_sonar/state      see HandRangeSensor, SonarSensor
+///   sim/truth/..., sim/world_markers                   see TruthPublisher, CameraSensor
+///   diagnostics
+/// Services: sim/pause (std_srvs/SetBool), sim/step (StepSimulation), sim/reset (std_srvs/Trigger),
+///   sim/set_real_time_factor (SetRealTimeFactor), sim/set_fault (SetFault), sim/move_body (MoveBody);
+///   robot/... see RobotInterface.
+/// Parameters (private; unknown keys are refused): config/simulator.yaml lists all of them with unit, range
+///   and default. `classes` and `instances` are WRITTEN: names of class ids and of the label picture's
+///   numbers.
+/// Frames: odom -> base_footprint, and map -> odom when base/publish_map_frame is set; the robot's own frames
+///   come from robot_state_publisher. The world's frame is map.
+/// Diagnostics: one status for the simulation (real-time factor, steps), the base and each sensor (rate, work
+///   and CPU time of a frame, what was replaced or lost).
+/// Threads: one steps the simulation and publishes what the robot's controllers would; one measures for the
+///   sensors; two answer the services of the simulation.
+class SimulatorNodelet : public nodelet::Nodelet {
+ public:
+  ~SimulatorNodelet() override { diagnostics_timer_.stop(); }
+
+ private:
+  static constexpr double kFirstReportS = 0.1;
+  static constexpr double kShortestPeriodS = 0.01;
+
+  void onInit() override;
+  void add_diagnostics();
+
+  std::unique_ptr<Simulation> simulation_;
+  std::unique_ptr<diagnostic_updater::Updater> updater_;
+  ros::WallTimer diagnostics_timer_;
+};
+
+void SimulatorNodelet::onInit() {
+  auto params = ros_params::load_simulator_params(getPrivateNodeHandle());
+  auto simulation = params ? Simulation::make(getNodeHandle(), getPrivateNodeHandle(), *params)
+                           : tl::unexpected(params.error());
+  if (!simulation) {
+    NODELET_FATAL("%s", simulation.error().message.c_str());
+    throw std::runtime_error(simulation.error().message);
+  }
+  simulation_ = std::move(*simulation);
+  NODELET_INFO("%s", simulation_->description().c_str());
+  add_diagnostics();
+  simulation_->start();
+}
+
+void SimulatorNodelet::add_diagnostics() {
+  updater_ =
+      std::make_unique<diagnostic_updater::Updater>(getNodeHandle(), getPrivateNodeHandle(), getName());
+  updater_->setHardwareID("simulated");
+  for (const auto& [name, report] : simulation_->reports()) updater_->add(name, report);
+  // In real time, so that a simulation that stands still reports too.
+  diagnostics_timer_ = getNodeHandle().createWallTimer(ros::WallDuration(kFirstReportS), [this](const auto&) {
+    updater_->force_update();
+    diagnostics_timer_.setPeriod(ros::WallDuration(std::max(updater_->getPeriod(), kShortestPeriodS)), false);
+  });
+}
+
+}  // namespace extperfc
+
+PLUGINLIB_EXPORT_CLASS(extperfc::SimulatorNodelet, nodelet::Nodelet)

@@ -1,0 +1,162 @@
+#include "ros/simulate/world_markers.hpp"
+
+#include <cmath>
+#include <type_traits>
+#include <utility>
+#include <variant>
+
+#include "ros/convert/geometry.hpp"
+#include "ros/simulate/frames.hpp"
+
+namespace extperfc {
+
+namespace {
+
+using visualization_msgs::Marker;
+using visualization_msgs::MarkerArray;
+
+constexpr double kPi = 3.14159265358979323846;
+
+void set_scale(Marker& marker, double x, double y, double z) {
+  marker.scale.x = x;
+  marker.scale.y = y;
+  marker.scale.z = z;
+}
+
+std_msgs::ColorRGBA to_color(const Eigen::Vector3f& rgb) {
+  std_msgs::ColorRGBA color;
+  color.r = rgb.x();
+  color.g = rgb.y();
+  color.b = rgb.z();
+  color.a = 1.0F;
+  return color;
+}
+
+/// rviz has no cone: its side and its bottom as triangles.
+void fill_cone(Marker& marker, const simulate::Cone& cone) {
+  constexpr int kSides = 24;
+  const auto rim = [&](int i) {
+    const double angle = 2 * kPi * i / kSides;
+    return Eigen::Vector3d(cone.radius_m * std::cos(angle), cone.radius_m * std::sin(angle),
+                           -0.5 * cone.height_m);
+  };
+  const Eigen::Vector3d tip(0, 0, 0.5 * cone.height_m);
+  const Eigen::Vector3d middle(0, 0, -0.5 * cone.height_m);
+  for (int i = 0; i < kSides; ++i)
+    for (const auto& corner : {rim(i), rim(i + 1), tip, rim(i + 1), rim(i), middle})
+      marker.points.push_back(convert::to_point(corner));
+  marker.type = Marker::TRIANGLE_LIST;
+  set_scale(marker, 1, 1, 1);
+}
+
+void fill_geometry(Marker& marker, const simulate::Geometry& geometry) {
+  std::visit(
+      [&](const auto& shape) {
+        using Shape = std::decay_t<decltype(shape)>;
+        if constexpr (std::is_same_v<Shape, simulate::Box>) {
+          marker.type = Marker::CUBE;
+          set_scale(marker, shape.size_m.x(), shape.size_m.y(), shape.size_m.z());
+        } else if constexpr (std::is_same_v<Shape, simulate::Cylinder>) {
+          marker.type = Marker::CYLINDER;
+          set_scale(marker, 2 * shape.radius_m, 2 * shape.radius_m, shape.length_m);
+        } else if constexpr (std::is_same_v<Shape, simulate::Sphere>) {
+          marker.type = Marker::SPHERE;
+          set_scale(marker, 2 * shape.radius_m, 2 * shape.radius_m, 2 * shape.radius_m);
+        } else if constexpr (std::is_same_v<Shape, simulate::Cone>) {
+          fill_cone(marker, shape);
+        } else {
+          marker.type = Marker::MESH_RESOURCE;
+          marker.mesh_resource = "file://" + shape.path.string();
+          set_scale(marker, shape.scale.x(), shape.scale.y(), shape.scale.z());
+        }
+      },
+      geometry);
+}
+
+Marker solid(const simulate::Geometry& geometry, const Eigen::Vector3f& rgb) {
+  Marker marker;
+  fill_geometry(marker, geometry);
+  marker.color = to_color(rgb);
+  return marker;
+}
+
+bool has_moved(const Pose& from, const Pose& to) {
+  constexpr double kLeastM = 1e-3;
+  constexpr double kLeastRad = 0.1 * kPi / 180;
+  return (to.translation() - from.translation()).norm() > kLeastM ||
+         Eigen::AngleAxisd(from.linear().transpose() * to.linear()).angle() > kLeastRad;
+}
+
+}  // namespace
+
+WorldMarkers::WorldMarkers(const simulate::WorldSpec& world) {
+  for (const auto& body : world.bodies) add_body(body);
+  for (const auto& person : world.people) add_person(person);
+}
+
+void WorldMarkers::add_body(const simulate::BodySpec& body) {
+  Carrier carrier;
+  carrier.shown = body.world_T_body;
+  for (const auto& shape : body.shapes)
+    add_part(carrier, solid(shape.geometry, shape.material.colour), shape.body_T_shape, body.name);
+  carriers_.push_back(std::move(carrier));
+}
+
+/// Legs, body and head of somebody 1.75 m tall.
+void WorldMarkers::add_person(const simulate::PersonSpec& person) {
+  const Eigen::Vector3f skin(0.85F, 0.68F, 0.55F);
+  const Eigen::Vector3f trousers(0.18F, 0.18F, 0.22F);
+  Carrier carrier;
+  const auto add = [&](const simulate::Geometry& geometry, const Eigen::Vector3f& rgb, double y, double z) {
+    add_part(carrier, solid(geometry, rgb), make_pose({0, y, z}), person.name);
+  };
+  for (const double side : {-1.0, 1.0}) add(simulate::Cylinder{0.08, 0.85}, trousers, 0.1 * side, 0.425);
+  add(simulate::Cylinder{0.2, 0.65}, person.colour, 0, 1.17);
+  add(simulate::Sphere{0.12}, skin, 0, 1.63);
+  carriers_.push_back(std::move(carrier));
+}
+
+void WorldMarkers::add_part(Carrier& carrier, Marker marker, const Pose& carrier_T_part,
+                            const std::string& ns) {
+  marker.header.frame_id = frames::kMap;
+  marker.ns = ns;
+  marker.id = next_id_++;
+  marker.action = Marker::ADD;
+  carrier.parts.push_back({std::move(marker), carrier_T_part});
+}
+
+std::vector<Pose> WorldMarkers::poses(const simulate::Snapshot& snapshot) const {
+  std::vector<Pose> all = snapshot.world_T_body;
+  for (const auto& person : snapshot.world_T_person) all.push_back(to_pose(person));
+  return all;
+}
+
+void WorldMarkers::append(const Carrier& carrier, const Pose& map_T_carrier, const ros::Time& stamp,
+                          MarkerArray& array) {
+  for (const auto& part : carrier.parts) {
+    array.markers.push_back(part.marker);
+    array.markers.back().header.stamp = stamp;
+    array.markers.back().pose = convert::to_message(map_T_carrier * part.carrier_T_part);
+  }
+}
+
+MarkerArray WorldMarkers::all(const simulate::Snapshot& snapshot, const ros::Time& stamp) const {
+  MarkerArray array;
+  const auto where = poses(snapshot);
+  for (std::size_t i = 0; i < carriers_.size() && i < where.size(); ++i)
+    append(carriers_[i], where[i], stamp, array);
+  return array;
+}
+
+MarkerArray WorldMarkers::moved(const simulate::Snapshot& snapshot, const ros::Time& stamp) {
+  MarkerArray array;
+  const auto where = poses(snapshot);
+  for (std::size_t i = 0; i < carriers_.size() && i < where.size(); ++i) {
+    if (!has_moved(carriers_[i].shown, where[i])) continue;
+    carriers_[i].shown = where[i];
+    append(carriers_[i], where[i], stamp, array);
+  }
+  return array;
+}
+
+}  // namespace extperfc
