@@ -33,6 +33,10 @@ class Bench(unittest.TestCase):
         paper = [row for row in rows if row["goal"] is not None]
         self.assertTrue(paper)
 
+    def test_scan(self):
+        rows = self.bench("scan")
+        self.assertEqual({"ground: none", "ground: height", "ground: plane"}, {row["case"] for row in rows})
+
     def test_transport(self):
         rows = self.bench("transport", "--pairs", "30")
         self.assertTrue(any("TCP" in (row["peer_name"] or "") or "TCP" in row["case"] for row in rows), rows)

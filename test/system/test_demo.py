@@ -1,6 +1,7 @@
 """tools/demo as a user runs it."""
 
 import csv
+import math
 import pathlib
 import re
 import subprocess
@@ -16,20 +17,46 @@ def demo(*arguments):
                           timeout=180)
 
 
+def read_table(folder):
+    with open(pathlib.Path(folder) / "table.csv") as file:
+        return list(csv.DictReader(file))
+
+
 class Demo(unittest.TestCase):
-    def test_plays_the_default_and_stops_by_itself(self):
+    def test_finds_the_simulated_objects_where_they_are(self):
         with tempfile.TemporaryDirectory() as out:
-            done = demo("--seconds", "6", "--out", out)
+            done = demo("--seconds", "8", "--out", out)
+            self.assertEqual(0, done.returncode, done.stdout + done.stderr)
+            found, visible = map(int, re.search(r"^found (\d+) of (\d+) visible objects", done.stdout, re.M).groups())
+            self.assertGreater(visible, 50, done.stdout)
+            self.assertGreater(found, 0.3 * visible, done.stdout)
+            mean_cm = float(re.search(r"mean error ([\d.]+) cm", done.stdout).group(1))
+            self.assertLess(mean_cm, 4.0, done.stdout)
+            rows = read_table(out)
+            self.assertGreater(sum(row["found"] == "1" for row in rows), 50)
+            for row in rows:
+                if row["found"] == "1" and row["center_x_m"]:
+                    self.assert_error_is_the_distance(row)
+            self.assertGreaterEqual(len(list(pathlib.Path(out).glob("*.png"))), 10)
+
+    def assert_error_is_the_distance(self, row):
+        center, truth = ([float(row[f"{name}_{axis}_m"]) for axis in "xyz"] for name in ("center", "true"))
+        self.assertAlmostEqual(math.dist(center, truth), float(row["error_m"]), delta=5e-4)
+
+    def test_plays_generated_pictures_once(self):
+        with tempfile.TemporaryDirectory() as folder:
+            pictures, out = pathlib.Path(folder) / "pictures", pathlib.Path(folder) / "out"
+            subprocess.run(["/usr/bin/python3", REPO / "tools" / "generate_pictures", "--out", pictures, "--frames", "30",
+                            "--seed", "7"], check=True, stdout=subprocess.DEVNULL)
+            done = demo("--source", pictures, "--out", out)
             self.assertEqual(0, done.returncode, done.stdout + done.stderr)
             frames = int(re.search(r"^(\d+) frames, (\d+) objects", done.stdout, re.M).group(1))
             self.assertGreaterEqual(frames, 10)
-            with open(pathlib.Path(out) / "table.csv") as file:
-                rows = list(csv.DictReader(file))
-            located = [row for row in rows if row["depth_m"]]
+            located = [row for row in read_table(out) if row["depth_m"]]
             self.assertGreater(len(located), frames, "about one object a frame at the very least")
             for row in located:
                 self.assertTrue(0.1 < float(row["depth_m"]) < 10.0, row)
-            self.assertGreaterEqual(len(list(pathlib.Path(out).glob("*.png"))), 10)
+            self.assertGreaterEqual(len(list(out.glob("*.png"))), 10)
 
     def test_real_pictures_with_a_public_network(self):
         pictures, model = SHARED / "rgbd" / "dining_room", SHARED / "models" / "fastestdet"
@@ -44,6 +71,13 @@ class Demo(unittest.TestCase):
         missing = demo("--source", "/no/such/folder")
         self.assertEqual(2, missing.returncode)
         self.assertIn("/no/such/folder does not exist", missing.stderr)
+        frame = demo("--frame", "odom")
+        self.assertEqual(2, frame.returncode)
+        self.assertIn("--frame goes with --source", frame.stderr)
+        nowhere = demo("--world", "atlantis")
+        self.assertEqual(1, nowhere.returncode)
+        self.assertIn("there is no world 'atlantis'", nowhere.stderr)
+        self.assertIn("lab", nowhere.stderr)
         with tempfile.TemporaryDirectory() as empty:
             broken = demo("--model", empty)
             self.assertEqual(1, broken.returncode)
