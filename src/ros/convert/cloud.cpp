@@ -2,6 +2,8 @@
 
 #include <cstring>
 
+#include <boost/make_shared.hpp>
+
 namespace extperfc::convert {
 
 namespace {

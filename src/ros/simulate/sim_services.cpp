@@ -2,7 +2,6 @@
 
 #include <cmath>
 #include <string>
-#include <utility>
 
 #include <Eigen/Geometry>
 #include <ros/console.h>
@@ -48,8 +47,8 @@ Result<void> move(simulate::Simulator& simulator, const std::string& name, const
 
 }  // namespace
 
-SimServices::SimServices(ros::NodeHandle handle, SimThread& thread, FaultControl& faults)
-    : thread_(thread), faults_(faults), handle_(std::move(handle)), spinner_(2, &queue_) {
+SimServices::SimServices(const ros::NodeHandle& handle, SimThread& thread, FaultControl& faults)
+    : thread_(thread), faults_(faults), handle_(handle), spinner_(2, &queue_) {
   handle_.setCallbackQueue(&queue_);
   advertise<std_srvs::SetBool>("sim/pause", &SimServices::pause);
   advertise<StepSimulation>("sim/step", &SimServices::step);

@@ -21,7 +21,7 @@ namespace extperfc {
 /// sim/move_body. They answer in threads of their own, so that a long sim/step holds up nobody else.
 class SimServices {
  public:
-  SimServices(ros::NodeHandle handle, SimThread& thread, FaultControl& faults);
+  SimServices(const ros::NodeHandle& handle, SimThread& thread, FaultControl& faults);
   /// SimThread::stop() must have been called: calls that wait for the simulation end then.
   ~SimServices();
   SimServices(const SimServices&) = delete;

@@ -138,8 +138,7 @@ Result<ros::Time> SimThread::run_steps(std::uint32_t count) {
     auto done = ask([this, count](simulate::Simulator&) -> Result<std::shared_future<Result<ros::Time>>> {
       if (!paused_) return fail(ErrorCode::kFailed, "the simulation runs: pause it first (sim/pause)");
       if (order_) return fail(ErrorCode::kFailed, "another call is stepping: wait until it is done");
-      order_.emplace();
-      order_->left = count;
+      order_ = Order{count, {}};
       return order_->done.get_future().share();
     });
     if (!done) return tl::unexpected(done.error());

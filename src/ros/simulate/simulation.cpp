@@ -52,6 +52,7 @@ Result<simulate::WorldSpec> make_world(const SimulatorNodeletParams& params) {
 
 std::vector<std::string> names_of(const std::vector<simulate::Instance>& instances) {
   std::vector<std::string> names;
+  names.reserve(instances.size());
   for (const auto& instance : instances) names.push_back(instance.name);
   return names;
 }

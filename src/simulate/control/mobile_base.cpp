@@ -105,7 +105,8 @@ void MobileBase::step(double now_s, double step_s, const std::function<bool(cons
   const Twist2 motion = with_slip(wheels, step_s);
   const bool moves = std::abs(motion.vx) + std::abs(motion.vy) + std::abs(motion.wz) > 0;
   const Pose2 next = advance(state_.truth, motion, step_s);
-  state_.blocked = moves && collides(next);
+  // Where something overlaps the base already (a person who walked into it), it may drive away.
+  state_.blocked = moves && collides(next) && !collides(state_.truth);
   if (moves && !state_.blocked) state_.truth = next;
   state_.velocity = state_.blocked ? Twist2{} : motion;
   measure(wheels, step_s);

@@ -6,7 +6,7 @@
 namespace extperfc::simulate {
 namespace {
 
-constexpr double kPersonalSpaceM = 0.8;
+constexpr double kPersonalSpaceM = 1.0;
 constexpr double kTurnRateRadS = 4.0;
 
 }  // namespace

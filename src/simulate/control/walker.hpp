@@ -13,7 +13,7 @@ class Walker {
  public:
   explicit Walker(const PersonSpec& person);
 
-  /// One step. A person waits while the robot's centre is nearer than 0.8 m and ahead.
+  /// One step. A person waits while the robot's centre is nearer than 1 m and ahead.
   void step(double step_s, const Pose2& robot);
   [[nodiscard]] const Pose2& pose() const { return pose_; }
 

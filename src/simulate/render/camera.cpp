@@ -69,8 +69,10 @@ RayTable::RayTable(const CameraModel& model, int supersampling)
   for (int row = 0; row < rows_; ++row) {
     for (int column = 0; column < columns_; ++column, out += 2 * kLanes) {
       for (int k = 0; k < kLanes; ++k) {
-        const double u = (4 * column + k % 4 + 0.5) / supersampling - 0.5;
-        const double v = (4 * row + k / 4 + 0.5) / supersampling - 0.5;
+        const int x = 4 * column + k % 4;
+        const int y = 4 * row + k / 4;
+        const double u = (x + 0.5) / supersampling - 0.5;
+        const double v = (y + 0.5) / supersampling - 0.5;
         const Eigen::Vector3d slope = model.back_project(u, v, 1.0);
         out[k] = static_cast<float>(slope.x());
         out[kLanes + k] = static_cast<float>(slope.y());
@@ -210,7 +212,7 @@ void Camera::finish(const CameraParams& params, NoiseKey key, CameraImages& imag
     spread(planes_.depth, planes_.lamp_seen, scratch_, full_width, full_height);
     spread(planes_.depth, planes_.sky_seen, scratch_, full_width, full_height);
   }
-  const auto stride = static_cast<std::size_t>((full_width + 15) / 16 * 16);
+  const auto stride = (static_cast<std::size_t>(full_width) + 15) / 16 * 16;
   rows_.resize(6 * stride);
   std::vector<std::uint8_t> bytes(3 * stride);
   const std::uint8_t* const channels[3] = {bytes.data(), bytes.data() + stride, bytes.data() + 2 * stride};

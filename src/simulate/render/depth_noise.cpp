@@ -43,6 +43,12 @@ Limits limits_of(const DepthNoiseParams& p) {
           std::min(1.0F, kShadowToEdge * static_cast<float>(p.edge_holes))};
 }
 
+/// Rounds values above -0.5; unlike lround() it runs in all lanes.
+inline float nearest(float value) {
+  const float shifted = value + 0.5F;
+  return static_cast<float>(static_cast<std::int32_t>(shifted));
+}
+
 inline float disparity(float depth, float focal_baseline) {
   return depth > 0.0F ? focal_baseline / depth : 0.0F;
 }
@@ -72,12 +78,11 @@ EXTPERFC_LANES void measure(const Limits& limits, const RowPointers& row, NoiseK
     const float chance = uniform(noise_bits(key, first + static_cast<std::uint32_t>(x)));
 
     float measured = d + limits.subpixel * row.noise[x];
-    const float stepped =
-        static_cast<float>(static_cast<std::int32_t>(measured * inverse_step + 0.5F)) * limits.step;
+    const float stepped = nearest(measured * inverse_step) * limits.step;
     measured = limits.step > 0.0F ? stepped : measured;
     const float found = fb / (measured > 1e-3F ? measured : 1e-3F);
     const bool valid = (d > 0.0F) & (chance >= lost) & (found >= limits.near) & (found <= limits.far);
-    const float units = static_cast<float>(static_cast<std::int32_t>(found * limits.units_per_m + 0.5F));
+    const float units = nearest(found * limits.units_per_m);
     const float mm = valid ? units * limits.mm_per_unit + 0.5F : 0.0F;
     row.out[x] = static_cast<std::uint16_t>(static_cast<std::int32_t>(mm));
   }
@@ -116,7 +121,7 @@ void DepthNoise::draw_noise(NoiseKey key, int patch, int y, int width) {
 void DepthNoise::find_shadow(const float* disparities, int width, float shift_per_disparity) {
   std::fill(nearest_.begin(), nearest_.end(), 0.0F);
   const auto landing = [&](int x, float shift) {
-    return static_cast<int>(static_cast<float>(x) - shift + 0.5F);
+    return static_cast<int>(nearest(static_cast<float>(x) - shift));
   };
   for (int x = 0; x < width; ++x) {
     const float shift = shift_per_disparity * disparities[x];

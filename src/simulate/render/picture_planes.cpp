@@ -78,10 +78,10 @@ void Plane::resize(int width, int height) {
   if (width == width_ && height == height_) return;
   width_ = width;
   height_ = height;
-  const int columns = (width + 15) / 16 * 16;
-  const int rows = (height + 3) / 4 * 4;
-  stride_ = static_cast<std::size_t>(columns + 2 * kBorder);
-  data_.assign(stride_ * static_cast<std::size_t>(rows + 2 * kBorderRows), -1.0F);
+  const int columns = (width + 15) / 16 * 16 + 2 * kBorder;
+  const int rows = (height + 3) / 4 * 4 + 2 * kBorderRows;
+  stride_ = static_cast<std::size_t>(columns);
+  data_.assign(stride_ * static_cast<std::size_t>(rows), -1.0F);
 }
 
 void PicturePlanes::resize(int width, int height) {

@@ -214,7 +214,7 @@ Colour pattern(Texture texture, float x, float y) {
 
 std::uint32_t pack(const Colour& c) {
   const auto byte = [](float v) {
-    return static_cast<std::uint32_t>(std::clamp(v, 0.0F, 1.0F) * 255.0F + 0.5F);
+    return static_cast<std::uint32_t>(std::lround(std::clamp(v, 0.0F, 1.0F) * 255.0F));
   };
   return byte(c.r) | byte(c.g) << 8 | byte(c.b) << 16;
 }

@@ -1,5 +1,6 @@
 #include "sim/whole_robot.hpp"
 
+#include <array>
 #include <atomic>
 #include <chrono>
 #include <functional>
@@ -112,9 +113,46 @@ std::vector<Row> rows_of(const std::string& world, const Stretch& steady, const 
                    0.97 * kSweepHz),
           Row{all, "CPU at real time", "cores", steady.cores(), cores, "machine"},
           at_least(Row{all, "CPU that is left of two cores", "cores", 2.0 - steady.cores()}, 0.5),
-          Row{all, "real-time factor, as fast as possible", "", fast.factor(), 1.0, "real time"},
+          Row{all, "real-time factor, as fast as possible, lockstep", "", fast.factor(), 1.0, "real time"},
           Row{none, "CPU at real time", "cores", idle.cores(), cores, "machine"},
           Row{none, "real-time factor, as fast as possible", "", idle_fast.factor(), 1.0, "real time"}};
+}
+
+/// Loads the nodelet and waits for its clock.
+Result<void> start(nodelet::Loader& loader, const std::string& name, bool lockstep) {
+  ros::param::set(name + "/time/lockstep", lockstep);
+  if (!loader.load(name, "extperfc/simulator", {}, {}))
+    return fail(ErrorCode::kFailed, "the nodelet simulator does not start; its message is above");
+  if (!wait_until(
+          [] { return ros::Time::isValid() && ros::service::exists("sim/set_real_time_factor", false); }))
+    return fail(ErrorCode::kFailed, "the simulator publishes no clock");
+  return {};
+}
+
+/// Alone, at real time and as fast as possible.
+Result<std::array<Stretch, 2>> without_sensors(double seconds) {
+  nodelet::Loader loader(false);
+  if (auto started = start(loader, "/simulator", false); !started) return tl::unexpected(started.error());
+  const Stretch steady = watch_for(seconds, nullptr);
+  if (auto set = set_factor(0); !set) return tl::unexpected(set.error());
+  const Stretch fast = watch_for(seconds / 3, nullptr);
+  loader.clear();
+  return std::array<Stretch, 2>{steady, fast};
+}
+
+/// With every sensor subscribed; as fast as possible in lockstep, so that no measurement is left out.
+Result<Stretch> with_sensors(double seconds, bool as_fast_as_possible) {
+  nodelet::Loader loader(false);
+  if (auto started = start(loader, "/simulator", as_fast_as_possible); !started)
+    return tl::unexpected(started.error());
+  const Listeners listeners;
+  if (!wait_until([&] { return listeners.depths > 0 && listeners.sweeps > 0 && listeners.pictures > 0; }))
+    return fail(ErrorCode::kFailed, "the simulator's sensors send nothing");
+  if (as_fast_as_possible)
+    if (auto set = set_factor(0); !set) return tl::unexpected(set.error());
+  const Stretch stretch = watch_for(seconds, &listeners);
+  loader.clear();
+  return stretch;
 }
 
 }  // namespace
@@ -127,25 +165,13 @@ Result<std::vector<Row>> whole_robot_rows(const std::string& world, double secon
   ros::AsyncSpinner spinner(1);
   spinner.start();
   ros::param::set("/simulator/world", world);
-  nodelet::Loader loader(false);
-  if (!loader.load("/simulator", "extperfc/simulator", {}, {}))
-    return fail(ErrorCode::kFailed, "the nodelet simulator does not start; its message is above");
-  if (!wait_until(
-          [] { return ros::Time::isValid() && ros::service::exists("sim/set_real_time_factor", false); }))
-    return fail(ErrorCode::kFailed, "the simulator publishes no clock");
-  const Stretch idle = watch_for(seconds, nullptr);
-  if (auto set = set_factor(0); !set) return tl::unexpected(set.error());
-  const Stretch idle_fast = watch_for(seconds / 3, nullptr);
-  if (auto set = set_factor(1); !set) return tl::unexpected(set.error());
-
-  const Listeners listeners;
-  if (!wait_until([&] { return listeners.depths > 0 && listeners.sweeps > 0 && listeners.pictures > 0; }))
-    return fail(ErrorCode::kFailed, "the simulator's sensors send nothing");
-  const Stretch steady = watch_for(seconds, &listeners);
-  if (auto set = set_factor(0); !set) return tl::unexpected(set.error());
-  const Stretch fast = watch_for(seconds / 3, &listeners);
-  loader.clear();
-  return rows_of(world, steady, fast, idle, idle_fast);
+  const auto alone = without_sensors(seconds);
+  if (!alone) return tl::unexpected(alone.error());
+  const auto steady = with_sensors(seconds, false);
+  if (!steady) return tl::unexpected(steady.error());
+  const auto fast = with_sensors(seconds / 3, true);
+  if (!fast) return tl::unexpected(fast.error());
+  return rows_of(world, *steady, *fast, (*alone)[0], (*alone)[1]);
 }
 
 }  // namespace extperfc::benchmark

@@ -101,6 +101,16 @@ TEST(MobileBase, AWallStopsItAndItsWheelsGoOn) {
   EXPECT_GT(base.state().odometry.x, 1.5) << "odometry does not know";
 }
 
+TEST(MobileBase, DrivesOutOfWhatOverlapsIt) {
+  MobileBase base(exact(), {}, 1);
+  double now = 0;
+  for (int i = 0; i < 480; ++i) {
+    base.command({0.5, 0, 0}, now += kStep);
+    base.step(now, kStep, [](const Pose2& pose) { return pose.x < 0.3; });
+  }
+  EXPECT_GT(base.state().truth.x, 0.3);
+}
+
 TEST(MobileBase, OdometryErrorGrowsAsItsNoiseSays) {
   BaseParams params = exact();
   params.wheel_noise = 0.02;
