@@ -95,8 +95,8 @@ class SensorRig {
   /// Moves everything to where it is in the snapshot and updates the tree; what did not move costs nothing.
   virtual void pose(const Snapshot& snapshot) = 0;
 
-  /// `images` keeps its memory from call to call; it is empty when the camera model is not valid. Pose: of the
-  /// optical frame (x right, y down, z forward).
+  /// `images` keeps its memory from call to call; it is empty when the camera model is not valid. Pose: of
+  /// the optical frame (x right, y down, z forward).
   virtual void camera(const CameraParams& params, const Pose& world_T_optical, CameraImages& images) = 0;
 
   /// One turn. The sensor's pose is interpolated from its start to its end, so points are in the sensor's

@@ -8,7 +8,7 @@
 #include <BulletCollision/CollisionShapes/btShapeHull.h>
 
 #include "simulate/bodies/bullet_conversions.hpp"
-#include "simulate/bodies/stl.hpp"
+#include "simulate/model/stl.hpp"
 
 namespace extperfc::simulate {
 namespace {
@@ -38,12 +38,13 @@ Part with_margin(std::unique_ptr<btCollisionShape> shape, double margin = kMargi
 
 /// Hull of the mesh with a bounded number of corners.
 Part make_hull(const MeshFile& mesh) {
-  const auto corners = read_stl_corners(mesh.path);
-  if (!corners) return tl::unexpected<Error>(corners.error());
+  const auto triangles = read_stl_triangles(mesh.path);
+  if (!triangles) return tl::unexpected<Error>(triangles.error());
   btConvexHullShape all;
   all.setMargin(0);
-  for (const auto& corner : *corners)
-    all.addPoint(to_bullet(Eigen::Vector3d(corner.cwiseProduct(mesh.scale))), false);
+  for (const auto& triangle : *triangles)
+    for (const auto& corner : triangle)
+      all.addPoint(to_bullet(Eigen::Vector3d(corner.cast<double>().cwiseProduct(mesh.scale))), false);
   all.recalcLocalAabb();
   btShapeHull reduced(&all);
   reduced.buildHull(0);
@@ -114,13 +115,15 @@ MassProperties solid(const Cone& c) {
 }
 
 MassProperties solid(const MeshFile& mesh) {
-  const auto corners = read_stl_corners(mesh.path);
-  if (!corners) return {};
-  Eigen::Vector3d low = corners->front();
+  const auto triangles = read_stl_triangles(mesh.path);
+  if (!triangles) return {};
+  Eigen::Vector3d low = triangles->front()[0].cast<double>();
   Eigen::Vector3d high = low;
-  for (const auto& corner : *corners) {
-    low = low.cwiseMin(corner);
-    high = high.cwiseMax(corner);
+  for (const auto& triangle : *triangles) {
+    for (const auto& corner : triangle) {
+      low = low.cwiseMin(corner.cast<double>());
+      high = high.cwiseMax(corner.cast<double>());
+    }
   }
   const Eigen::Vector3d size = (high - low).cwiseProduct(mesh.scale.cwiseAbs()).cwiseMax(kSmallest);
   MassProperties box = solid(Box{size});

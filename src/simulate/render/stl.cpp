@@ -1,68 +1,19 @@
 #include "simulate/render/stl.hpp"
 
 #include <array>
-#include <cmath>
-#include <cstring>
-#include <fstream>
-#include <iterator>
 #include <map>
-#include <string>
 #include <vector>
+
+#include "simulate/model/stl.hpp"
 
 namespace extperfc::simulate::render {
 
 namespace {
 
 using Eigen::Vector3f;
-using Face = std::array<Vector3f, 3>;
+using Face = StlTriangle;
 
-constexpr std::size_t kHeaderBytes = 80;
-constexpr std::size_t kFaceBytes = 50;
-constexpr std::size_t kMaxFaces = 2'000'000;
 constexpr float kCreaseCosine = 0.819F;  // 35 degrees
-
-Result<std::vector<char>> read_bytes(const std::filesystem::path& path) {
-  std::error_code problem;
-  const auto size = std::filesystem::file_size(path, problem);
-  std::ifstream file(path, std::ios::binary);
-  if (problem || !file)
-    return fail(ErrorCode::kNotFound, "mesh " + path.string() + " cannot be read; does the file exist?");
-  if (size > kHeaderBytes + 4 + kFaceBytes * kMaxFaces)
-    return fail(ErrorCode::kUnsupported, "mesh " + path.string() + " has more than " +
-                                             std::to_string(kMaxFaces) + " triangles; simplify it");
-  return std::vector<char>(std::istreambuf_iterator<char>(file), {});
-}
-
-std::uint32_t face_count(const std::vector<char>& bytes) {
-  std::uint32_t count = 0;
-  std::memcpy(&count, bytes.data() + kHeaderBytes, sizeof(count));  // little endian, as the format
-  return count;
-}
-
-Result<std::vector<Face>> parse(const std::vector<char>& bytes, const MeshFile& file) {
-  const auto corrupt = [&](const std::string& what) {
-    return fail(ErrorCode::kCorrupt,
-                "mesh " + file.path.string() + ": " + what + "; export it as binary STL again");
-  };
-  if (bytes.size() < kHeaderBytes + 4) return corrupt("too short for a binary STL");
-  const std::size_t count = face_count(bytes);
-  if (bytes.size() != kHeaderBytes + 4 + kFaceBytes * count)
-    return corrupt("its length of " + std::to_string(bytes.size()) + " bytes does not fit the " +
-                   std::to_string(count) + " triangles that its header names (or it is a text STL)");
-  if (count == 0) return corrupt("it has no triangles");
-  std::vector<Face> faces(count);
-  for (std::size_t i = 0; i < count; ++i) {
-    std::array<float, 9> values{};
-    std::memcpy(values.data(), bytes.data() + kHeaderBytes + 4 + kFaceBytes * i + 12, sizeof(values));
-    for (std::size_t k = 0; k < 3; ++k)
-      faces[i][k] = Vector3f(values[3 * k], values[3 * k + 1], values[3 * k + 2])
-                        .cwiseProduct(file.scale.cast<float>());
-    for (const auto& corner : faces[i])
-      if (!corner.allFinite())
-        return corrupt("triangle " + std::to_string(i) + " has a corner that is not finite");
-  }
-  return faces;
-}
 
 /// Twice the area times the unit normal.
 Vector3f area_normal(const Face& face) {
@@ -121,10 +72,10 @@ Mesh build(const std::vector<Face>& faces, std::uint32_t surface) {
 }  // namespace
 
 Result<Mesh> read_stl(const MeshFile& file, std::uint32_t surface) {
-  const auto bytes = read_bytes(file.path);
-  if (!bytes) return tl::unexpected(bytes.error());
-  const auto faces = parse(*bytes, file);
+  auto faces = read_stl_triangles(file.path);
   if (!faces) return tl::unexpected(faces.error());
+  for (auto& face : *faces)
+    for (auto& corner : face) corner = corner.cwiseProduct(file.scale.cast<float>()).eval();
   return build(*faces, surface);
 }
 

@@ -10,8 +10,7 @@
 namespace extperfc::simulate::render {
 
 /// Binary STL. Normals are smooth except across edges of more than 35 degrees; the texture is mapped from the
-/// nearest side of a box, in metres. Errors: no such file, not a binary STL, a length that does not fit its
-/// number of triangles, more than two million of them, a corner that is not finite.
+/// nearest side of a box, in metres. Errors: those of read_stl_triangles().
 [[nodiscard]] Result<Mesh> read_stl(const MeshFile& file, std::uint32_t surface);
 
 }  // namespace extperfc::simulate::render

@@ -144,8 +144,11 @@ TEST_F(Faults, AWheelSlips) {
     step(12);
     return odom.count() > 0 && odom.all().back()->pose.pose.position.x > 0.5;
   }));
-  const double driven = truth.all().back()->pose.pose.position.y - 0.5;
-  EXPECT_LT(driven, 0.8 * odom.all().back()->pose.pose.position.x) << "the wheels believe more";
+  const auto believed = odom.all().back();
+  const auto driven = truth.wait_for_stamp(believed->header.stamp);
+  ASSERT_TRUE(driven);
+  EXPECT_LT(driven->pose.pose.position.y - 0.5, 0.8 * believed->pose.pose.position.x)
+      << "the wheels believe more";
 }
 
 TEST_F(Faults, TheClockJumps) {

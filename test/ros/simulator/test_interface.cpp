@@ -199,7 +199,8 @@ TEST_F(SimulatorTest, NothingIsRenderedUnlessSomebodyListens) {
   load(small_simulation());
   step(240);
   camera.forget();
-  ASSERT_TRUE(wait_for([&] { return !camera.latest("pictures rendered").empty(); }));
+  ASSERT_TRUE(wait_for(
+      [&] { return !camera.latest("pictures rendered").empty() && !lidar.latest("processed").empty(); }));
   EXPECT_EQ(camera.latest("pictures rendered"), "0");
   EXPECT_EQ(lidar.latest("processed"), "0");
   {

@@ -24,8 +24,9 @@ TEST_F(SimulatorTest, PausedTimeStandsStillAndIsKnownToLateListeners) {
   pause(false);
   EXPECT_TRUE(wait_for([&] { return clock.all().back()->clock > stamp + ros::Duration(0.1); }));
   pause(true);
-  const auto stopped = clock.count();
-  EXPECT_TRUE(never([&] { return clock.count() > stopped + 1; }, 0.3));
+  const auto stopped = step(1);
+  ASSERT_TRUE(wait_for([&] { return clock.all().back()->clock == stopped; }));
+  EXPECT_TRUE(never([&] { return clock.all().back()->clock != stopped; }, 0.3));
 }
 
 TEST_F(SimulatorTest, StepsAreExact) {
@@ -66,9 +67,9 @@ TEST_F(SimulatorTest, KeepsTheRealTimeFactor) {
   const auto first = clock.all().back()->clock;
   ASSERT_TRUE(wait_for([&] { return clock.all().back()->clock - first > ros::Duration(0.3); }));
   // A busy machine may be slower, never faster.
-  EXPECT_GT((ros::WallTime::now() - began).toSec(), 0.9 * 0.3 / 0.2);
+  EXPECT_GT((ros::WallTime::now() - began).toSec(), 0.6 * 0.3 / 0.2);
   ASSERT_TRUE(wait_for([&] { return !factor.all().empty() && factor.all().back()->data > 0; }));
-  EXPECT_LT(factor.all().back()->data, 0.21F);
+  EXPECT_LT(factor.all().back()->data, 0.25F);
 }
 
 TEST_F(SimulatorTest, TheFactorCanBeChangedAndIsChecked) {
@@ -119,9 +120,9 @@ class Determinism : public SimulatorTest {
     const long before = received();
     command_.publish(twist);
     EXPECT_TRUE(wait_for([&] { return received() > before; })) << "the command must come before the steps";
-    step(240);
-    EXPECT_TRUE(joints_.wait_for_count(100) && color_.wait_for_count(15) && depth_.wait_for_count(15) &&
-                cloud_.wait_for_count(9));
+    const auto end = step(240);  // whole seconds, so that every sensor has a last measurement then
+    EXPECT_TRUE(joints_.wait_for_stamp(end) && color_.wait_for_stamp(end) && depth_.wait_for_stamp(end) &&
+                cloud_.wait_for_stamp(end));
     return hashes();
   }
 
