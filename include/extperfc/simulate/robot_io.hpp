@@ -7,6 +7,7 @@
 
 #include <Eigen/Core>
 
+#include "extperfc/base/error.hpp"
 #include "extperfc/world/pose.hpp"
 
 /// What goes into the simulated robot and comes out of it: Baxter's interface without ROS.
@@ -122,6 +123,10 @@ enum class FaultKind {
 /// "lidar_drop", "joint_stuck", "wheel_slip", "clock_jump", "die"; "none" ends every fault.
 [[nodiscard]] const char* to_string(FaultKind kind);
 [[nodiscard]] std::optional<FaultKind> fault_kind(const std::string& name);
+
+/// Ring numbers of a kLidarRings target: "3,7"; every ring for "" and "all". Error: names the part that is
+/// none of 0 to 15.
+[[nodiscard]] Result<std::vector<int>> ring_numbers(const std::string& target);
 
 struct Fault {
   FaultKind kind{FaultKind::kNone};

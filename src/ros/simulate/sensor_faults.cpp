@@ -4,8 +4,6 @@
 #include <bitset>
 #include <cmath>
 #include <cstddef>
-#include <cstdlib>
-#include <sstream>
 #include <string>
 
 namespace extperfc {
@@ -52,13 +50,11 @@ void lose_depth(const Fault& fault, std::uint64_t seed, double time_s, std::vect
     if (share(mix(picture + i)) < fault.value) depth_mm[i] = 0;
 }
 
-/// "3,7" as numbers; what is no ring was refused when the fault was set. Nothing or "all" means every ring.
+/// What is no ring was refused when the fault was set.
 std::bitset<kRings> rings_of(const std::string& target) {
   std::bitset<kRings> rings;
-  if (target.empty() || target == "all") return rings.set();
-  std::istringstream parts(target);
-  for (std::string part; std::getline(parts, part, ',');)
-    if (const auto ring = std::strtoul(part.c_str(), nullptr, 10); ring < kRings) rings.set(ring);
+  if (const auto numbers = simulate::ring_numbers(target))
+    for (const int ring : *numbers) rings.set(static_cast<std::size_t>(ring));
   return rings;
 }
 

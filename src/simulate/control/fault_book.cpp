@@ -4,6 +4,7 @@
 #include <array>
 #include <charconv>
 #include <limits>
+#include <numeric>
 #include <sstream>
 #include <utility>
 
@@ -48,6 +49,11 @@ std::optional<FaultKind> fault_kind(const std::string& name) {
 
 Result<std::vector<int>> ring_numbers(const std::string& target) {
   std::vector<int> rings;
+  if (is_all(target)) {
+    rings.resize(16);
+    std::iota(rings.begin(), rings.end(), 0);
+    return rings;
+  }
   std::istringstream parts(target);
   for (std::string part; std::getline(parts, part, ',');) {
     part.erase(std::remove(part.begin(), part.end(), ' '), part.end());

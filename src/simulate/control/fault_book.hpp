@@ -31,7 +31,4 @@ class FaultBook {
   std::vector<double> until_s_;  // of each active one; infinity: until it is ended
 };
 
-/// Ring numbers of a kLidarRings target such as "3,7"; an error that names the part that is none of 0 to 15.
-[[nodiscard]] Result<std::vector<int>> ring_numbers(const std::string& target);
-
 }  // namespace extperfc::simulate

@@ -1,4 +1,3 @@
-#include "simulate/control/fault_book.hpp"
 #include "simulator_test.hpp"
 
 namespace extperfc::simulate {
@@ -66,6 +65,13 @@ TEST_F(FaultTest, RefusesWhatCannotBe) {
   EXPECT_NE(message({FaultKind::kClockJump, "", INFINITY, 0}).find("seconds"), std::string::npos);
   EXPECT_NE(message({FaultKind::kDie, "", -1, 0}).find("seconds"), std::string::npos);
   EXPECT_TRUE(simulator_->faults().empty());
+}
+
+TEST(RingNumbers, ListsOrAll) {
+  EXPECT_EQ(ring_numbers("3, 7").value(), (std::vector<int>{3, 7}));
+  EXPECT_EQ(ring_numbers("all").value().size(), 16U);
+  EXPECT_EQ(ring_numbers("").value().back(), 15);
+  EXPECT_FALSE(ring_numbers("1,,2"));
 }
 
 TEST(FaultNames, AreReadAsTheyAreWritten) {
