@@ -97,10 +97,10 @@ def ctest_programs(build, prefix):
             yield prefix + test["name"], test["command"]
 
 
-def gtest_runner(command):
+def gtest_runner(command, **more_environment):
     def runner(log):
         with tempfile.TemporaryDirectory() as folder:
-            environment = dict(os.environ, GTEST_OUTPUT=f"xml:{folder}/", GTEST_COLOR="no")
+            environment = dict(os.environ, GTEST_OUTPUT=f"xml:{folder}/", GTEST_COLOR="no", **more_environment)
             code = run(command, log, 180, env=environment)
             return counts_of_junit(pathlib.Path(folder).glob("*.xml"), code)
     return runner
@@ -156,7 +156,8 @@ def variant_runner(name, cmake_options, pattern=""):
         total = Counts(0, 0, 0)
         for test_name, command in ctest_programs(build, ""):
             if test_name in names:
-                total = Counts(*map(sum, zip(total, gtest_runner(command)(log))))
+                # The workspace's LD_LIBRARY_PATH would put its libraries before the variant's own.
+                total = Counts(*map(sum, zip(total, gtest_runner(command, LD_LIBRARY_PATH="")(log))))
         return total
     return runner
 
