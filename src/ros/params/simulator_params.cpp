@@ -184,6 +184,7 @@ void read_camera(ParamReader& reader, CameraInterfaceParams& params) {
   reader.read("height", model.height, {16, 4096});
   reader.read("focal_px", focal_px, {0.0, 1e5});
   reader.read("shadows", params.camera.shadows);
+  reader.read("soft_light", params.camera.soft_light);
   reader.read("supersampling", params.camera.supersampling, {1, 2});
   reader.read("image_noise", params.camera.image_noise, {0.0, 1.0});
   read_depth_noise(reader, params.camera.depth);
