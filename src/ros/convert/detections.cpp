@@ -5,7 +5,7 @@
 #include <cmath>
 #include <cstdio>
 
-#include <Eigen/Geometry>
+#include "ros/convert/geometry.hpp"
 
 namespace extperfc::convert {
 
@@ -67,24 +67,6 @@ visualization_msgs::Marker label_marker(const vision_msgs::Detection3D& object, 
   return marker;
 }
 
-geometry_msgs::Point to_point(const Eigen::Vector3d& p) {
-  geometry_msgs::Point point;
-  point.x = p.x();
-  point.y = p.y();
-  point.z = p.z();
-  return point;
-}
-
-geometry_msgs::Quaternion to_quaternion(const Eigen::Matrix3d& rotation) {
-  const Eigen::Quaterniond q(rotation);
-  geometry_msgs::Quaternion quaternion;
-  quaternion.x = q.x();
-  quaternion.y = q.y();
-  quaternion.z = q.z();
-  quaternion.w = q.w();
-  return quaternion;
-}
-
 }  // namespace
 
 vision_msgs::Detection2DArray to_message(const Detections& detections, const std_msgs::Header& header) {
@@ -132,7 +114,7 @@ vision_msgs::Detection3D to_message(const Detection& detection, const depth::Obj
   vision_msgs::Detection3D message;
   message.header = header;
   message.bbox.center.position = to_point(target_T_optical * object.center);
-  message.bbox.center.orientation = to_quaternion(target_T_optical.rotation());
+  message.bbox.center.orientation = to_quaternion(target_T_optical);
   message.bbox.size.x = object.size.x();
   message.bbox.size.y = object.size.y();
   message.bbox.size.z = object.size.z();
