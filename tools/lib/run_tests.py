@@ -221,6 +221,13 @@ def chosen(tests, words):
     return [t for t in tests if any(t.group == w if w in GROUPS else w in t.name for w in words)]
 
 
+def telling_lines(lines):
+    """What a reader of a failure needs: the place of each failure with the lines about it, then the end."""
+    marks = [i for i, line in enumerate(lines) if re.search(r"\[FAILURE\]|: Failure$|^FAIL: |\[  FAILED  \]|Sanitizer", line)]
+    wanted = {i + d for i in marks[:20] for d in range(-3, 12)} | set(range(len(lines) - 30, len(lines)))
+    return [lines[i] for i in sorted(wanted) if 0 <= i < len(lines)]
+
+
 def report(test, counts, seconds, log):
     state = "FAILED" if counts.failed else "ok"
     text = f"{test.name:<34} {state:<7} {counts.passed:4} passed"
@@ -231,7 +238,7 @@ def report(test, counts, seconds, log):
     print(f"{text:<78} {seconds:6.1f} s", flush=True)
     content = log.read_text(errors="replace") if log.exists() else ""
     if counts.failed:
-        print("\n".join("    | " + line for line in content.splitlines()[-60:]), flush=True)
+        print("\n".join("    | " + line for line in telling_lines(content.splitlines())), flush=True)
         print(f"    whole log: {log}", flush=True)
     for reason in sorted(set(re.findall(r"skipped ['\"](.*)['\"]$|^.*: Skipped\n(.*)$", content, re.M))):
         print("    skipped: " + (reason[0] or reason[1]).strip(), flush=True)
