@@ -11,7 +11,8 @@ catkin_package(
   INCLUDE_DIRS include
   LIBRARIES extperfc_base extperfc_world extperfc_detect extperfc_depth extperfc_sources extperfc_scan
     extperfc_simulate_model extperfc_simulate_worlds extperfc_simulate_render extperfc_simulate_bodies
-    extperfc_simulate_control extperfc_simulate_trajectory
+    extperfc_simulate_control extperfc_simulate_trajectory extperfc_translate_schema extperfc_translate_plan
+    extperfc_translate_peer extperfc_translate_bridge
   CATKIN_DEPENDS roscpp nodelet message_runtime sensor_msgs vision_msgs)
 
 add_library(extperfc_catkin INTERFACE)

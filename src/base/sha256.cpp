@@ -6,22 +6,9 @@
 
 #include <openssl/evp.h>
 
+#include "hex.hpp"
+
 namespace extperfc {
-
-namespace {
-
-std::string to_hex(const unsigned char* bytes, unsigned int count) {
-  constexpr char kDigits[] = "0123456789abcdef";
-  std::string text;
-  text.reserve(2 * count);
-  for (unsigned int i = 0; i < count; ++i) {
-    text += kDigits[bytes[i] >> 4U];
-    text += kDigits[bytes[i] & 0x0fU];
-  }
-  return text;
-}
-
-}  // namespace
 
 Result<std::string> sha256_of_file(const std::filesystem::path& file) {
   std::ifstream stream(file, std::ios::binary);

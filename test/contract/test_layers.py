@@ -5,9 +5,9 @@ import re
 import unittest
 
 REPO = pathlib.Path(__file__).resolve().parents[2]
-ROOMS = ("detect", "depth", "sources", "simulate", "scan")
+ROOMS = ("detect", "depth", "sources", "simulate", "scan", "translate")
 BELOW = {"base": set(), "world": {"base"}, **{room: {"base", "world"} for room in ROOMS}}
-ROS_HEADER = re.compile(r'#include\s*[<"](ros/(?!params|convert|health|detect|depth|sources|simulate|scan)|tf2|nodelet/|pluginlib/|'
+ROS_HEADER = re.compile(r'#include\s*[<"](ros/(?!params|convert|health|detect|depth|sources|simulate|scan|translate)|tf2|nodelet/|pluginlib/|'
                         r'cv_bridge/|image_transport/|diagnostic_updater/|message_filters/|XmlRpc|[a-z_]+_msgs/)')
 PARAMETER_READ = re.compile(r"\b(getParam|getParamCached|param\s*<|ros::param::get)\b|\.param\s*\(")
 OWN_HEADER = re.compile(r'#include\s*[<"](?:extperfc/)?(\w+)/[\w/]+\.hpp[>"]')
@@ -15,13 +15,14 @@ OWN_HEADER = re.compile(r'#include\s*[<"](?:extperfc/)?(\w+)/[\w/]+\.hpp[>"]')
 OWNERS = {
     r"openvino/": {"detect"},
     r"opencv2/dnn": {"detect"},
-    r"yaml-cpp/": {"detect", "sources", "simulate"},
+    r"yaml-cpp/": {"detect", "sources", "simulate", "translate"},
     r"mrpt/": {"sources"},
     r"openssl/": {"base"},
     r"(btBullet|Bullet)": {"simulate"},
     r"embree\d?/": {"simulate"},
     r"urdf": {"simulate"},
     r"pcl/": {"scan"},
+    r"tinyxml2": {"translate"},
 }
 
 

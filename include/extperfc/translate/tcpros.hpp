@@ -1,0 +1,175 @@
+#pragma once
+
+#include <chrono>
+#include <cstdint>
+#include <functional>
+#include <map>
+#include <memory>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "extperfc/base/error.hpp"
+#include "extperfc/translate/event_loop.hpp"
+#include "extperfc/translate/frame.hpp"
+
+/// TCPROS: connection headers, and the streams of topics and services.
+/// Source: http://wiki.ros.org/ROS/Connection%20Header, http://wiki.ros.org/ROS/TCPROS.
+namespace extperfc::translate {
+
+/// Keys and values of a connection header: topic, type, md5sum, callerid, message_definition, ...
+using ConnectionHeader = std::map<std::string, std::string>;
+/// With its length in front, ready to send.
+[[nodiscard]] ByteBuffer encode_header(const ConnectionHeader& header);
+/// Without the length in front. An error names what is wrong: a length beyond the end, no '=', too many
+/// fields.
+[[nodiscard]] Result<ConnectionHeader> decode_header(ByteView bytes);
+[[nodiscard]] std::string value_of(const ConnectionHeader& header,
+                                   const std::string& key);  ///< "" when missing
+
+/// Our own mark in connection headers: what was translated once is never translated again, so that
+/// translators between the same masters cannot form a loop. Its value is the translator's name.
+inline constexpr const char* kTranslatorKey = "extperfc_translator";
+
+/// Bounds and habits of connections.
+struct TcprosParams {
+  std::size_t header_bytes{1U << 20U};               ///< of a connection header at most
+  std::size_t message_bytes{256U << 20U};            ///< a longer message ends its connection
+  std::size_t links{512};                            ///< connections at once of one port or topic
+  std::chrono::milliseconds handshake{5'000};        ///< from the connection to the end of its headers
+  std::chrono::milliseconds unacknowledged{10'000};  ///< TCP_USER_TIMEOUT: sent data that nobody acknowledges
+                                                     ///< for so long ends the connection
+  std::chrono::milliseconds keep_alive{5'000};  ///< silence until TCP asks whether the other end lives
+  std::chrono::milliseconds retry_first{100};   ///< after a lost connection; doubles
+  std::chrono::milliseconds retry_last{5'000};
+  std::size_t read_at_once{256U << 10U};  ///< bytes of one connection before others have their turn
+};
+
+/// How one topic's messages are sent.
+struct SendParams {
+  std::size_t queue{10};  ///< messages that wait for one subscriber at most: then the oldest is dropped; 0: 1
+  std::size_t queue_bytes{64U << 20U};   ///< their size at most (one message is always allowed)
+  std::chrono::milliseconds max_age{0};  ///< older ones are dropped instead of sent; 0: any age
+  std::optional<std::chrono::milliseconds> unacknowledged;  ///< instead of TcprosParams'
+  Priority priority{Priority::kNormal};
+};
+
+using LinkId = std::uint64_t;
+
+struct LinkStats {
+  std::uint64_t messages{0}, bytes{0};
+  std::uint64_t dropped_queue{0};  ///< the queue was full
+  std::uint64_t dropped_age{0};    ///< waited longer than max_age
+  std::size_t waiting{0};          ///< in the queue now
+};
+
+/// A subscriber's connection that waits for our header. Answer once, now or later; one that is let go
+/// unanswered is refused, and one that waits longer than TcprosParams::handshake is closed.
+class SubscriberRequest {
+ public:
+  virtual ~SubscriberRequest() = default;
+  [[nodiscard]] virtual const ConnectionHeader& header()
+      const = 0;  ///< callerid, topic, type, md5sum ("*" is any)
+  [[nodiscard]] virtual const std::string& remote_address() const = 0;
+  /// Sends our header (callerid, topic, latching and our mark are added). 0 when the subscriber left
+  /// meanwhile.
+  virtual LinkId accept(const std::string& type, const std::string& md5, const std::string& definition,
+                        bool latching) = 0;
+  virtual void refuse(const std::string& reason) = 0;  ///< as an `error` header, then closes
+};
+
+/// A topic that we publish: one connection for each subscriber.
+class Publication {
+ public:
+  struct Handlers {
+    std::function<void(std::shared_ptr<SubscriberRequest>)> on_request;
+    std::function<void(LinkId, const std::string& reason)> on_down;
+  };
+  virtual ~Publication() = default;  ///< unregisters and closes
+  [[nodiscard]] virtual const std::string& topic() const = 0;
+  /// Queues a message for one subscriber; `since` is when it came in, for max_age. Nothing for unknown links.
+  virtual void send(LinkId link, FramePtr frame, SteadyTime since) = 0;
+  virtual void close(LinkId link) = 0;
+  virtual void configure(const SendParams& params) = 0;
+  [[nodiscard]] virtual std::vector<LinkId> links() const = 0;
+  [[nodiscard]] virtual LinkStats stats(LinkId link) const = 0;
+  /// Unregisters and registers at the master again and drops all links, so that subscribers that gave up
+  /// (roscpp after a header error) come back.
+  virtual void announce_again() = 0;
+};
+
+/// A connection to one publisher of a topic that we subscribe to.
+struct PublisherLink {
+  LinkId id{0};
+  std::string uri;  ///< of the publisher's node
+  ConnectionHeader
+      header;  ///< as the publisher sent it: callerid, type, md5sum, message_definition, latching
+};
+
+/// A topic that we subscribe to: one connection to each publisher, retried after a loss for as long as the
+/// master lists the publisher. Our own node and publishers that carry our mark are left out.
+class Subscription {
+ public:
+  struct Handlers {
+    /// After the handshake, before messages. False closes it for good (until the publisher registers again).
+    std::function<bool(const PublisherLink&)> on_up;
+    std::function<void(const PublisherLink&, FramePtr, SteadyTime received)> on_message;
+    std::function<void(const PublisherLink&, const std::string& reason)> on_down;
+    /// The master no longer lists this publisher; after on_down.
+    std::function<void(const PublisherLink&)> on_gone;
+    /// A publisher refused us or cannot be reached; once for each new reason.
+    std::function<void(const std::string& uri, const std::string& reason)> on_problem;
+  };
+  struct Params {
+    std::string type{"*"};
+    std::string md5{"*"};
+    bool tcp_nodelay{true};
+    Priority priority{Priority::kNormal};
+  };
+  virtual ~Subscription() = default;  ///< unregisters and closes
+  [[nodiscard]] virtual const std::string& topic() const = 0;
+  [[nodiscard]] virtual std::size_t connected() const = 0;
+  virtual void set_priority(Priority priority) = 0;
+};
+
+/// A client's connection to a service of ours. Requests of one connection are answered in order, one at a
+/// time.
+class ServiceRequest {
+ public:
+  virtual ~ServiceRequest() = default;
+  [[nodiscard]] virtual const ConnectionHeader& header()
+      const = 0;  ///< callerid, service, md5sum, probe, persistent
+  [[nodiscard]] virtual bool probe() const = 0;
+  /// What the request's connection brings: unique while it lasts.
+  [[nodiscard]] virtual LinkId link() const = 0;
+  virtual void accept(const std::string& type, const std::string& md5, const std::string& request_type,
+                      const std::string& response_type) = 0;
+  virtual void refuse(const std::string& reason) = 0;
+};
+
+class ServiceServer {
+ public:
+  /// Ends a call: true with the serialized response, or false with a text for the caller's log.
+  using Reply = std::function<void(bool ok, ByteView response)>;
+  struct Handlers {
+    std::function<void(std::shared_ptr<ServiceRequest>)> on_request;  ///< a new connection
+    std::function<void(LinkId, FramePtr request, Reply)> on_call;     ///< after accept(), never for probes
+    std::function<void(LinkId)> on_down;
+  };
+  virtual ~ServiceServer() = default;  ///< unregisters; calls under way end with an error for their callers
+  [[nodiscard]] virtual const std::string& name() const = 0;
+};
+
+/// A connection to somebody's service, kept open (persistent) for calls one after another.
+class ServiceLink {
+ public:
+  using Done = std::function<void(Result<FramePtr> response)>;  ///< an error carries the server's text
+  virtual ~ServiceLink() = default;                             ///< closes; calls that wait are forgotten
+  [[nodiscard]] virtual const ConnectionHeader& header() const = 0;  ///< as the server sent it
+  [[nodiscard]] virtual bool connected() const = 0;
+  /// `done` runs once: the response, the server's refusal, a lost connection, or the timeout (which closes).
+  virtual void call(FramePtr request, std::chrono::milliseconds timeout, Done done) = 0;
+};
+
+}  // namespace extperfc::translate

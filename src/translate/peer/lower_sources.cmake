@@ -1,0 +1,2 @@
+set(EXTPERFC_PEER_LOWER_SOURCES
+  event_loop.cpp)

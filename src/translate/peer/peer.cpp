@@ -1,0 +1,1 @@
+#include "extperfc/translate/peer.hpp"

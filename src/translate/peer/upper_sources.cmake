@@ -1,0 +1,2 @@
+set(EXTPERFC_PEER_UPPER_SOURCES
+  peer.cpp)

@@ -1,0 +1,1 @@
+# TCPROS streams, the node.
