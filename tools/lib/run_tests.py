@@ -125,7 +125,7 @@ def rostest_runner(file):
             environment = dict(os.environ, ROS_HOME=home, ROS_IP="127.0.0.1",
                                ROS_MASTER_URI=f"http://127.0.0.1:{port}")
             environment.pop("ROS_HOSTNAME", None)
-            code = run(["rostest", "--results-base-dir", home + "/results", str(file)], log, 120, env=environment)
+            code = run(["rostest", "--results-base-dir", home + "/results", str(file)], log, 240, env=environment)
             results = [f for f in pathlib.Path(home).rglob("*.xml") if not f.name.startswith("rostest-")]
             return counts_of_junit(results, code)
     return runner
