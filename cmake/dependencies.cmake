@@ -43,12 +43,6 @@ add_library(extperfc_bullet INTERFACE)
 add_library(extperfc::bullet ALIAS extperfc_bullet)
 target_link_libraries(extperfc_bullet INTERFACE PkgConfig::bullet)
 
-# The translator: XML-RPC is read with tinyxml2.
-pkg_check_modules(tinyxml2 REQUIRED IMPORTED_TARGET tinyxml2)
-add_library(extperfc_tinyxml2 INTERFACE)
-add_library(extperfc::tinyxml2 ALIAS extperfc_tinyxml2)
-target_link_libraries(extperfc_tinyxml2 INTERFACE PkgConfig::tinyxml2)
-
 # Embree casts the sensors' rays; a bounding-volume tree of our own stands in for it.
 set(EXTPERFC_EMBREE_FOUND OFF)
 add_library(extperfc_embree INTERFACE)

@@ -29,6 +29,9 @@ struct PeerParams {
   std::chrono::milliseconds node_timeout{5'000};    ///< of a call to another node
   TcprosParams tcpros;
   RpcLimits rpc;
+  /// Carry our mark and keep away from others that carry it. False makes a plain node, for tests and
+  /// measurements: like roscpp and rospy it neither marks nor looks.
+  bool marked{true};
 };
 
 /// The master's view of the graph. Nodes are named by caller id.

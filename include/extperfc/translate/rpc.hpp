@@ -56,8 +56,10 @@ struct XmlValue {
 struct RpcLimits {
   std::size_t header_bytes{16U << 10U};
   std::size_t body_bytes{
-      16U << 20U};  ///< a getSystemState of a large robot has some 200 kB, a URDF parameter 1 MB
-  std::size_t depth{32};
+      16U << 20U};        ///< a getSystemState of a large robot has some 200 kB, a URDF parameter 1 MB
+  std::size_t depth{32};  ///< values within values
+  std::size_t values{1U << 20U};  ///< in one call or answer, so that empty ones cannot fill the memory
+  std::size_t buffered_bytes{64U << 20U};     ///< of all connections of a server together
   std::size_t connections{512};               ///< of a server at once; more are closed at once
   std::chrono::milliseconds idle{60'000};     ///< a server closes a connection that is silent for so long
   std::chrono::milliseconds request{10'000};  ///< from a request's first byte to its last

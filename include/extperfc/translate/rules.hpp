@@ -13,8 +13,9 @@
 #include "extperfc/translate/definition_store.hpp"
 #include "extperfc/translate/schema.hpp"
 
-/// Rules for what pairing fields by name cannot know. Written in YAML (docs/translator.md has the grammar),
-/// one entry per pair of definitions, in terms of the target's fields: each names where its value comes from.
+/// Rules for what pairing fields by name cannot know. Written in YAML (docs/translation_rules.md has the
+/// grammar), one entry per pair of definitions, in terms of the target's fields: each names where its value
+/// comes from.
 namespace extperfc::translate {
 
 /// A value written in a rule: a scalar's text, a list, or the fields of a message.
@@ -87,6 +88,12 @@ class RuleSet {
                                              const DefinitionStore& definitions);
 
   void add(MigrationRule rule);
+  /// Two names of one type ("tf/tfMessage", "tf2_msgs/TFMessage") or of one package ("multimaster_msgs_fkie",
+  /// "fkie_multimaster_msgs"). A rule between types of different names says it for its two types. A
+  /// package is never another name of a type: such a pair is ignored.
+  void add_rename(const std::string& from, const std::string& to);
+  /// A definition that chains may pass through. load() and parse() add those of their rules.
+  void add_schema(const SchemaPtr& schema);
   [[nodiscard]] std::size_t size() const { return rules_.size(); }
   [[nodiscard]] const std::vector<MigrationRule>& rules() const { return rules_; }
 
@@ -99,14 +106,19 @@ class RuleSet {
     SchemaPtr from, to;
   };
   [[nodiscard]] std::vector<Link> chain(const SchemaPtr& from, const SchemaPtr& to) const;
-  /// The name a type has now: renamed packages (multimaster_msgs_fkie/... is fkie_multimaster_msgs/...
-  /// since).
+  /// Every other name of a type, either way and through several renames; nearest first. Empty for most.
   [[nodiscard]] std::vector<std::string> other_names(std::string_view type) const;
 
  private:
+  using Key = std::pair<std::string, std::string>;  ///< type, MD5
+  [[nodiscard]] std::vector<Link> links_to(const Key& goal,
+                                           const std::map<Key, const MigrationRule*>& reached_by,
+                                           const SchemaPtr& from, const SchemaPtr& to) const;
+
   std::vector<MigrationRule> rules_;
-  std::map<std::pair<std::string, std::string>, std::vector<std::size_t>> from_;  ///< (type, MD5) -> rules
-  std::map<std::pair<std::string, std::string>, SchemaPtr> schemas_;
+  std::map<Key, std::vector<std::size_t>> from_;
+  std::map<Key, SchemaPtr> schemas_;
+  std::vector<std::pair<std::string, std::string>> renames_;  ///< of types and of packages
 };
 
 }  // namespace extperfc::translate

@@ -76,6 +76,11 @@ class MessageSchema {
   [[nodiscard]] std::size_t least_size() const { return least_size_; }
   /// True when a `time` is in it, at any depth.
   [[nodiscard]] bool has_time() const { return has_time_; }
+  /// Definitions that embed one another below this one: 0 when it embeds none.
+  [[nodiscard]] std::size_t depth() const { return depth_; }
+  /// Fields with those of every embedded definition, each time it is used (arrays count once): the work of
+  /// whoever walks them all.
+  [[nodiscard]] std::size_t expanded_fields() const { return expanded_fields_; }
 
   /// The text of this definition alone (no comments; constants first).
   [[nodiscard]] std::string text() const;
@@ -89,6 +94,8 @@ class MessageSchema {
   std::string md5_;
   std::optional<std::size_t> fixed_size_;
   std::size_t least_size_{0};
+  std::size_t depth_{0};
+  std::size_t expanded_fields_{0};
   bool has_time_{false};
 };
 
@@ -114,6 +121,7 @@ struct SchemaLimits {
   std::size_t fields{2000};      ///< of one definition, constants included
   std::size_t depth{32};         ///< of embedding
   std::size_t definitions{500};  ///< in one full text
+  std::size_t expanded_fields{50'000};
   std::uint32_t fixed_count{1U << 24U};
 };
 

@@ -40,8 +40,8 @@ struct TcprosParams {
   std::chrono::milliseconds handshake{5'000};        ///< from the connection to the end of its headers
   std::chrono::milliseconds unacknowledged{10'000};  ///< TCP_USER_TIMEOUT: sent data that nobody acknowledges
                                                      ///< for so long ends the connection
-  std::chrono::milliseconds keep_alive{5'000};  ///< silence until TCP asks whether the other end lives
-  std::chrono::milliseconds retry_first{100};   ///< after a lost connection; doubles
+  std::chrono::milliseconds keep_alive{5'000};       ///< silence until TCP asks whether the other end lives
+  std::chrono::milliseconds retry_first{100};        ///< after a lost connection; doubles
   std::chrono::milliseconds retry_last{5'000};
   std::size_t read_at_once{256U << 10U};  ///< bytes of one connection before others have their turn
 };
@@ -84,6 +84,8 @@ class Publication {
  public:
   struct Handlers {
     std::function<void(std::shared_ptr<SubscriberRequest>)> on_request;
+    /// A link ended, other than by close() or the destructor. Never inside a call of this class; stats() of
+    /// the link are still there.
     std::function<void(LinkId, const std::string& reason)> on_down;
   };
   virtual ~Publication() = default;  ///< unregisters and closes
@@ -155,7 +157,7 @@ class ServiceServer {
   struct Handlers {
     std::function<void(std::shared_ptr<ServiceRequest>)> on_request;  ///< a new connection
     std::function<void(LinkId, FramePtr request, Reply)> on_call;     ///< after accept(), never for probes
-    std::function<void(LinkId)> on_down;
+    std::function<void(LinkId)> on_down;  ///< of an accepted client; never inside a call or a reply
   };
   virtual ~ServiceServer() = default;  ///< unregisters; calls under way end with an error for their callers
   [[nodiscard]] virtual const std::string& name() const = 0;

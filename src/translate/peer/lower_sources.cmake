@@ -1,2 +1,15 @@
 set(EXTPERFC_PEER_LOWER_SOURCES
-  event_loop.cpp)
+  event_loop.cpp
+  frame_pool.cpp
+  graph_state.cpp
+  http_message.cpp
+  master_link.cpp
+  resolver.cpp
+  rpc_client.cpp
+  rpc_server.cpp
+  rpc_socket.cpp
+  rpc_uri.cpp
+  xml_base64.cpp
+  xml_decode.cpp
+  xml_encode.cpp
+  xml_scanner.cpp)

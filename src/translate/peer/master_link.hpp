@@ -12,9 +12,9 @@
 
 namespace extperfc::translate {
 
-/// One master: whether it lives, what we are registered with there, and its calls. Registrations are kept: they are
-/// made when the master can be reached, and made again after it restarted (another pid) or came back.
-/// Of the loop's thread. Source: http://wiki.ros.org/ROS/Master_API, ROS/Parameter Server API.
+/// One master: whether it lives, what we are registered with there, and its calls. Registrations are kept:
+/// they are made when the master can be reached, and made again after it restarted (another pid) or came
+/// back. Of the loop's thread. Source: http://wiki.ros.org/ROS/Master_API, ROS/Parameter Server API.
 class MasterLink {
  public:
   struct Params {
@@ -37,8 +37,8 @@ class MasterLink {
 
   [[nodiscard]] const Peer::MasterStatus& status() const;
 
-  /// Registers, now or when the master comes, and again whenever that is needed. `done` runs after each success,
-  /// e.g. with the publishers' URIs of registerSubscriber.
+  /// Registers, now or when the master comes, and again whenever that is needed. `done` runs after each
+  /// success, e.g. with the publishers' URIs of registerSubscriber.
   RegistrationId keep_publisher(const std::string& topic, const std::string& type, Done done);
   RegistrationId keep_subscriber(const std::string& topic, const std::string& type, Done done);
   RegistrationId keep_service(const std::string& service, const std::string& service_uri, Done done);

@@ -1,2 +1,16 @@
 set(EXTPERFC_PEER_UPPER_SOURCES
-  peer.cpp)
+  peer.cpp
+  peer_core.cpp
+  peer_slave_api.cpp
+  publication.cpp
+  service_link.cpp
+  service_server.cpp
+  subscription.cpp
+  tcpros_connector.cpp
+  tcpros_frame_reader.cpp
+  tcpros_half_open.cpp
+  tcpros_handshake.cpp
+  tcpros_header.cpp
+  tcpros_listener.cpp
+  tcpros_send_queue.cpp
+  tcpros_socket.cpp)

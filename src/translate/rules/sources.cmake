@@ -1,3 +1,10 @@
 # Sources of the rules, relative to src/translate/plan.
 set(EXTPERFC_RULES_SOURCES
-  ../rules/rule_set.cpp)
+  ../rules/literal.cpp
+  ../rules/load.cpp
+  ../rules/path.cpp
+  ../rules/problems.cpp
+  ../rules/rule_reader.cpp
+  ../rules/rule_set.cpp
+  ../rules/source_reader.cpp
+  ../rules/yaml_map.cpp)

@@ -1,1 +1,9 @@
 # Event loop, XML-RPC, master.
+extperfc_add_test(translate/peer/event_loop SOURCES test_event_loop.cpp LINK extperfc::translate_peer)
+extperfc_add_test(translate/peer/frame_pool SOURCES test_frame_pool.cpp LINK extperfc::translate_peer)
+extperfc_add_test(translate/peer/xml_rpc SOURCES test_xml_rpc.cpp LINK extperfc::translate_peer)
+extperfc_add_test(translate/peer/http_message SOURCES test_http_message.cpp LINK extperfc::translate_peer)
+extperfc_add_test(translate/peer/rpc SOURCES test_rpc.cpp LINK extperfc::translate_peer)
+extperfc_add_test(translate/peer/resolver SOURCES test_resolver.cpp LINK extperfc::translate_peer)
+extperfc_add_test(translate/peer/master_link SOURCES test_master_link.cpp LINK extperfc::translate_peer)
+extperfc_add_test(translate/peer/rpc_oracle SOURCES test_rpc_oracle.cpp LINK extperfc::translate_peer)

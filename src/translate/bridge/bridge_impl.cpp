@@ -1,0 +1,225 @@
+#include "bridge_impl.hpp"
+
+#include <chrono>
+#include <utility>
+
+namespace extperfc::translate {
+
+namespace {
+
+// A publisher that is started again within this time finds its route, and its listeners, still there.
+constexpr auto kGrace = std::chrono::seconds(3);
+
+std::size_t index(End end) {
+  return static_cast<std::size_t>(end);
+}
+
+}  // namespace
+
+BridgeImpl::BridgeImpl(EventLoop& loop, BridgeParams params, DefinitionStore definitions, RuleSet rules,
+                       Handlers handlers, CrossingRules crossing_rules, Profiles profiles)
+    : loop_(loop),
+      params_(std::move(params)),
+      definitions_(std::move(definitions)),
+      plans_(definitions_, std::move(rules)),
+      handlers_(std::move(handlers)),
+      crossing_rules_(std::move(crossing_rules)),
+      profiles_(std::move(profiles)),
+      context_{loop_,
+               frames_,
+               params_,
+               plans_,
+               {},
+               [this](const std::string& line) {
+                 if (handlers_.on_log) handlers_.on_log(line);
+               },
+               [this](const std::string& line) { tell(line); },
+               [this](End from) { return clock_ ? clock_->shift_ns(from) : 0; }} {}
+
+BridgeImpl::~BridgeImpl() {
+  loop_.cancel(timer_);
+}
+
+Result<void> BridgeImpl::open() {
+  resolver_ = std::make_unique<Resolver>(loop_, params_.ends[index(End::kOld)].peer.hosts);
+  for (const auto end : {End::kOld, End::kNew})
+    if (auto opened = open_end(end); !opened) return opened;
+  clock_ = std::make_unique<ClockWatch>(context_, *resolver_);
+  for (const auto& prefix : params_.params_old_to_new)
+    param_routes_.emplace_back(End::kOld,
+                               std::make_unique<ParamRoute>(context_, written_, prefix, End::kOld));
+  for (const auto& prefix : params_.params_new_to_old)
+    param_routes_.emplace_back(End::kNew,
+                               std::make_unique<ParamRoute>(context_, written_, prefix, End::kNew));
+  timer_ = loop_.after(std::chrono::nanoseconds(0), [this] { look(); });
+  return {};
+}
+
+Result<void> BridgeImpl::open_end(End end) {
+  Peer::Handlers handlers;
+  const std::string side = std::string(to_string(end)) + " side: ";
+  handlers.on_master = [this, end](const Peer::MasterStatus& status) { on_master(end, status); };
+  handlers.on_log = [this, side](const std::string& line) { context_.log(side + line); };
+  auto peer = Peer::make(loop_, frames_, params_.ends[index(end)].peer, std::move(handlers));
+  if (!peer) return fail(peer.error().code, side + peer.error().message);
+  peers_[index(end)] = std::move(*peer);
+  context_.peers[index(end)] = peers_[index(end)].get();
+  return {};
+}
+
+void BridgeImpl::on_master(End end, const Peer::MasterStatus& status) {
+  const std::string side = std::string(to_string(end)) + " side: the master ";
+  if (!status.reachable) {  // each time, not once
+    if (handlers_.on_problem) handlers_.on_problem(side + "is not reachable: " + status.problem);
+    return;
+  }
+  context_.log(side + "answers");
+  if (std::exchange(restarts_[index(end)], status.restarts) == status.restarts) return;
+  context_.log(side + "was started again");
+  for (auto& [from, route] : param_routes_)
+    if (other(from) == end) route->write_again();
+}
+
+void BridgeImpl::schedule() {
+  if (closing_) return;
+  const auto period = std::chrono::duration_cast<std::chrono::nanoseconds>(
+      std::chrono::duration<double>(params_.poll_period_s));
+  loop_.cancel(timer_);
+  timer_ = loop_.after(period, [this] { look(); });
+}
+
+void BridgeImpl::look() {
+  answers_awaited_ = 2;
+  for (const auto end : {End::kOld, End::kNew})
+    peers_[index(end)]->graph([this, end, alive = std::weak_ptr<bool>(alive_)](Result<GraphState> graph) {
+      if (!alive.expired()) on_graph(end, std::move(graph));
+    });
+}
+
+/// A master that does not answer leaves its side as it was: connections outlive masters.
+void BridgeImpl::on_graph(End end, Result<GraphState> graph) {
+  if (graph) {
+    graphs_[index(end)] = std::move(*graph);
+    known_[index(end)] = true;
+  }
+  if (--answers_awaited_ > 0 || closing_) return;
+  update_topics();
+  update_services();
+  const auto now = EventLoop::now();
+  for (auto& [key, held] : topics_) held.route->measure(now);
+  schedule();
+}
+
+void BridgeImpl::update_topics() {
+  const auto crossings = crossing_rules_.topics(graphs_);
+  end_old(crossings);
+  open_new(crossings);
+}
+
+void BridgeImpl::end_old(const TopicCrossings& crossings) {
+  const auto now = EventLoop::now();
+  for (auto held = topics_.begin(); held != topics_.end();) {
+    const auto& [topic, from] = held->first;
+    const bool wanted = crossings.count(held->first) != 0;
+    const bool stays = wanted || !peers_[index(from)]->master().reachable || held->second.route->alive();
+    if (stays) held->second.missing_since = now;
+    held = now - held->second.missing_since > kGrace ? topics_.erase(held) : std::next(held);
+  }
+}
+
+void BridgeImpl::open_new(const TopicCrossings& crossings) {
+  for (const auto& [key, crossing] : crossings) {
+    const auto& [topic, from] = key;
+    const auto held = topics_.find(key);
+    if (held != topics_.end()) {
+      const auto& present = held->second.route->params();
+      if (present.eager == crossing.eager && present.action == crossing.action) {
+        held->second.route->look(crossing.listeners);
+        continue;
+      }
+      topics_.erase(held);  // it became part of an action, or ceased to be
+    }
+    TopicRoute::Params params;
+    params.topic = topic;
+    params.type = crossing.type.empty() ? "*" : crossing.type;
+    params.from = from;
+    params.profile = profiles_.of(topic);
+    params.action = crossing.action;
+    params.eager = crossing.eager;
+    auto route = std::make_unique<TopicRoute>(context_, std::move(params));
+    route->look(crossing.listeners);
+    topics_[key] = {std::move(route), EventLoop::now()};
+  }
+}
+
+void BridgeImpl::update_services() {
+  const auto crossings = crossing_rules_.services(graphs_);
+  for (auto held = services_.begin(); held != services_.end();) {
+    const auto wanted = crossings.find(held->first);
+    const bool stays = wanted != crossings.end() && wanted->second == held->second.first;
+    held = stays ? std::next(held) : services_.erase(held);
+  }
+  for (const auto& [name, from] : crossings) {
+    const auto& providers = graphs_[index(from)].services[name];
+    auto& route = services_[name];
+    if (!route.second) {
+      route = {from, std::make_unique<ServiceRoute>(context_, name, from)};
+    } else if (providers_[name] != providers) {
+      route.second->forget_server();
+    }
+    providers_[name] = providers;
+  }
+}
+
+void BridgeImpl::tell(const std::string& problem) {
+  if (told_.size() >= kMostTold) told_.clear();
+  if (told_.insert(problem).second && handlers_.on_problem) handlers_.on_problem(problem);
+}
+
+void BridgeImpl::replace_rules(RuleSet rules) {
+  plans_.replace_rules(std::move(rules));
+  told_.clear();
+  for (auto& [key, held] : topics_) held.route->begin_anew();
+  for (auto& [name, held] : services_) held = {held.first, nullptr};
+  update_services();
+}
+
+BridgeStatus BridgeImpl::status() {
+  BridgeStatus status;
+  for (const auto end : {End::kOld, End::kNew}) {
+    auto& one = status.ends[index(end)];
+    const auto& peer = *peers_[index(end)];
+    one.master_uri = peer.params().master_uri;
+    one.uri = peer.uri();
+    one.reachable = peer.master().reachable;
+    one.restarts = peer.master().restarts;
+    one.problem = peer.master().problem;
+  }
+  for (const auto& [key, held] : topics_) {
+    status.topics.push_back(held.route->status());
+    ++status.ends[index(key.second)].topics;
+  }
+  for (const auto& [name, held] : services_) {
+    status.services.push_back(held.second->status());
+    ++status.ends[index(held.first)].services;
+  }
+  for (const auto& [from, route] : param_routes_) status.params += route->count();
+  if (clock_) status.clock = clock_->status();
+  return status;
+}
+
+void BridgeImpl::shut_down(std::chrono::milliseconds patience, std::function<void()> done) {
+  closing_ = true;
+  loop_.cancel(timer_);
+  param_routes_.clear();
+  topics_.clear();
+  services_.clear();
+  clock_.reset();
+  const auto left = std::make_shared<int>(2);
+  for (const auto& peer : peers_)
+    peer->shut_down(patience, [left, done] {
+      if (--*left == 0 && done) done();
+    });
+}
+
+}  // namespace extperfc::translate

@@ -1,0 +1,85 @@
+#include "clock_watch.hpp"
+
+#include <cmath>
+#include <utility>
+
+#include "little_endian.hpp"
+
+namespace extperfc::translate {
+
+namespace {
+
+ClockOffset::Params offset_params(const ClockParams& clocks) {
+  ClockOffset::Params params;
+  params.window_s = clocks.window_s;
+  return params;
+}
+
+}  // namespace
+
+ClockWatch::ClockWatch(BridgeContext& context, Resolver& resolver)
+    : context_(context), offset_(offset_params(context.params.clocks)) {
+  const auto& clocks = context_.params.clocks;
+  for (const auto& topic : clocks.reference_topics) watch_topic(topic);
+  if (clocks.ntp_server.empty()) return;
+  SntpClient::Params params;
+  params.host = clocks.ntp_server;
+  params.port = clocks.ntp_port;
+  SntpClient::Handlers handlers;
+  handlers.on_sample = [this](const SntpClient::Sample& sample) {
+    offset_.add_ntp_sample(sample.t0, sample.t1, sample.t2, sample.t3);
+  };
+  handlers.on_problem = [this](const std::string& problem) { context_.problem("clock: " + problem); };
+  sntp_ = std::make_unique<SntpClient>(context_.loop, resolver, params, std::move(handlers));
+}
+
+void ClockWatch::watch_topic(const std::string& topic) {
+  Subscription::Handlers handlers;
+  handlers.on_up = [this, topic](const PublisherLink& link) {
+    const auto version =
+        context_.plans.version(value_of(link.header, "type"), value_of(link.header, "md5sum"),
+                               value_of(link.header, "message_definition"));
+    const bool stamped = version.schema && !version.schema->fields().empty() &&
+                         version.schema->fields().front().message &&
+                         version.schema->fields().front().message->type() == "std_msgs/Header";
+    if (!stamped)
+      context_.problem("clock: " + topic + " (" + version.type +
+                       ") does not begin with a std_msgs/Header: name another reference topic");
+    return stamped;
+  };
+  handlers.on_message = [this, topic](const PublisherLink&, const FramePtr& frame, SteadyTime received) {
+    on_message(topic, frame, received);
+  };
+  subscriptions_.push_back(context_.peer(End::kOld).subscribe(topic, std::move(handlers), {}));
+}
+
+/// A header is seq (uint32), stamp (seconds, nanoseconds), frame id.
+void ClockWatch::on_message(const std::string& topic, const FramePtr& frame, SteadyTime received) {
+  const auto payload = frame->payload();
+  if (payload.size < 12) return;
+  const double stamp_s = load_u32(payload.data + 4) + 1e-9 * load_u32(payload.data + 8);
+  last_topic_ = topic;
+  offset_.add_stamp_sample(wall_clock_s(received), stamp_s);
+}
+
+BridgeStatus::Clock ClockWatch::status() const {
+  BridgeStatus::Clock clock;
+  const auto estimate = offset_.estimate();
+  if (!estimate) return clock;
+  clock.known = true;
+  clock.offset_s = estimate->offset_s;
+  clock.age_s = estimate->age_s;
+  clock.source = estimate->source == ClockOffset::Source::kNtp ? "ntp " + context_.params.clocks.ntp_server
+                                                               : "topic " + last_topic_;
+  return clock;
+}
+
+std::int64_t ClockWatch::shift_ns(End from) const {
+  if (!context_.params.clocks.shift_stamps) return 0;
+  const auto estimate = offset_.estimate();
+  if (!estimate) return 0;
+  const auto offset_ns = std::llround(estimate->offset_s * 1e9);
+  return from == End::kOld ? -offset_ns : offset_ns;
+}
+
+}  // namespace extperfc::translate

@@ -1,0 +1,38 @@
+#pragma once
+
+#include <map>
+#include <regex>
+#include <string>
+#include <vector>
+
+#include "extperfc/translate/bridge.hpp"
+
+namespace extperfc::translate {
+
+/// A NameFilter ready for use. Answers are remembered: the same names are asked at every look at the graph.
+class Crossing {
+ public:
+  [[nodiscard]] static Result<Crossing> make(const NameFilter& filter, const std::string& what);
+  [[nodiscard]] bool crosses(const std::string& name);
+
+ private:
+  std::vector<std::regex> allow_, deny_;
+  std::map<std::string, bool> known_;
+};
+
+/// The profiles ready for use.
+class Profiles {
+ public:
+  [[nodiscard]] static Result<Profiles> make(const std::vector<TopicProfile>& profiles);
+  /// The first that matches, or the defaults.
+  [[nodiscard]] const TopicProfile& of(const std::string& topic) const;
+
+ private:
+  std::vector<std::pair<std::regex, TopicProfile>> profiles_;
+  TopicProfile default_;
+};
+
+/// Compiles an expression; the error shows it and where it was given.
+[[nodiscard]] Result<std::regex> make_expression(const std::string& text, const std::string& what);
+
+}  // namespace extperfc::translate

@@ -1,0 +1,38 @@
+#pragma once
+
+#include <map>
+#include <memory>
+#include <set>
+#include <string>
+
+#include "context.hpp"
+
+namespace extperfc::translate {
+
+/// Parameters below one prefix, one way. Old masters tell a change to whoever made it too, so what comes back
+/// equal to what was written last is an echo.
+class ParamRoute {
+ public:
+  /// What was written last on each side; shared by the routes, so that both directions know each other's
+  /// writes.
+  using Written = std::array<std::map<std::string, XmlValue>, 2>;
+
+  ParamRoute(BridgeContext& context, Written& written, std::string prefix, End from);
+
+  /// The other side's master has lost its parameters: writes all of them again.
+  void write_again();
+
+  [[nodiscard]] std::size_t count() const { return names_.size(); }
+
+ private:
+  void on_change(const std::string& name, const XmlValue& value);
+
+  BridgeContext& context_;
+  Written& written_;
+  std::string prefix_;
+  End from_;
+  std::set<std::string> names_;
+  std::shared_ptr<bool> alive_{std::make_shared<bool>(true)};
+};
+
+}  // namespace extperfc::translate

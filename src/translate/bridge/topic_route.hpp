@@ -1,0 +1,109 @@
+#pragma once
+
+#include <chrono>
+#include <cstdint>
+#include <map>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "context.hpp"
+#include "latched_store.hpp"
+
+namespace extperfc::translate {
+
+/// One topic in one direction: a subscription at the publishers' side, a publication at the other, and
+/// between them a plan for each pair of definitions in use.
+class TopicRoute {
+ public:
+  struct Params {
+    std::string topic;
+    std::string type;  ///< as the master knows it; "*" when it does not
+    End from{End::kOld};
+    TopicProfile profile;
+    std::string action;  ///< name of the action it belongs to, or empty
+    bool eager{false};   ///< subscribe at once, whoever listens: actions, profiles that are not lazy
+  };
+
+  TopicRoute(BridgeContext& context, Params params);
+  ~TopicRoute();
+  TopicRoute(const TopicRoute&) = delete;
+  TopicRoute& operator=(const TopicRoute&) = delete;
+
+  /// What the masters say now; opens or closes the subscription.
+  void look(bool listeners_at_other_side);
+  /// Publishers are still connected, listed or not.
+  [[nodiscard]] bool alive() const { return subscription_ && subscription_->connected() > 0; }
+  [[nodiscard]] const Params& params() const { return params_; }
+  /// Rules or definitions changed: connections begin anew.
+  void begin_anew();
+
+  [[nodiscard]] TopicStatus status() const;
+  /// To be called regularly, for rates.
+  void measure(SteadyTime now);
+
+ private:
+  struct Source {
+    PublisherLink link;
+    Version version;
+    bool latching{false};
+  };
+  struct Target {
+    Version version;
+    std::string name;  ///< caller id of the subscriber
+  };
+  struct Waiting {
+    std::shared_ptr<SubscriberRequest> request;
+    EventLoop::TimerId deadline{0};
+  };
+
+  void on_request(std::shared_ptr<SubscriberRequest> request);
+  void answer(SubscriberRequest& request);
+  void answer_waiting();
+  [[nodiscard]] Version wanted_version(const ConnectionHeader& header) const;
+  [[nodiscard]] Version any_version() const;
+  [[nodiscard]] std::string obstacle(const Version& target) const;
+  void accept(SubscriberRequest& request, const Version& version);
+  void send_latched(LinkId link, const Version& version);
+
+  void subscribe();
+  bool on_up(const PublisherLink& link);
+  void on_message(const PublisherLink& link, const FramePtr& frame, SteadyTime received);
+  void on_gone(const PublisherLink& link);
+  [[nodiscard]] bool too_fast(SteadyTime now);
+  [[nodiscard]] bool filtered(const FramePtr& frame) const;
+  void deliver(const Version& from, const FramePtr& frame, SteadyTime since);
+  [[nodiscard]] FramePtr carried(const Version& from, const Version& to, const FramePtr& frame);
+  [[nodiscard]] PlanOptions options() const;
+  [[nodiscard]] bool merges_transforms() const;
+  [[nodiscard]] bool latching() const;
+  void complain(const std::string& problem);
+  [[nodiscard]] bool demand() const;
+
+  BridgeContext& context_;
+  Params params_;
+  std::unique_ptr<Publication> publication_;
+  std::unique_ptr<Subscription> subscription_;
+  std::map<LinkId, Source> sources_;
+  std::map<LinkId, Target> targets_;
+  std::vector<Waiting> waiting_;
+  LatchedStore latched_;
+  bool listeners_{false};
+  SteadyTime last_demand_{};
+  SteadyTime next_allowed_{};
+
+  struct Counts {
+    std::uint64_t messages{0}, bytes{0}, dropped{0}, failed{0};
+    double latency_sum_s{0}, latency_max_s{0};
+    std::uint64_t latency_count{0};
+  };
+  Counts counts_;
+  std::uint64_t lost_with_links_{0};  ///< drops of connections that have ended
+  std::string problem_;
+  SteadyTime quiet_until_{};
+  SteadyTime measured_{};
+  std::uint64_t measured_messages_{0};
+  double rate_hz_{0};
+};
+
+}  // namespace extperfc::translate

@@ -1,0 +1,88 @@
+#pragma once
+
+#include <cstdint>
+#include <map>
+#include <memory>
+#include <set>
+#include <string>
+#include <vector>
+
+#include "peer_core.hpp"
+#include "tcpros_frame_reader.hpp"
+
+namespace extperfc::translate {
+
+/// The publishers of one topic and our connections to them. Handlers hold it weakly, as PublicationState's
+/// do.
+class SubscriptionState : public std::enable_shared_from_this<SubscriptionState> {
+ public:
+  SubscriptionState(std::shared_ptr<PeerCore> core, std::string topic, Subscription::Handlers handlers,
+                    Subscription::Params params);
+
+  void open();
+  void close();
+  /// The master's list of publishers now. Connections to publishers that only an earlier master knew are kept
+  /// until they break: nodes do not register again by themselves.
+  void update(const std::vector<std::string>& uris);
+  void set_priority(Priority priority);
+
+  [[nodiscard]] const std::string& topic() const { return topic_; }
+  [[nodiscard]] const std::string& type() const { return params_.type; }
+  [[nodiscard]] MasterLink::RegistrationId registration() const { return registration_; }
+  [[nodiscard]] std::size_t connected() const;
+  [[nodiscard]] std::vector<BusLink> bus() const;
+
+ private:
+  enum class Step : std::uint8_t { kAsking, kConnecting, kUp, kWaiting, kRejected, kGone };
+  /// One publisher.
+  struct Source {
+    PublisherLink link;
+    Step step{Step::kWaiting};
+    bool listed{true};
+    std::uint64_t master{0};   ///< which life of the master listed it last
+    std::uint64_t attempt{0};  ///< answers to earlier attempts are void
+    EventLoop::TimerId retry{0};
+    std::chrono::milliseconds delay{0};
+    std::unique_ptr<TcprosConnector> connector;
+    LoopSocket socket;
+    std::unique_ptr<FrameReader> reader;
+    SteadyTime up_since;
+    std::uint64_t messages{0}, bytes{0};
+    std::string problem;  ///< told last
+  };
+  using SourcePtr = std::shared_ptr<Source>;
+
+  void add_or_retry(const std::string& uri, bool also_rejected);
+  void remove(const SourcePtr& source);
+  void ask(const SourcePtr& source);
+  void answered(const SourcePtr& source, const Result<XmlValue>& answer);
+  void connect(const SourcePtr& source, HostPort to);
+  void connected_to(const SourcePtr& source, Result<Outgoing> outgoing);
+  void bring_up(const SourcePtr& source, Outgoing outgoing);
+  void read(SourcePtr source);
+  void lose(const SourcePtr& source, const std::string& reason);
+  void reject(const SourcePtr& source, const std::string& reason);
+  void fail_attempt(const SourcePtr& source, const std::string& reason);
+  void retry_later(const SourcePtr& source);
+  void stop(Source& source) const;
+  void tell_problem(Source& source, const std::string& reason);
+
+  std::shared_ptr<PeerCore> core_;
+  std::string topic_;
+  Subscription::Handlers handlers_;
+  Subscription::Params params_;
+  MasterLink::RegistrationId registration_{0};
+  std::map<std::string, SourcePtr> sources_;  ///< by URI
+  std::set<std::string> listed_;
+  bool closed_{false};
+};
+
+/// URIs in a list of publishers; what is no string is left out.
+[[nodiscard]] std::vector<std::string> uris_in(const XmlValue& value);
+
+[[nodiscard]] std::unique_ptr<Subscription> make_subscription(const std::shared_ptr<PeerCore>& core,
+                                                              const std::string& topic,
+                                                              Subscription::Handlers handlers,
+                                                              const Subscription::Params& params);
+
+}  // namespace extperfc::translate

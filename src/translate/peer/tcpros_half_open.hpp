@@ -1,0 +1,58 @@
+#pragma once
+
+#include <cstdint>
+#include <map>
+
+#include <netinet/in.h>
+#include <sys/socket.h>
+
+#include "extperfc/translate/event_loop.hpp"
+
+#include "tcpros_socket.hpp"
+
+namespace extperfc::translate {
+
+/// Both addresses of a connection; known only while it stands.
+struct ConnectionEnds {
+  sockaddr_storage local{}, remote{};
+  socklen_t size{0};  ///< 0: not known
+};
+[[nodiscard]] ConnectionEnds ends_of(int descriptor);
+
+/// Closes with a reset instead of what still waits in the kernel: stale messages must not leave any more.
+void abort_connection(LoopSocket& socket);
+
+/// Tells the other ends of connections that we gave up that they are gone. Our reset is lost when the network
+/// is away, and a subscriber that only listens would then wait on its half-open connection until its
+/// keep-alive, more than a minute. A connection request between the same two addresses makes its kernel
+/// answer; ours resets that answer, which ends the old connection (RFC 793, section 3.4, "Half-Open
+/// Connections"). Requests are repeated until the other end answers. Of the loop's thread.
+class HalfOpenNotices {
+ public:
+  explicit HalfOpenNotices(EventLoop& loop) : loop_(loop) {}
+  ~HalfOpenNotices();
+  HalfOpenNotices(const HalfOpenNotices&) = delete;
+  HalfOpenNotices& operator=(const HalfOpenNotices&) = delete;
+
+  /// The old socket must be closed already.
+  void tell(const ConnectionEnds& ends);
+  [[nodiscard]] std::size_t pending() const { return notices_.size(); }
+
+ private:
+  struct Notice {
+    ConnectionEnds ends;
+    LoopSocket socket;
+    EventLoop::TimerId timer{0};
+    int tries{0};
+  };
+  void attempt(std::uint64_t id);
+  void answered(std::uint64_t id);
+  void again(std::uint64_t id);
+  void forget(std::uint64_t id);
+
+  EventLoop& loop_;
+  std::map<std::uint64_t, Notice> notices_;
+  std::uint64_t last_id_{0};
+};
+
+}  // namespace extperfc::translate

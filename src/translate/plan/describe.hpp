@@ -1,0 +1,13 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "translate/plan/code.hpp"
+
+namespace extperfc::translate::plan {
+
+/// Code in words, one line per step; what belongs to a step is indented below it.
+[[nodiscard]] std::vector<std::string> describe(const Code& code);
+
+}  // namespace extperfc::translate::plan

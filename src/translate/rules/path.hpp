@@ -1,0 +1,26 @@
+#pragma once
+
+#include <string>
+
+#include "extperfc/translate/rules.hpp"
+
+namespace extperfc::translate::rules {
+
+/// Reads "claimed_resources[0].hardware_interface". The error says what is wrong with the text.
+[[nodiscard]] Result<Path> parse_path(const std::string& text);
+[[nodiscard]] std::string to_string(const Path& path);
+
+/// Where a path ends.
+struct PathEnd {
+  const Field* field{nullptr};
+  const MessageSchema* owner{nullptr};  ///< the message that `field` is in
+  bool element{false};                  ///< one element of an array
+};
+/// Follows a path from a message. The error names the step, and the nearest field when there is no such one.
+[[nodiscard]] Result<PathEnd> resolve(const Path& path, const MessageSchema& root);
+
+[[nodiscard]] std::vector<std::string> field_names(const MessageSchema& schema);
+/// The field as one element of it.
+[[nodiscard]] Field element_of(const Field& field);
+
+}  // namespace extperfc::translate::rules

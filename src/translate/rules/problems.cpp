@@ -1,0 +1,84 @@
+#include "translate/rules/problems.hpp"
+
+#include <algorithm>
+#include <numeric>
+
+namespace extperfc::translate::rules {
+
+namespace {
+
+constexpr std::size_t kLongestShown = 60;
+constexpr std::size_t kLongestWord = 200;  // longer words get no hint: the distance costs their product
+
+/// Levenshtein distance, one row at a time.
+std::size_t edits_between(const std::string& from, const std::string& to) {
+  std::vector<std::size_t> cost(to.size() + 1);
+  std::iota(cost.begin(), cost.end(), std::size_t{0});
+  for (std::size_t row = 1; row <= from.size(); ++row) {
+    std::size_t upper_left = cost[0];
+    cost[0] = row;
+    for (std::size_t column = 1; column <= to.size(); ++column) {
+      const std::size_t swap = upper_left + (from[row - 1] == to[column - 1] ? 0 : 1);
+      upper_left = cost[column];
+      cost[column] = std::min({cost[column] + 1, cost[column - 1] + 1, swap});
+    }
+  }
+  return cost.back();
+}
+
+}  // namespace
+
+void Problems::add(int line, const std::string& where, const std::string& what) {
+  ++count_;
+  if (list_.size() < kMost)
+    list_.push_back({line, place(line) + ": " + (where.empty() ? "" : where + ": ") + what});
+}
+
+std::string Problems::place(int line) const {
+  return line > 0 ? file_ + ":" + std::to_string(line) : file_;
+}
+
+std::vector<std::string> Problems::lines() const {
+  std::vector<Problem> sorted = list_;
+  std::stable_sort(sorted.begin(), sorted.end(),
+                   [](const Problem& a, const Problem& b) { return a.line < b.line; });
+  std::vector<std::string> texts;
+  texts.reserve(sorted.size() + 1);
+  for (const Problem& problem : sorted) texts.push_back(problem.text);
+  if (count_ > list_.size())
+    texts.push_back(file_ + ": and " + std::to_string(count_ - list_.size()) + " more problems");
+  return texts;
+}
+
+std::string hint_for(const std::string& word, const std::vector<std::string>& known) {
+  if (word.empty() || word.size() > kLongestWord) return "";
+  const std::size_t farthest = 2 + word.size() / 8;  // edits
+  const std::string* nearest = nullptr;
+  std::size_t fewest = farthest + 1;
+  for (const std::string& candidate : known) {
+    if (candidate.size() > word.size() + farthest || word.size() > candidate.size() + farthest) continue;
+    const std::size_t edits = edits_between(word, candidate);
+    if (edits < fewest && edits < word.size()) {
+      fewest = edits;
+      nearest = &candidate;
+    }
+  }
+  return nearest == nullptr ? "" : ", did you mean \"" + *nearest + "\"?";
+}
+
+std::string enumeration(const std::vector<std::string>& words) {
+  if (words.empty()) return "none";
+  std::string text = words.front();
+  for (std::size_t i = 1; i < words.size(); ++i) text += (i + 1 == words.size() ? " and " : ", ") + words[i];
+  return text;
+}
+
+std::string in_quotes(const std::string& text) {
+  std::string shown = text.size() > kLongestShown ? text.substr(0, kLongestShown - 3) + "..." : text;
+  std::replace_if(
+      shown.begin(), shown.end(), [](char c) { return static_cast<unsigned char>(c) < 0x20 || c == 0x7f; },
+      '?');
+  return '"' + shown + '"';
+}
+
+}  // namespace extperfc::translate::rules

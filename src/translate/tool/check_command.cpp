@@ -1,0 +1,110 @@
+#include <chrono>
+#include <cstdint>
+#include <cstdlib>
+#include <iostream>
+#include <string>
+#include <utility>
+
+#include "arguments.hpp"
+#include "command.hpp"
+#include "comparison.hpp"
+#include "live_master.hpp"
+#include "report.hpp"
+#include "sources.hpp"
+#include "versions.hpp"
+
+namespace extperfc::translate::tool {
+namespace {
+
+constexpr const char* kHelp = R"(What differs between two sides, and what translating it takes.
+
+  extperfc-translate check --from-set SET --to-set SET            two sets of definitions
+  extperfc-translate check --from-tree DIR[:DIR] --to-tree DIR    two trees of packages (a workspace's src,
+                                                                  /opt/ros/*/share, a ROS_PACKAGE_PATH)
+  extperfc-translate check --old URI --new URI                    two running masters, http://host:11311: types that
+                                                                  nodes of both sides use
+Sets, trees and masters may be mixed. With both for one side, the tree's types are compared, and the set stands in for what they
+embed and the tree lacks. A set beside a master stands in for what is subscribed to and published by nobody: only
+publishers tell their MD5. Every publisher gets a subscriber for a moment, every service a probe.
+
+Verdicts: pass (only constants differ: the bytes are forwarded untouched), convert (both ways, by rules or by the
+fields' names alone), needs a rule (with the reason), unknown (a definition is missing).
+
+Options:
+  --all           also what is the same
+  --fields        with the fields that come from a rule, get a default or are left out, from old to new
+  --json          for programs
+  --timeout SEC   for a master and its nodes, 10 by default; what did not answer by then is unknown
+  --rules FILE    these rules instead of those in the configuration; may be given several times
+  --config DIR    the folder with definitions/ and the rules *.yaml
+
+Exit status: 0 all pass or convert, 1 something needs a rule or is unknown, 2 something went wrong.
+)";
+
+/// The definitions of one side, "from" or "to", and a name for people.
+struct Picked {
+  Side side;
+  std::string name;
+};
+
+Result<std::chrono::milliseconds> seconds(const std::string& text) {
+  constexpr double kMost = 3600;
+  char* end = nullptr;
+  const double value = std::strtod(text.c_str(), &end);
+  if (text.empty() || end != text.c_str() + text.size() || !(value > 0 && value <= kMost))
+    return fail(ErrorCode::kInvalidArgument, "--timeout must be a number of seconds up to 3600, not " + text);
+  return std::chrono::milliseconds(static_cast<std::int64_t>(value * 1e3));
+}
+
+Result<Picked> pick(DefinitionStore& store, const Arguments& arguments, const std::string& side) {
+  const auto set = arguments.last("--" + side + "-set");
+  const auto tree = arguments.last("--" + side + "-tree");
+  if (set)
+    if (auto known = check_set(store, *set); !known) return tl::unexpected(known.error());
+  const auto uri = arguments.last(side == "from" ? "--old" : "--new");
+  if (uri) {
+    const auto patience = seconds(arguments.last("--timeout").value_or("10"));
+    if (!patience) return tl::unexpected(patience.error());
+    auto live = read_master(store, *uri, set.value_or(""), *patience);
+    if (!live) return tl::unexpected(live.error());
+    return Picked{*std::move(live), "master " + *uri};
+  }
+  if (!tree && !set)
+    return fail(ErrorCode::kInvalidArgument, "give --" + side + "-set SET, --" + side + "-tree DIR or " +
+                                                 (side == "from" ? "--old URI" : "--new URI"));
+  if (!tree) return Picked{side_of_set(store, *set), "set " + *set};
+  const auto name = "tree-" + side;
+  if (auto read = read_tree(store, *tree, name, set.value_or("")); !read) return tl::unexpected(read.error());
+  return Picked{side_of_set(store, name), "tree " + *tree + (set ? " over set " + *set : "")};
+}
+
+}  // namespace
+
+Result<int> run_check(const Words& words) {
+  const auto arguments = Arguments::read(words, {0,
+                                                 0,
+                                                 {"--from-set", "--to-set", "--from-tree", "--to-tree",
+                                                  "--old", "--new", "--timeout", "--rules", "--config"},
+                                                 {"--all", "--fields", "--json", "--help"}});
+  if (!arguments) return tl::unexpected(arguments.error());
+  if (arguments->has("--help")) {
+    std::cout << kHelp;
+    return kFine;
+  }
+  auto store = open_store(*arguments);
+  if (!store) return tl::unexpected(store.error());
+  const auto from = pick(*store, *arguments, "from");
+  if (!from) return tl::unexpected(from.error());
+  const auto to = pick(*store, *arguments, "to");
+  if (!to) return tl::unexpected(to.error());
+  const auto files = rule_files(*arguments);
+  if (!files) return tl::unexpected(files.error());
+  const auto rules = RuleSet::load(*files, *store);
+  if (!rules) return tl::unexpected(rules.error());
+  const auto comparison = compare(from->side, to->side, *rules);
+  const ReportOptions options{arguments->has("--all"), arguments->has("--fields"), from->name, to->name};
+  (arguments->has("--json") ? print_json : print_table)(std::cout, comparison, options);
+  return all_well(comparison) ? kFine : kDiffers;
+}
+
+}  // namespace extperfc::translate::tool

@@ -1,0 +1,63 @@
+#include <array>
+#include <exception>
+#include <iostream>
+#include <string>
+#include <string_view>
+
+#include "command.hpp"
+
+namespace {
+
+using extperfc::translate::tool::Command;
+namespace tool = extperfc::translate::tool;
+
+constexpr const char* kHelp =
+    R"(Definitions of ROS 1 messages, services and actions: what differs, and how it is translated.
+
+  extperfc-translate check   what differs between two sets, trees or running masters, and what that takes
+  extperfc-translate show    how one type is converted from one definition to another, in words
+  extperfc-translate md5     the MD5 of a type
+  extperfc-translate export  writes a set of definitions as a tree of packages
+  extperfc-translate store   writes a store of definitions from trees of packages
+
+`extperfc-translate SUBCOMMAND --help` tells more. Exit status: 0 fine, 1 `check` found types that need a rule,
+2 something went wrong.
+)";
+
+struct Entry {
+  std::string_view name;
+  Command run;
+};
+constexpr std::array<Entry, 5> kCommands{{{"check", tool::run_check},
+                                          {"export", tool::run_export},
+                                          {"md5", tool::run_md5},
+                                          {"show", tool::run_show},
+                                          {"store", tool::run_store}}};
+
+int run(const std::string& name, const tool::Words& words) {
+  for (const auto& command : kCommands) {
+    if (command.name != name) continue;
+    const auto status = command.run(words);
+    if (status) return *status;
+    std::cerr << "extperfc-translate " << name << ": " << status.error().message << "\n";
+    return tool::kFailed;
+  }
+  std::cerr << "extperfc-translate: no subcommand '" << name << "'; see extperfc-translate --help\n";
+  return tool::kFailed;
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  try {
+    const tool::Words words(argv + 1, argv + argc);
+    if (words.empty() || words[0] == "--help" || words[0] == "-h") {
+      (words.empty() ? std::cerr : std::cout) << kHelp;
+      return words.empty() ? tool::kFailed : tool::kFine;
+    }
+    return run(words[0], {words.begin() + 1, words.end()});
+  } catch (const std::exception& problem) {
+    std::cerr << "extperfc-translate: " << problem.what() << "\n";
+    return tool::kFailed;
+  }
+}

@@ -1,0 +1,129 @@
+#include <algorithm>
+#include <filesystem>
+#include <fstream>
+#include <iostream>
+#include <set>
+#include <sstream>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "arguments.hpp"
+#include "command.hpp"
+#include "sources.hpp"
+#include "versions.hpp"
+
+namespace extperfc::translate::tool {
+namespace {
+
+constexpr const char* kHelp = R"(The MD5 of a message, service or action, as genmsg computes it.
+
+  extperfc-translate md5 TYPE                    of every version in the store, with the sets that have it
+  extperfc-translate md5 TYPE --set SET          of the set's version
+  extperfc-translate md5 TYPE --tree DIR[:DIR]   of the version in a tree of packages; what it embeds and the tree
+                                                 lacks comes from --set, "noetic" by default
+  extperfc-translate md5 TYPE --file FILE        of a file .msg, .srv or .action; what it embeds comes from --set
+
+Options:
+  --kind msg|srv|action   when a name stands for several
+  --config DIR            the folder with definitions/
+
+TYPE is package/Name. An action's MD5 is that of its message <Name>Action.
+)";
+
+using Versions = std::vector<std::pair<std::string, Version>>;  ///< kind, version
+
+Result<std::string> read_file(const std::filesystem::path& file) {
+  std::ifstream in(file, std::ios::binary);
+  std::ostringstream text;
+  if (!in || !(text << in.rdbuf() || in.peek() == std::ifstream::traits_type::eof()))
+    return fail(ErrorCode::kNotFound, file.string() + ": cannot be read");
+  return text.str();
+}
+
+template <typename T>
+Result<Versions> as_versions(const std::string& kind, const std::filesystem::path& file,
+                             const Result<T>& parsed) {
+  if (!parsed) return fail(parsed.error().code, file.string() + ": " + parsed.error().message);
+  return Versions{{kind, version_of(*parsed)}};
+}
+
+Result<Versions> of_file(const DefinitionStore& store, const std::string& type,
+                         const std::filesystem::path& file, const std::string& set) {
+  if (auto known = check_set(store, set); !known) return tl::unexpected(known.error());
+  const auto text = read_file(file);
+  if (!text) return tl::unexpected(text.error());
+  const auto find = [&](const std::string& embedded) { return store.message_of_set(set, embedded); };
+  const auto suffix = file.extension();
+  if (suffix == ".srv") return as_versions("srv", file, parse_service(type, *text, find));
+  if (suffix == ".action") return as_versions("action", file, parse_action(type, *text, find));
+  if (suffix == ".msg") return as_versions("msg", file, parse_message(type, *text, find));
+  return fail(ErrorCode::kInvalidArgument, file.string() + ": the suffix must be .msg, .srv or .action");
+}
+
+Result<Versions> of_set(const DefinitionStore& store, const std::string& type, const std::string& set) {
+  if (auto known = check_set(store, set); !known) return tl::unexpected(known.error());
+  const auto found = find_versions(store, type, set);
+  if (!found) return tl::unexpected(found.error());
+  return Versions{found->begin(), found->end()};
+}
+
+Result<Versions> of_all_sets(const DefinitionStore& store, const std::string& type) {
+  Versions versions;
+  std::set<std::pair<std::string, std::string>> seen;
+  for (const auto& set : store.sets()) {
+    const auto found = find_versions(store, type, set);
+    if (!found) continue;
+    for (const auto& [kind, version] : *found)
+      if (seen.insert({kind, version.md5}).second) versions.emplace_back(kind, version);
+  }
+  if (versions.empty())
+    return fail(ErrorCode::kNotFound,
+                "no set has the type " + type + " (package/Name); --tree and --file read others");
+  return versions;
+}
+
+Result<Versions> find(DefinitionStore& store, const std::string& type, const Arguments& arguments) {
+  const auto set = arguments.last("--set");
+  if (const auto file = arguments.last("--file")) return of_file(store, type, *file, set.value_or("noetic"));
+  if (const auto tree = arguments.last("--tree")) {
+    const std::string name = "tree";
+    if (auto read = read_tree(store, *tree, name, set.value_or("noetic")); !read)
+      return tl::unexpected(read.error());
+    return of_set(store, type, name);
+  }
+  return set ? of_set(store, type, *set) : of_all_sets(store, type);
+}
+
+}  // namespace
+
+Result<int> run_md5(const Words& words) {
+  const auto arguments =
+      Arguments::read(words, {0, 1, {"--set", "--tree", "--file", "--kind", "--config"}, {"--help"}});
+  if (!arguments) return tl::unexpected(arguments.error());
+  if (arguments->has("--help")) {
+    std::cout << kHelp;
+    return kFine;
+  }
+  if (arguments->words().empty()) return fail(ErrorCode::kInvalidArgument, "give a type: md5 package/Name");
+  auto store = open_store(*arguments);
+  if (!store) return tl::unexpected(store.error());
+  const auto& type = arguments->words()[0];
+  auto versions = find(*store, type, *arguments);
+  if (!versions) return tl::unexpected(versions.error());
+  if (const auto kind = arguments->last("--kind"))
+    versions->erase(
+        std::remove_if(versions->begin(), versions->end(), [&](auto& each) { return each.first != *kind; }),
+        versions->end());
+  if (versions->empty()) return fail(ErrorCode::kNotFound, type + " is not of that kind");
+  const bool with_sets = !arguments->has("--set") && !arguments->has("--tree") && !arguments->has("--file");
+  for (const auto& [kind, version] : *versions) {
+    std::cout << version.md5;
+    if (with_sets || versions->size() > 1) std::cout << " " << kind;
+    if (with_sets) std::cout << " " << joined(store->sets_with(type, version.md5));
+    std::cout << "\n";
+  }
+  return kFine;
+}
+
+}  // namespace extperfc::translate::tool

@@ -1,0 +1,218 @@
+#include "report.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cstdio>
+#include <sstream>
+#include <vector>
+
+namespace extperfc::translate::tool {
+namespace {
+
+constexpr std::size_t kColumns = 100;
+constexpr std::size_t kShortMd5 = 8;
+
+std::string short_md5(const std::string& md5) {
+  return md5.empty() ? "?" : md5.substr(0, kShortMd5);
+}
+
+std::string padded(const std::string& text, std::size_t width) {
+  return text.size() < width ? text + std::string(width - text.size(), ' ') : text;
+}
+
+bool shown(const Row& row, const ReportOptions& options) {
+  return options.all || row.verdict != Verdict::kSame;
+}
+
+const char* summary(const Row& row) {
+  if (row.verdict == Verdict::kPass) return "constants only";
+  if (row.verdict != Verdict::kConvert) return "";
+  return row.by_rule ? "by rule" : "by name";
+}
+
+struct Counts {
+  std::array<std::size_t, 5> of{};
+  explicit Counts(const std::vector<Row>& rows) {
+    for (const auto& row : rows) ++of.at(static_cast<std::size_t>(row.verdict));
+  }
+  [[nodiscard]] std::size_t different() const {
+    return (*this)[Verdict::kPass] + (*this)[Verdict::kConvert] + (*this)[Verdict::kNeedsRule] +
+           (*this)[Verdict::kUnknown];
+  }
+  [[nodiscard]] std::string in_words() const {
+    return std::to_string((*this)[Verdict::kPass]) + " pass, " + std::to_string((*this)[Verdict::kConvert]) +
+           " convert, " + std::to_string((*this)[Verdict::kNeedsRule]) + " need a rule, " +
+           std::to_string((*this)[Verdict::kUnknown]) + " unknown";
+  }
+  [[nodiscard]] std::size_t operator[](Verdict verdict) const {
+    return of.at(static_cast<std::size_t>(verdict));
+  }
+};
+
+void print_fields(std::ostream& out, const char* title, const std::vector<std::string>& fields) {
+  std::string text = title;
+  for (const auto& field : fields) text += " " + field;
+  if (!fields.empty()) out << wrapped(text, kColumns, "    ");
+}
+
+void print_details(std::ostream& out, const Row& row, bool with_fields) {
+  if (with_fields) {
+    print_fields(out, "rule:", row.ruled);
+    print_fields(out, "default:", row.added);
+    print_fields(out, "left out:", row.dropped);
+  }
+  for (const auto& reason : row.reasons) out << wrapped(reason, kColumns, "    ");
+  if (!row.old_where.empty()) out << wrapped("old: " + row.old_where, kColumns, "    ");
+  if (!row.new_where.empty()) out << wrapped("new: " + row.new_where, kColumns, "    ");
+}
+
+std::string quoted(const std::string& text) {
+  std::string json = "\"";
+  for (const char c : text) {
+    const auto byte = static_cast<unsigned char>(c);
+    if (c == '"' || c == '\\') {
+      json += std::string("\\") + c;
+    } else if (byte < 0x20 || byte >= 0x7f) {
+      std::array<char, 8> escape{};
+      std::snprintf(escape.data(), escape.size(), "\\u%04x", byte);
+      json += escape.data();
+    } else {
+      json += c;
+    }
+  }
+  return json + "\"";
+}
+
+std::string quoted(const std::vector<std::string>& texts) {
+  std::string json = "[";
+  for (const auto& text : texts) json += (json.size() > 1 ? ", " : "") + quoted(text);
+  return json + "]";
+}
+
+}  // namespace
+
+bool all_well(const Comparison& comparison) {
+  const auto well = [](const Row& row) {
+    return row.verdict != Verdict::kNeedsRule && row.verdict != Verdict::kUnknown;
+  };
+  return std::all_of(comparison.rows.begin(), comparison.rows.end(), well) &&
+         std::all_of(comparison.renamed.begin(), comparison.renamed.end(), well);
+}
+
+std::string wrapped(const std::string& text, std::size_t columns, const std::string& indent) {
+  std::istringstream words(text);
+  std::string lines;
+  std::string line = indent;
+  for (std::string word; words >> word;) {
+    for (const auto room = columns - indent.size() - 2; word.size() > room; word.erase(0, room)) {
+      if (line.size() > indent.size()) lines += line + "\n";
+      lines += indent + "  " + word.substr(0, room) + "\n";
+      line = indent;
+    }
+    if (line.size() > indent.size() && line.size() + 1 + word.size() > columns) {
+      lines += line + "\n";
+      line = indent + "  ";
+    } else if (line.size() > indent.size()) {
+      line += " ";
+    }
+    line += word;
+  }
+  return lines + line + "\n";
+}
+
+namespace {
+
+class Table {
+ public:
+  Table(std::ostream& out, const ReportOptions& options) : out_(out), options_(options) {}
+
+  void print(const std::vector<Row>& rows) {
+    std::size_t width = kLeastType;
+    bool any = false;
+    for (const auto& row : rows) {
+      if (!shown(row, options_)) continue;
+      any = true;
+      width = std::max(width, std::min(row.old_type.size(), kMostType));
+    }
+    if (!any) return;
+    out_ << padded("type", width) << " kind   old      new      verdict      what\n"
+         << std::string(kColumns, '-') << "\n";
+    for (const auto& row : rows)
+      if (shown(row, options_)) print(row, width);
+  }
+
+ private:
+  static constexpr std::size_t kLeastType = 30;
+  static constexpr std::size_t kMostType = 46;
+
+  void print(const Row& row, std::size_t width) {
+    auto line = padded(row.old_type, width);
+    if (line.size() > width) line += "\n" + std::string(width, ' ');
+    line += " " + padded(row.kind, 6) + " " + padded(short_md5(row.old_md5), kShortMd5) + " " +
+            padded(short_md5(row.new_md5), kShortMd5) + " " + padded(to_string(row.verdict), 12) + " " +
+            summary(row);
+    out_ << line.substr(0, line.find_last_not_of(' ') + 1) << "\n";
+    if (row.old_type != row.new_type) out_ << "    is " << row.new_type << " on the new side\n";
+    print_details(out_, row, options_.fields);
+  }
+
+  std::ostream& out_;
+  const ReportOptions& options_;
+};
+
+}  // namespace
+
+void print_table(std::ostream& out, const Comparison& comparison, const ReportOptions& options) {
+  out << "old: " << options.old_name << "\nnew: " << options.new_name << "\n\n";
+  Table table(out, options);
+  table.print(comparison.rows);
+  const Counts counts(comparison.rows);
+  const Counts renamed(comparison.renamed);
+  if (renamed.different() != 0 || (options.all && !comparison.renamed.empty())) {
+    out << "\nrenamed:\n";
+    table.print(comparison.renamed);
+  }
+  out << "\n"
+      << counts.different() << " differ: " << counts.in_words() << "; " << counts[Verdict::kSame]
+      << " are the same\n";
+  if (!comparison.renamed.empty())
+    out << comparison.renamed.size() << " have another name: " << renamed.in_words() << ", "
+        << renamed[Verdict::kSame] << " the same\n";
+  out << comparison.only_old << " only old, " << comparison.only_new << " only new\n";
+}
+
+namespace {
+
+void print_rows(std::ostream& out, const std::vector<Row>& rows, const ReportOptions& options) {
+  bool first = true;
+  for (const auto& row : rows) {
+    if (!shown(row, options)) continue;
+    out << (first ? "\n" : ",\n") << "  {\"old_type\": " << quoted(row.old_type)
+        << ", \"new_type\": " << quoted(row.new_type) << ", \"kind\": " << quoted(row.kind)
+        << ", \"old_md5\": " << quoted(row.old_md5) << ", \"new_md5\": " << quoted(row.new_md5)
+        << ", \"verdict\": " << quoted(to_string(row.verdict))
+        << ", \"by_rule\": " << (row.by_rule ? "true" : "false") << ", \"rule\": " << quoted(row.ruled)
+        << ", \"default\": " << quoted(row.added) << ", \"left_out\": " << quoted(row.dropped)
+        << ", \"reasons\": " << quoted(row.reasons) << ", \"old_where\": " << quoted(row.old_where)
+        << ", \"new_where\": " << quoted(row.new_where) << "}";
+    first = false;
+  }
+}
+
+}  // namespace
+
+void print_json(std::ostream& out, const Comparison& comparison, const ReportOptions& options) {
+  out << "{\"old\": " << quoted(options.old_name) << ", \"new\": " << quoted(options.new_name)
+      << ",\n \"types\": [";
+  print_rows(out, comparison.rows, options);
+  out << "],\n \"renamed\": [";
+  print_rows(out, comparison.renamed, options);
+  const Counts counts(comparison.rows);
+  out << "],\n \"counts\": {\"same\": " << counts[Verdict::kSame] << ", \"pass\": " << counts[Verdict::kPass]
+      << ", \"convert\": " << counts[Verdict::kConvert]
+      << ", \"needs a rule\": " << counts[Verdict::kNeedsRule]
+      << ", \"unknown\": " << counts[Verdict::kUnknown] << ", \"only_old\": " << comparison.only_old
+      << ", \"only_new\": " << comparison.only_new << "}}\n";
+}
+
+}  // namespace extperfc::translate::tool

@@ -1,0 +1,26 @@
+#pragma once
+
+#include <ostream>
+#include <string>
+
+#include "comparison.hpp"
+
+namespace extperfc::translate::tool {
+
+struct ReportOptions {
+  bool all{false};     ///< with the types that are the same
+  bool fields{false};  ///< with the fields that get a default, are left out or come from a rule
+  std::string old_name{"old"}, new_name{"new"};
+};
+
+/// A table of at most 100 columns, one line for each type, reasons below it; counts at the end.
+void print_table(std::ostream& out, const Comparison& comparison, const ReportOptions& options);
+/// {"old", "new", "types": [...], "renamed": [...], "counts": {...}}.
+void print_json(std::ostream& out, const Comparison& comparison, const ReportOptions& options);
+/// True when no type needs a rule and none is unknown.
+[[nodiscard]] bool all_well(const Comparison& comparison);
+
+/// Breaks at blanks; every line begins with `indent`.
+[[nodiscard]] std::string wrapped(const std::string& text, std::size_t columns, const std::string& indent);
+
+}  // namespace extperfc::translate::tool
