@@ -1,0 +1,116 @@
+#pragma once
+
+#include <map>
+#include <regex>
+#include <sstream>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include <XmlRpcException.h>
+#include <XmlRpcValue.h>
+#include <ros/node_handle.h>
+
+#include "extperfc/base/error.hpp"
+
+#include "ros/params/param_reader.hpp"
+
+/// Parameters that are words, lists of texts, or lists of groups.
+namespace extperfc::ros_params {
+
+/// A word and what it stands for.
+template <typename T>
+using Words = std::map<std::string, T>;
+/// The word's meaning, or an error with those that there are.
+template <typename T>
+Result<T> meaning(const std::string& word, const Words<T>& words) {
+  if (const auto found = words.find(word); found != words.end()) return found->second;
+  std::string known;
+  for (const auto& entry : words) known += (known.empty() ? "" : ", ") + entry.first;
+  return fail(ErrorCode::kInvalidArgument, "'" + word + "' is unknown: use one of " + known);
+}
+
+template <typename T>
+void read_word(ParamReader& reader, const ros::NodeHandle& handle, const std::string& key, T& value,
+               const Words<T>& words) {
+  std::string word;
+  reader.read(key, word);
+  if (word.empty()) return;
+  if (const auto found = meaning(word, words))
+    value = *found;
+  else
+    reader.complain(handle.resolveName(key) + ": " + found.error().message);
+}
+
+inline void read_strings(ParamReader& reader, const ros::NodeHandle& handle, const std::string& key,
+                         std::vector<std::string>& value) {
+  reader.accept(key);
+  if (handle.hasParam(key) && !handle.getParam(key, value))
+    reader.complain(handle.resolveName(key) + " must be a list of texts");
+}
+
+inline void check_expressions(ParamReader& reader, const std::string& where,
+                              const std::vector<std::string>& expressions) {
+  for (const auto& expression : expressions) {
+    try {
+      (void)std::regex(expression);
+    } catch (const std::regex_error& error) {
+      reader.complain(where + ": '" + expression + "' is no regular expression (" + error.what() + ")");
+    }
+  }
+}
+
+/// One value of an entry of a list.
+class Entry {
+ public:
+  explicit Entry(XmlRpc::XmlRpcValue& value) : value_(value) {}
+
+  [[nodiscard]] std::string text() const { return static_cast<std::string>(value_); }
+  [[nodiscard]] bool flag() const { return static_cast<bool>(value_); }
+  [[nodiscard]] Result<double> number(Range<double> range) const {
+    const double given = value_.getType() == XmlRpc::XmlRpcValue::TypeInt ? static_cast<int>(value_)
+                                                                          : static_cast<double>(value_);
+    if (given >= range.low && given <= range.high) return given;
+    std::ostringstream problem;
+    problem << given << " is out of its range [" << range.low << ", " << range.high << "]";
+    return fail(ErrorCode::kInvalidArgument, problem.str());
+  }
+
+ private:
+  XmlRpc::XmlRpcValue& value_;
+};
+
+/// Reads a list of groups; `set(item, key, entry)` takes one key. Every problem is told with its place.
+template <typename T, typename Set>
+std::vector<T> read_list(ParamReader& reader, const ros::NodeHandle& handle, const std::string& key,
+                         Set set) {
+  std::vector<T> items;
+  reader.accept(key);
+  XmlRpc::XmlRpcValue list;
+  if (!handle.getParam(key, list)) return items;
+  const auto name = handle.resolveName(key);
+  if (list.getType() != XmlRpc::XmlRpcValue::TypeArray) {
+    reader.complain(name + " must be a list");
+    return items;
+  }
+  for (int i = 0; i < list.size(); ++i) {
+    const auto place = name + "[" + std::to_string(i) + "]";
+    T item;
+    if (list[i].getType() != XmlRpc::XmlRpcValue::TypeStruct) {
+      reader.complain(place + " must be a group of keys and values");
+      continue;
+    }
+    for (auto& [entry_key, value] : list[i]) {
+      try {
+        if (const auto done = set(item, entry_key, Entry(value)); !done)
+          reader.complain(place + "/" + entry_key + ": " + done.error().message);
+      } catch (const XmlRpc::XmlRpcException&) {
+        reader.complain(place + "/" + entry_key + " has a value of a wrong type");
+      }
+    }
+    items.push_back(std::move(item));
+  }
+  return items;
+}
+
+}  // namespace extperfc::ros_params

@@ -1,0 +1,352 @@
+#include "ros/params/translator_params.hpp"
+
+#include <array>
+#include <chrono>
+#include <cmath>
+#include <cstdlib>
+#include <map>
+#include <regex>
+#include <sstream>
+#include <utility>
+
+#include <arpa/inet.h>
+#include <ros/master.h>
+
+#include "ros/params/group_reader.hpp"
+#include "ros/params/list_reader.hpp"
+
+namespace extperfc::ros_params {
+
+namespace {
+
+using std::chrono::milliseconds;
+using translate::BridgeParams;
+using translate::Directions;
+using translate::End;
+using translate::EndParams;
+using translate::PlanOptions;
+using translate::Priority;
+using translate::TopicProfile;
+using Strings = std::vector<std::string>;
+
+constexpr double kMostBytes = 2147483647.0;  // of a 32-bit parameter
+
+const Words<Directions>& directions() {
+  static const Words<Directions> words{{"both", Directions::kBoth},
+                                       {"old_to_new", Directions::kOldToNew},
+                                       {"new_to_old", Directions::kNewToOld}};
+  return words;
+}
+const Words<Priority>& priorities() {
+  static const Words<Priority> words{
+      {"control", Priority::kControl}, {"normal", Priority::kNormal}, {"bulk", Priority::kBulk}};
+  return words;
+}
+const Words<PlanOptions::Slash>& slashes() {
+  static const Words<PlanOptions::Slash> words{{"keep", PlanOptions::Slash::kKeep},
+                                               {"strip", PlanOptions::Slash::kStrip},
+                                               {"add", PlanOptions::Slash::kAdd}};
+  return words;
+}
+/// rosgraph_msgs/Log's levels.
+const Words<std::uint8_t>& levels() {
+  static const Words<std::uint8_t> words{{"debug", 1}, {"info", 2}, {"warn", 4}, {"error", 8}, {"fatal", 16}};
+  return words;
+}
+
+void read_seconds(ParamReader& reader, const std::string& key, milliseconds& value, Range<double> range_s) {
+  double seconds = 1e-3 * static_cast<double>(value.count());
+  reader.read(key, seconds, range_s);
+  value = milliseconds(std::llround(1e3 * seconds));
+}
+
+void read_size(ParamReader& reader, const std::string& key, std::size_t& value, Range<int> range) {
+  int number = static_cast<int>(value);
+  reader.read(key, number, range);
+  value = static_cast<std::size_t>(number);
+}
+
+template <typename T>
+Result<void> store(T& target, Result<T> value) {
+  if (!value) return tl::unexpected(value.error());
+  target = *value;
+  return {};
+}
+
+/// Sets one key of a profile; throws XmlRpc's exception when the value is of a wrong type.
+Result<void> set_profile(TopicProfile& profile, const std::string& key, const Entry& entry) {
+  if (key == "pattern") return store(profile.pattern, Result<std::string>(entry.text()));
+  if (key == "directions") return store(profile.directions, meaning(entry.text(), directions()));
+  if (key == "priority") return store(profile.priority, meaning(entry.text(), priorities()));
+  if (key == "frame_slash") return store(profile.frame_slash, meaning(entry.text(), slashes()));
+  if (key == "tcp_nodelay") return store(profile.tcp_nodelay, Result<bool>(entry.flag()));
+  if (key == "lazy") return store(profile.lazy, Result<bool>(entry.flag()));
+  if (key == "max_rate_hz") return store(profile.max_rate_hz, entry.number({0.0, 1e5}));
+  if (key == "max_age_s") return store(profile.max_age_s, entry.number({0.0, 3600.0}));
+  if (key != "queue") return fail(ErrorCode::kInvalidArgument, "is not a key of a profile");
+  const auto queue = entry.number({1.0, 100000.0});
+  if (!queue) return tl::unexpected(queue.error());
+  profile.queue = static_cast<std::size_t>(*queue);
+  return {};
+}
+
+/// Sets one key of an entry of definitions/folders.
+Result<void> set_folder(TranslatorDefinitions::Folder& folder, const std::string& key, const Entry& entry) {
+  if (key == "folder")
+    folder.folder = entry.text();
+  else if (key == "set")
+    folder.set = entry.text();
+  else if (key == "fallback")
+    folder.fallback = entry.text();
+  else
+    return fail(ErrorCode::kInvalidArgument, "is not a key of a folder");
+  return {};
+}
+
+void read_profiles(ParamReader& reader, const ros::NodeHandle& handle, const std::string& key,
+                   std::vector<TopicProfile>& profiles) {
+  for (auto& profile : read_list<TopicProfile>(reader, handle, key, set_profile)) {
+    if (profile.pattern.empty())
+      reader.complain(handle.resolveName(key) + ": a profile has no pattern: use '.*' for all topics");
+    check_expressions(reader, handle.resolveName(key), {profile.pattern});
+    profiles.push_back(std::move(profile));
+  }
+}
+
+void read_filter(ParamReader& reader, const ros::NodeHandle& handle, translate::NameFilter& filter) {
+  Strings never;
+  read_strings(reader, handle, "allow", filter.allow);
+  read_strings(reader, handle, "deny", filter.deny);
+  read_strings(reader, handle, "never", never);
+  if (!handle.hasParam("allow"))
+    reader.complain(handle.resolveName("allow") +
+                    " is not set: load config/translator.yaml, or list what may cross");
+  filter.deny.insert(filter.deny.end(), never.begin(), never.end());
+  check_expressions(reader, handle.resolveName("allow"), filter.allow);
+  check_expressions(reader, handle.resolveName("deny"), filter.deny);
+}
+
+void read_prefixes(ParamReader& reader, const ros::NodeHandle& handle, const std::string& key,
+                   Strings& prefixes) {
+  read_strings(reader, handle, key, prefixes);
+  for (const auto& prefix : prefixes)
+    if (prefix.size() < 2 || prefix.front() != '/')
+      reader.complain(handle.resolveName(key) + ": '" + prefix +
+                      "' is no prefix: begin with a slash and name a namespace or a parameter");
+}
+
+bool is_address(const std::string& text) {
+  in6_addr ignored{};
+  return inet_pton(AF_INET, text.c_str(), &ignored) == 1 || inet_pton(AF_INET6, text.c_str(), &ignored) == 1;
+}
+
+/// Lines as in /etc/hosts: an address and its names.
+void read_hosts(ParamReader& reader, const ros::NodeHandle& handle,
+                std::map<std::string, std::string>& hosts) {
+  Strings lines;
+  read_strings(reader, handle, "hosts", lines);
+  for (const auto& line : lines) {
+    std::istringstream words(line);
+    std::string address;
+    std::string name;
+    words >> address;
+    std::size_t names = 0;
+    for (; words >> name; ++names) hosts[name] = address;
+    if (names == 0 || !is_address(address))
+      reader.complain(handle.resolveName("hosts") + ": '" + line +
+                      "' must be an address and its names, as in /etc/hosts");
+  }
+}
+
+void check_name(ParamReader& reader, const ros::NodeHandle& handle, const std::string& name) {
+  static const std::regex valid("(/[A-Za-z][A-Za-z0-9_]*)+");
+  if (!std::regex_match(name, valid))
+    reader.complain(handle.resolveName("name") + ": '" + name +
+                    "' is no absolute name of a node, such as /extperfc_translator");
+}
+
+void check_uri(ParamReader& reader, const ros::NodeHandle& handle, const std::string& uri) {
+  if (uri.empty()) return;
+  if (const auto parsed = translate::parse_uri(uri); !parsed)
+    reader.complain(handle.resolveName("master_uri") + ": " + parsed.error().message);
+}
+
+/// The home side's own address, as roscpp takes it from the environment.
+std::string host_of_environment() {
+  for (const char* name : {"ROS_HOSTNAME", "ROS_IP"})
+    if (const char* value = std::getenv(name); value != nullptr && *value != '\0') return value;
+  return {};
+}
+
+void read_end(ParamReader& reader, const ros::NodeHandle& handle, EndParams& end) {
+  reader.read("name", end.peer.name);
+  reader.read("advertised_host", end.peer.advertised_host);
+  reader.read("bind_address", end.peer.bind_address);
+  read_hosts(reader, handle, end.peer.hosts);
+  read_strings(reader, handle, "definitions", end.definitions);
+  read_seconds(reader, "master_period_s", end.peer.master_period, {0.1, 60.0});
+  read_seconds(reader, "master_timeout_s", end.peer.master_timeout, {0.1, 60.0});
+  read_seconds(reader, "node_timeout_s", end.peer.node_timeout, {0.1, 60.0});
+  check_name(reader, handle, end.peer.name);
+}
+
+void read_old(ParamReader& reader, const ros::NodeHandle& handle, EndParams& end) {
+  reader.require("master_uri", end.peer.master_uri,
+                 "the robot's master, e.g. http://<serial>.local:11311 (launch argument old_master_uri)");
+  check_uri(reader, handle, end.peer.master_uri);
+  read_end(reader, handle, end);
+}
+
+void read_new(ParamReader& reader, const ros::NodeHandle& handle, EndParams& end,
+              const std::string& node_name) {
+  reader.read("master_uri", end.peer.master_uri);
+  if (end.peer.master_uri.empty()) end.peer.master_uri = ros::master::getURI();
+  check_uri(reader, handle, end.peer.master_uri);
+  read_end(reader, handle, end);
+  if (end.peer.advertised_host.empty()) end.peer.advertised_host = host_of_environment();
+  if (end.peer.name == node_name)
+    reader.complain(handle.resolveName("name") + ": '" + node_name +
+                    "' is the name of this very node: its master would end one of the two; use another name");
+}
+
+void read_connections(ParamReader& reader, std::array<EndParams, 2>& ends) {
+  auto tcpros = ends[0].peer.tcpros;
+  auto rpc = ends[0].peer.rpc;
+  constexpr int kMost = static_cast<int>(kMostBytes);
+  read_seconds(reader, "handshake_s", tcpros.handshake, {0.1, 60.0});
+  read_seconds(reader, "unacknowledged_s", tcpros.unacknowledged, {0.1, 600.0});
+  read_seconds(reader, "keep_alive_s", tcpros.keep_alive, {1.0, 7200.0});
+  read_seconds(reader, "retry_first_s", tcpros.retry_first, {0.01, 60.0});
+  read_seconds(reader, "retry_last_s", tcpros.retry_last, {0.01, 600.0});
+  read_size(reader, "most_links", tcpros.links, {1, 100000});
+  read_size(reader, "largest_message_bytes", tcpros.message_bytes, {1000, kMost});
+  read_size(reader, "largest_header_bytes", tcpros.header_bytes, {1000, kMost});
+  read_size(reader, "read_at_once_bytes", tcpros.read_at_once, {4096, 1 << 30});
+  read_size(reader, "rpc_most_connections", rpc.connections, {4, 100000});
+  read_size(reader, "rpc_largest_body_bytes", rpc.body_bytes, {1000, kMost});
+  read_seconds(reader, "rpc_idle_s", rpc.idle, {1.0, 7200.0});
+  read_seconds(reader, "rpc_request_s", rpc.request, {0.1, 600.0});
+  for (auto& end : ends) {
+    end.peer.tcpros = tcpros;
+    end.peer.rpc = rpc;
+  }
+}
+
+void read_clocks(ParamReader& reader, const ros::NodeHandle& handle, translate::ClockParams& clocks) {
+  int port = clocks.ntp_port;
+  reader.read("shift_stamps", clocks.shift_stamps);
+  read_strings(reader, handle, "reference_topics", clocks.reference_topics);
+  reader.read("ntp_server", clocks.ntp_server);
+  reader.read("ntp_port", port, {1, 65535});
+  reader.read("window_s", clocks.window_s, {0.1, 3600.0});
+  reader.read("report_above_s", clocks.report_above_s, {0.0, 1e6});
+  clocks.ntp_port = static_cast<std::uint16_t>(port);
+  if (clocks.shift_stamps && clocks.reference_topics.empty() && clocks.ntp_server.empty())
+    reader.complain(handle.resolveName("shift_stamps") +
+                    " needs a measurement: name reference_topics of the old side, or an ntp_server");
+}
+
+void read_definitions(ParamReader& reader, const ros::NodeHandle& handle, TranslatorDefinitions& params) {
+  reader.read("shipped", params.shipped);
+  reader.read("installed", params.installed);
+  params.folders = read_list<TranslatorDefinitions::Folder>(reader, handle, "folders", set_folder);
+  for (const auto& folder : params.folders)
+    if (folder.folder.empty() || folder.set.empty())
+      reader.complain(handle.resolveName("folders") +
+                      ": an entry needs 'folder' (with packages) and 'set' (a name for them)");
+}
+
+void read_rules(ParamReader& reader, const ros::NodeHandle& handle, TranslatorRules& params) {
+  Strings files;
+  reader.read("shipped", params.shipped);
+  read_strings(reader, handle, "files", files);
+  params.files.assign(files.begin(), files.end());
+}
+
+void read_diagnostics(ParamReader& reader, TranslatorDiagnostics& params) {
+  reader.read("period_s", params.period_s, {0.1, 3600.0});
+  reader.read("topic_period_s", params.topic_period_s, {0.1, 3600.0});
+  reader.read("most", params.most, {0, 10000});
+}
+
+constexpr std::array<const char*, 12> kGroups{"old",         "new",         "topics", "services",
+                                              "parameters",  "clock",       "clocks", "rosout",
+                                              "connections", "definitions", "rules",  "diagnostics"};
+
+void read_top(ParamReader& reader, const ros::NodeHandle& handle, TranslatorParams& params) {
+  for (const char* group : kGroups) reader.accept(group);
+  reader.read("poll_period_s", params.bridge.poll_period_s, {0.05, 60.0});
+  reader.read("service_timeout_s", params.bridge.service_timeout_s, {0.1, 86400.0});
+  reader.read("schema_patience_s", params.bridge.schema_patience_s, {0.0, 60.0});
+  reader.read("shut_down_patience_s", params.shut_down_patience_s, {0.0, 60.0});
+  read_profiles(reader, handle, "profiles", params.bridge.profiles);
+  read_profiles(reader, handle, "common_profiles", params.bridge.profiles);
+}
+
+/// The groups of BridgeParams but the two sides.
+void read_crossing(GroupReader& groups, BridgeParams& bridge) {
+  using Handle = const ros::NodeHandle&;
+  groups.group("topics",
+               [&](ParamReader& reader, Handle handle) { read_filter(reader, handle, bridge.topics); });
+  groups.group("services",
+               [&](ParamReader& reader, Handle handle) { read_filter(reader, handle, bridge.services); });
+  groups.group("parameters", [&](ParamReader& reader, Handle handle) {
+    read_prefixes(reader, handle, "old_to_new", bridge.params_old_to_new);
+    read_prefixes(reader, handle, "new_to_old", bridge.params_new_to_old);
+  });
+  groups.group("clock", [&](ParamReader& reader, Handle handle) {
+    static const Words<Directions> one_way{{"old_to_new", Directions::kOldToNew},
+                                           {"new_to_old", Directions::kNewToOld}};
+    reader.read("cross", bridge.clock);
+    read_word(reader, handle, "direction", bridge.clock_direction, one_way);
+  });
+  groups.group("rosout", [&](ParamReader& reader, Handle handle) {
+    reader.read("cross", bridge.rosout);
+    read_word(reader, handle, "least_level", bridge.rosout_least_level, levels());
+  });
+  groups.group("clocks",
+               [&](ParamReader& reader, Handle handle) { read_clocks(reader, handle, bridge.clocks); });
+}
+
+void check_masters(GroupReader& groups, const std::array<EndParams, 2>& ends) {
+  const auto old_master = translate::parse_uri(ends[0].peer.master_uri);
+  const auto new_master = translate::parse_uri(ends[1].peer.master_uri);
+  if (old_master && new_master && old_master->host == new_master->host &&
+      old_master->port == new_master->port)
+    groups.complain("old/master_uri and new/master_uri are the same master, " + ends[0].peer.master_uri +
+                    ": a translator stands between two");
+}
+
+}  // namespace
+
+Result<TranslatorParams> load_translator_params(const ros::NodeHandle& private_handle,
+                                                const std::string& node_name) {
+  using Handle = const ros::NodeHandle&;
+  TranslatorParams params;
+  auto& bridge = params.bridge;
+  for (auto& end : bridge.ends) end.peer.name = "/extperfc_translator";
+  auto& old_end = bridge.ends[static_cast<std::size_t>(End::kOld)];
+  auto& new_end = bridge.ends[static_cast<std::size_t>(End::kNew)];
+  old_end.definitions = {"indigo"};
+  new_end.definitions = {"installed", "noetic"};
+  GroupReader groups(private_handle);
+  groups.group("", [&](ParamReader& reader, Handle handle) { read_top(reader, handle, params); });
+  groups.group("connections", [&](ParamReader& reader, Handle) { read_connections(reader, bridge.ends); });
+  groups.group("old", [&](ParamReader& reader, Handle handle) { read_old(reader, handle, old_end); });
+  groups.group("new",
+               [&](ParamReader& reader, Handle handle) { read_new(reader, handle, new_end, node_name); });
+  check_masters(groups, bridge.ends);
+  read_crossing(groups, bridge);
+  bridge.services.deny.push_back(node_name + "/.*");  // our own are of this side
+  groups.group("definitions", [&](ParamReader& reader, Handle handle) {
+    read_definitions(reader, handle, params.definitions);
+  });
+  groups.group("rules",
+               [&](ParamReader& reader, Handle handle) { read_rules(reader, handle, params.rules); });
+  groups.group("diagnostics",
+               [&](ParamReader& reader, Handle) { read_diagnostics(reader, params.diagnostics); });
+  if (auto finished = groups.finish(); !finished) return tl::unexpected(finished.error());
+  return params;
+}
+
+}  // namespace extperfc::ros_params
