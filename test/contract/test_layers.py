@@ -9,7 +9,7 @@ ROOMS = ("detect", "depth", "sources", "simulate", "scan", "translate")
 BELOW = {"base": set(), "world": {"base"}, **{room: {"base", "world"} for room in ROOMS}}
 ROS_HEADER = re.compile(r'#include\s*[<"](ros/(?!params|convert|health|detect|depth|sources|simulate|scan|translate)|tf2|nodelet/|pluginlib/|'
                         r'cv_bridge/|image_transport/|diagnostic_updater/|message_filters/|XmlRpc|[a-z_]+_msgs/)')
-PARAMETER_READ = re.compile(r"\b(getParam|getParamCached|param\s*<|ros::param::get)\b|\.param\s*\(")
+PARAMETER_READ = re.compile(r'(?<!")' r"\b(getParam|getParamCached|param\s*<|ros::param::get)\b|\.param\s*\(")
 OWN_HEADER = re.compile(r'#include\s*[<"](?:extperfc/)?(\w+)/[\w/]+\.hpp[>"]')
 # Third-party headers stay in the rooms that own the library.
 OWNERS = {
@@ -22,7 +22,6 @@ OWNERS = {
     r"embree\d?/": {"simulate"},
     r"urdf": {"simulate"},
     r"pcl/": {"scan"},
-    r"tinyxml2": {"translate"},
 }
 
 

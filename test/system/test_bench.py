@@ -37,6 +37,12 @@ class Bench(unittest.TestCase):
         rows = self.bench("scan")
         self.assertEqual({"ground: none", "ground: height", "ground: plane"}, {row["case"] for row in rows})
 
+    def test_translate(self):
+        rows = self.bench("translate", "--samples", "20", "--seconds", "1", "--topics", "20", "--rate", "500")
+        by_case = {row["case"].split(",")[0] for row in rows}
+        self.assertTrue({"200 B", "6 MB", "20 topics"} <= by_case, by_case)
+        self.assertTrue(all(row["ours"] == 0.0 for row in rows if row["metric"] == "damaged"), rows)
+
     def test_transport(self):
         rows = self.bench("transport", "--pairs", "30")
         self.assertTrue(any("TCP" in (row["peer_name"] or "") or "TCP" in row["case"] for row in rows), rows)

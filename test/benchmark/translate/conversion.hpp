@@ -1,0 +1,14 @@
+#pragma once
+
+#include <vector>
+
+#include "extperfc/base/error.hpp"
+
+#include "report.hpp"
+
+namespace extperfc::benchmark {
+
+/// The conversion of one message alone, in nanoseconds, for the cases of conversion_cases.hpp.
+[[nodiscard]] Result<std::vector<Row>> conversion_rows();
+
+}  // namespace extperfc::benchmark

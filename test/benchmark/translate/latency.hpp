@@ -1,0 +1,19 @@
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "extperfc/base/error.hpp"
+
+#include "report.hpp"
+#include "translate/options.hpp"
+#include "translate/stage.hpp"
+
+namespace extperfc::benchmark {
+
+/// One message at a time through every way from publisher to subscriber, in turns: latency, and CPU time of
+/// the process in the middle. This process must have joined the old master.
+[[nodiscard]] Result<std::vector<Row>> latency_rows(const Stage& stage, const TranslateOptions& options);
+
+}  // namespace extperfc::benchmark

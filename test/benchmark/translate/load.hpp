@@ -1,0 +1,17 @@
+#pragma once
+
+#include <vector>
+
+#include "extperfc/base/error.hpp"
+
+#include "report.hpp"
+#include "translate/options.hpp"
+#include "translate/stage.hpp"
+
+namespace extperfc::benchmark {
+
+/// Hundreds of topics at thousands of messages per second through the translator, then through the relay:
+/// what arrives, when, and what it costs. This process must have joined the old master.
+[[nodiscard]] Result<std::vector<Row>> load_rows(const Stage& stage, const TranslateOptions& options);
+
+}  // namespace extperfc::benchmark

@@ -1,0 +1,40 @@
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "translate/blob.hpp"
+#include "translate/process.hpp"
+
+namespace extperfc::benchmark {
+
+/// Two masters and a folder of our own, on the loopback interface. Sets the environment of ROS for this
+/// process and those it starts: make it before anything else.
+class Stage {
+ public:
+  [[nodiscard]] static Result<Stage> make();
+  Stage(Stage&&) = default;
+  Stage& operator=(Stage&&) = default;
+  Stage(const Stage&) = delete;
+  Stage& operator=(const Stage&) = delete;
+  ~Stage();
+
+  [[nodiscard]] const std::string& old_uri() const { return uris_[0]; }
+  [[nodiscard]] const std::string& new_uri() const { return uris_[1]; }
+  [[nodiscard]] const std::filesystem::path& folder() const { return folder_; }
+  [[nodiscard]] const Versions& versions() const { return versions_; }
+
+ private:
+  Stage() = default;
+  [[nodiscard]] Result<void> start_master();
+
+  std::filesystem::path folder_;
+  Versions versions_;
+  std::vector<std::string> uris_;
+  std::vector<Process> masters_;
+};
+
+}  // namespace extperfc::benchmark

@@ -1,0 +1,355 @@
+"""The translator between two masters: Indigo-era nodes at one, Noetic-era nodes at the other."""
+
+import itertools
+import math
+import pathlib
+import sys
+import time
+import unittest
+
+sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[1] / "translator"))
+
+from harness import eras, processes  # noqa: E402
+from harness.session import NAME, Session, both_ways  # noqa: E402
+
+SESSION = None
+LANGUAGES = ("cpp", "python")
+
+PARAMETERS = {
+    "topics": {"allow": [".*"], "deny": ["/denied/.*"]},
+    "profiles": [
+        {"pattern": "/slash/.*", "frame_slash": "strip"},
+        {"pattern": "/exact", "queue": 1000},
+        {"pattern": "/limited", "max_rate_hz": 10.0},
+        {"pattern": "/one_way/.*", "directions": "old_to_new"},
+    ],
+}
+
+
+def setUpModule():
+    global SESSION
+    SESSION = Session()
+    unittest.addModuleCleanup(SESSION.close)
+    SESSION.start(*(f"{side}_{language}" for side in ("old", "new") for language in LANGUAGES))
+    SESSION.translate(**PARAMETERS)
+
+
+def random_message(kind, seed):
+    """Random content that has a meaning where a rule asks for one: see the rules in config/translate."""
+    message = eras.RandomContent(seed).message(kind)
+    if kind._type == "baxter_core_msgs/HeadPanCommand":
+        if hasattr(message, "speed"):
+            message.speed = seed % 101
+        else:
+            message.speed_ratio = (seed % 101) / 100
+    return eras.leave_shapes_where_they_are(message)
+
+
+def check_new(test, old, new):
+    """What Noetic has and Indigo has not."""
+    kind = new._type
+    if kind == "control_msgs/JointControllerState":
+        test.assertIs(new.antiwindup, False)
+    if kind == "sensor_msgs/BatteryState":
+        test.assertTrue(math.isnan(new.temperature))
+        test.assertEqual([], list(new.cell_temperature))
+    if kind == "moveit_msgs/MotionPlanRequest":
+        test.assertEqual(("", "", 0.0, []), (new.pipeline_id, new.cartesian_speed_limited_link, new.max_cartesian_speed,
+                                             new.reference_trajectories))
+    if kind == "baxter_core_msgs/HeadPanCommand":
+        test.assertAlmostEqual(old.speed / 100, new.speed_ratio, places=5)
+        test.assertEqual(1, new.enable_pan_request)
+    if kind == "baxter_core_msgs/SEAJointState":
+        test.assertEqual((old.position, old.velocity, old.effort),
+                         (new.actual_position, new.actual_velocity, new.actual_effort))
+        test.assertEqual(([], 0.0), (list(new.commanded_position), new.hystState))
+    if kind == "baxter_core_msgs/EndpointState":
+        test.assertEqual(("base", 0), (new.header.frame_id, new.header.stamp.to_nsec()))
+
+
+def check_old(test, new, old):
+    """What changed its name or unit on the way back."""
+    if old._type == "baxter_core_msgs/HeadPanCommand":
+        test.assertEqual(round(new.speed_ratio * 100), old.speed)
+    if old._type == "baxter_core_msgs/SEAJointState":
+        test.assertEqual((new.actual_position, new.actual_velocity, new.actual_effort),
+                         (old.position, old.velocity, old.effort))
+
+
+class Topics(unittest.TestCase):
+    TYPES = ("baxter_core_msgs/EndpointState", "baxter_core_msgs/HeadPanCommand", "baxter_core_msgs/JointCommand",
+             "baxter_core_msgs/SEAJointState", "control_msgs/JointControllerState", "moveit_msgs/MotionPlanRequest",
+             "sensor_msgs/BatteryState", "sensor_msgs/JointState", "visualization_msgs/Marker")
+
+    def test_every_type_both_ways_between_cpp_and_python(self):
+        """Latched, so that nothing needs to be sent twice; every publisher is heard by both languages."""
+        sent = {}
+        for seed, (kind, (source, target), language) in enumerate(itertools.product(self.TYPES, both_ways(), LANGUAGES)):
+            topic = f"/types/{source}_{language}/{kind.split('/')[1]}"
+            message = random_message(SESSION.era_of(source).message(kind), seed)
+            sent[topic, kind, target] = message
+            publisher = SESSION.node(f"{source}_{language}")
+            publisher.tell("advertise", topic, kind, 1)
+            publisher.tell("publish", topic, eras.to_hex(message))
+            for hearing in LANGUAGES:
+                SESSION.node(f"{target}_{hearing}").tell("subscribe", topic, kind)
+        for (topic, kind, target), message in sent.items():
+            for hearing in LANGUAGES:
+                with self.subTest(topic=topic, hears=f"{target}_{hearing}"):
+                    heard = SESSION.node(f"{target}_{hearing}").wait_for("message", topic)
+                    self.assertEqual(NAME, heard[0][0])
+                    got = eras.from_hex(SESSION.era_of(target).message(kind), heard[0][1])
+                    expected = eras.from_hex(type(message), eras.to_hex(message))
+                    self.assertTrue(eras.same_value(eras.without_seq(expected), eras.without_seq(got)), f"{expected}\n{got}")
+                    (check_new if target == "new" else check_old)(self, expected, got)
+
+    def test_speed_of_the_head_is_a_percentage_or_a_ratio(self):
+        kind = "baxter_core_msgs/HeadPanCommand"
+        for source, target, fields, expected in (("old", "new", {"target": 1.0, "speed": 50}, {"speed_ratio": 0.5}),
+                                                 ("new", "old", {"target": 1.0, "speed_ratio": 0.5}, {"speed": 50})):
+            topic = f"/head/from_{source}"
+            SESSION.node(f"{source}_cpp").tell("advertise", topic, kind, 1)
+            SESSION.node(f"{source}_cpp").tell("publish", topic, eras.to_hex(SESSION.message(source, kind, **fields)))
+            SESSION.node(f"{target}_cpp").tell("subscribe", topic, kind)
+            heard = SESSION.node(f"{target}_cpp").wait_for("message", topic)
+            got = eras.from_hex(SESSION.era_of(target).message(kind), heard[0][1])
+            for name, value in expected.items():
+                self.assertEqual(value, getattr(got, name))
+
+    def test_several_versions_on_one_topic(self):
+        """An Indigo-era node that runs at the new master hears and is heard as well as its neighbours."""
+        kind, topic, back = "control_msgs/JointControllerState", "/versions", "/versions_back"
+        stranger = SESSION.foreign("new_cpp")
+        for node in (stranger, SESSION.node("new_cpp"), SESSION.node("new_python")):
+            node.tell("subscribe", topic, kind)
+        message = SESSION.message("old", kind, set_point=3.5, i_clamp=0.25)
+        SESSION.node("old_cpp").tell("advertise", topic, kind, 1)
+        SESSION.node("old_cpp").tell("publish", topic, eras.to_hex(message))
+        for node, era in ((stranger, "old"), (SESSION.node("new_cpp"), "new"), (SESSION.node("new_python"), "new")):
+            heard = node.wait_for("message", topic)
+            got = eras.from_hex(SESSION.era_of(era).message(kind), heard[0][1])
+            self.assertEqual((3.5, 0.25), (got.set_point, got.i_clamp))
+        SESSION.node("old_python").tell("subscribe", back, kind)
+        for node, era, value in ((stranger, "old", 1.0), (SESSION.node("new_cpp"), "new", 2.0)):
+            node.tell("advertise", back, kind, 1)
+            node.tell("publish", back, eras.to_hex(SESSION.message(era, kind, set_point=value)))
+        heard = SESSION.node("old_python").wait_for("message", back, 2)
+        values = {eras.from_hex(SESSION.era_of("old").message(kind), text).set_point for _, text in heard}
+        self.assertEqual({1.0, 2.0}, values)
+
+    def test_latched_messages_reach_late_subscribers(self):
+        topic, kind = "/late", "std_msgs/String"
+        old, first, second = SESSION.start("old_cpp", "new_cpp", "new_python")
+        old.tell("advertise", topic, kind, 1)
+        old.tell("publish", topic, eras.to_hex(SESSION.message("old", kind, data="one")))
+        first.tell("subscribe", topic, kind)
+        first.wait_for("message", topic)
+        old.tell("publish", topic, eras.to_hex(SESSION.message("old", kind, data="two")))
+        first.wait_for("message", topic, 2)
+        second.tell("subscribe", topic, kind)
+        heard = second.wait_for("message", topic)
+        self.assertEqual("two", eras.from_hex(SESSION.era_of("new").message(kind), heard[0][1]).data)
+
+    def test_static_transforms_of_several_nodes(self):
+        """Each latches its own message on one topic: somebody who comes late must get all of them."""
+        kind = "tf2_msgs/TFMessage"
+        for source, target in both_ways():
+            children = set()
+            for language in LANGUAGES:
+                child = f"{source}_{language}_link"
+                children.add(child)
+                node = SESSION.node(f"{source}_{language}")
+                node.tell("advertise", "/tf_static", kind, 1)
+                node.tell("publish", "/tf_static", eras.to_hex(SESSION.message(source, kind, transforms=[
+                    {"header": {"frame_id": "base"}, "child_frame_id": child, "transform": {"rotation": {"w": 1.0}}}])))
+            for language in LANGUAGES:
+                node = SESSION.node(f"{target}_{language}")
+                node.tell("subscribe", "/tf_static", kind)
+                processes.wait_until(lambda: children <= self.children(node, target), 15,
+                                     lambda: f"{node.name} heard of {self.children(node, target)} of {children}")
+
+    @staticmethod
+    def children(node, side):
+        kind = SESSION.era_of(side).message("tf2_msgs/TFMessage")
+        return {transform.child_frame_id for _, text in node.heard("message", "/tf_static")
+                for transform in eras.from_hex(kind, text).transforms}
+
+    def test_transforms(self):
+        kind = "tf2_msgs/TFMessage"
+        for source, target in both_ways():
+            node = SESSION.node(f"{target}_cpp")
+            node.tell("subscribe", "/tf", kind)
+            SESSION.node(f"{source}_cpp").tell("advertise", "/tf", kind, 0)
+            SESSION.node(f"{source}_cpp").tell("repeat", "/tf", 20, 100, eras.to_hex(SESSION.message(
+                source, kind, transforms=[{"header": {"frame_id": "odom"}, "child_frame_id": f"{source}_base",
+                                           "transform": {"rotation": {"w": 1.0}}}])))
+            processes.wait_until(lambda: any(f"{source}_base" in bytes.fromhex(text[1:]).decode("latin1") for _, text
+                                             in node.heard("message", "/tf")), 10, f"a transform at {target}")
+
+    def test_transforms_under_their_old_name(self):
+        """tf/tfMessage and tf2_msgs/TFMessage are one type with two names."""
+        old, new = SESSION.start("old_python", "new_cpp")
+        new.tell("subscribe", "/tf_renamed", "tf2_msgs/TFMessage")
+        old.tell("advertise", "/tf_renamed", "tf/tfMessage", 1)
+        old.tell("publish", "/tf_renamed", eras.to_hex(SESSION.message("old", "tf/tfMessage", transforms=[
+            {"header": {"frame_id": "odom"}, "child_frame_id": "renamed", "transform": {"rotation": {"w": 1.0}}}])))
+        got = eras.from_hex(SESSION.era_of("new").message("tf2_msgs/TFMessage"), new.wait_for("message", "/tf_renamed")[0][1])
+        self.assertEqual("renamed", got.transforms[0].child_frame_id)
+
+    def test_rate_limit(self):
+        topic, kind = "/limited", "std_msgs/Float64"
+        old, new = SESSION.start("old_cpp", "new_cpp")
+        new.tell("subscribe", topic, kind)
+        old.tell("advertise", topic, kind, 0)
+        processes.wait_until(lambda: "/new_cpp" in SESSION.new.nodes(1, topic) and NAME in SESSION.old.nodes(1, topic), 10, topic)
+        begin = time.monotonic()
+        old.tell("stream", topic, 200, 400)
+        old.wait_for("repeated", topic)
+        seconds = time.monotonic() - begin
+        processes.wait_until(lambda: len(new.heard("message", topic)) >= 5, 5, "some of them")
+        self.assertLessEqual(len(new.heard("message", topic)), 10 * seconds + 2)
+
+    def test_both_sides_publish_one_topic(self):
+        """Everybody hears every message exactly once."""
+        topic, kind, count = "/exact", "std_msgs/String", 100
+        speakers = [(side, SESSION.node(f"{side}_cpp")) for side in ("old", "new")]
+        listeners = [(side, SESSION.node(f"{side}_python")) for side in ("old", "new")]
+        for _, node in listeners:
+            node.tell("subscribe", topic, kind)
+        for _, node in speakers:
+            node.tell("advertise", topic, kind, 0)
+        self.warm_up(topic, kind, speakers, listeners)
+        for index in range(count):
+            for side, node in speakers:
+                node.tell("publish", topic, self.word(side, f"{side}_{index}"))
+        for side, node in speakers:
+            node.tell("publish", topic, self.word(side, f"{side}_end"))
+        expected = sorted(f"{side}_{index}" for side, _ in speakers for index in range(count))
+        for side, node in listeners:
+            self.until_heard(node, topic, {"old_end", "new_end"})
+            counted = [word for word in self.words(node, topic) if not word.startswith("warm") and not word.endswith("end")]
+            self.assertEqual(expected, sorted(counted))
+
+    def warm_up(self, topic, kind, speakers, listeners):
+        """Sends until everybody hears everybody: connections take their time."""
+        def all_connected():
+            for side, node in speakers:
+                node.tell("publish", topic, self.word(side, f"warm_{side}"))
+            return all({f"warm_{side}" for side, _ in speakers} <= set(self.words(node, topic)) for _, node in listeners)
+        processes.wait_until(all_connected, 15, lambda: str([set(self.words(node, topic)) for _, node in listeners]))
+
+    @staticmethod
+    def word(side, text):
+        return eras.to_hex(SESSION.message(side, "std_msgs/String", data=text))
+
+    @staticmethod
+    def words(node, topic):
+        return [bytes.fromhex(text[9:]).decode() for _, text in node.heard("message", topic)]
+
+    def until_heard(self, node, topic, words, seconds=10):
+        processes.wait_until(lambda: words <= set(self.words(node, topic)), seconds,
+                             lambda: f"{words} at {node.name}, heard {self.words(node, topic)[-5:]}")
+
+    def test_two_translators_do_not_answer_each_other(self):
+        topic, kind, count = "/twice", "std_msgs/String", 20
+        second = SESSION.another_translator("/translator_2", {"topics": {"allow": [topic]}, "services": {"allow": []}})
+        try:
+            speakers = [(side, SESSION.node(f"{side}_cpp")) for side in ("old", "new")]
+            listeners = [(side, SESSION.node(f"{side}_python")) for side in ("old", "new")]
+            for _, node in listeners:
+                node.tell("subscribe", topic, kind)
+            for _, node in speakers:
+                node.tell("advertise", topic, kind, 0)
+            self.warm_up(topic, kind, speakers, listeners)
+            for _, node in listeners:  # both of them are at work
+                processes.wait_until(lambda: {NAME, "/translator_2"} <= {who for who, _ in node.heard("message", topic)} or
+                                     self.warm_up(topic, kind, speakers, listeners), 15, "both translators")
+            for index in range(count):
+                for side, node in speakers:
+                    node.tell("publish", topic, self.word(side, f"{side}_{index}"))
+            for side, node in speakers:
+                node.tell("publish", topic, self.word(side, f"{side}_end"))
+            for side, node in listeners:
+                self.until_heard(node, topic, {"old_end", "new_end"})
+            # What went around would come again and again: the last word's second copy is the end of it.
+            for side, node in listeners:
+                other = "old" if side == "new" else "new"
+                processes.wait_until(lambda: self.words(node, topic).count(f"{other}_end") == 2, 10, "both copies")
+                for index in range(count):
+                    self.assertEqual(1, self.words(node, topic).count(f"{side}_{index}"), "heard directly, once")
+                    self.assertEqual(2, self.words(node, topic).count(f"{other}_{index}"), "once from each translator")
+        finally:
+            second.end()
+
+    def test_what_is_not_allowed_stays(self):
+        """/denied by the filter, /one_way by its direction, /clock unless asked for. /crossed is there to tell when."""
+        old, new = SESSION.start("old_python", "new_python")
+        for topic, kind in (("/denied/a", "std_msgs/String"), ("/clock", "rosgraph_msgs/Clock"), ("/crossed/1", "std_msgs/String")):
+            old.tell("advertise", topic, kind, 0)
+            new.tell("subscribe", topic, kind)
+        for topic in ("/one_way/a", "/crossed/2"):
+            new.tell("advertise", topic, "std_msgs/String", 0)
+            old.tell("subscribe", topic, "std_msgs/String")
+        processes.wait_until(lambda: NAME in SESSION.new.nodes(0, "/crossed/1"), 10, "/crossed/1 at the new master")
+        processes.wait_until(lambda: NAME in SESSION.old.nodes(0, "/crossed/2"), 10, "/crossed/2 at the old master")
+        for master, topic in ((SESSION.new, "/denied/a"), (SESSION.new, "/clock"), (SESSION.old, "/one_way/a")):
+            self.assertNotIn(NAME, master.nodes(0, topic), topic)
+        for node, topic in ((old, "/clock"), (new, "/clock")):
+            node.tell("unadvertise" if node is old else "unsubscribe", topic)
+
+    def test_leading_slash_of_frames(self):
+        for source, target in both_ways():
+            topic, kind = f"/slash/from_{source}", "sensor_msgs/JointState"
+            SESSION.node(f"{source}_cpp").tell("advertise", topic, kind, 1)
+            SESSION.node(f"{source}_cpp").tell("publish", topic, eras.to_hex(
+                SESSION.message(source, kind, header={"frame_id": "/base"}, name=["/kept"])))
+            SESSION.node(f"{target}_cpp").tell("subscribe", topic, kind)
+            heard = SESSION.node(f"{target}_cpp").wait_for("message", topic)
+            got = eras.from_hex(SESSION.era_of(target).message(kind), heard[0][1])
+            self.assertEqual(("base", ["/kept"]), (got.header.frame_id, got.name))
+
+    def test_warnings_of_the_robot_are_heard(self):
+        old, new = SESSION.start("old_python", "new_python")
+        new.tell("subscribe", "/rosout", "rosgraph_msgs/Log")
+        old.tell("subscribe", "/rosout", "rosgraph_msgs/Log")
+        kind = SESSION.era_of("new").message("rosgraph_msgs/Log")
+
+        def heard(node):
+            return {log.msg for log in (eras.from_hex(kind, text) for _, text in node.heard("message", "/rosout"))}
+
+        def warned():
+            old.tell("log", "info", "only_information")
+            old.tell("log", "warn", "a_warning")
+            new.tell("log", "error", "of_the_new_side")
+            return "a_warning" in heard(new)
+        processes.wait_until(warned, 15, "the warning at the new side")
+        self.assertNotIn("only_information", heard(new))
+        self.assertNotIn("of_the_new_side", heard(old))
+
+
+class OneHost(unittest.TestCase):
+    """Both masters on this host at two ports, as on a computer that simulates the robot."""
+
+    def test_topics_and_services(self):
+        session = Session(one_host=True)
+        try:
+            old, new = session.start("old_cpp", "new_python")
+            kind = "control_msgs/JointControllerState"
+            for source, target, side in ((old, new, "old"), (new, old, "new")):
+                source.tell("advertise", f"/from_{side}", kind, 1)
+                source.tell("publish", f"/from_{side}", eras.to_hex(session.message(side, kind, set_point=1.5)))
+                target.tell("subscribe", f"/from_{side}", kind)
+            old.tell("serve", "/trigger", "std_srvs/Trigger", "x0100000000")
+            session.translate()
+            for node, topic, side in ((new, "/from_old", "new"), (old, "/from_new", "old")):
+                got = eras.from_hex(session.era_of(side).message(kind), node.wait_for("message", topic)[0][1])
+                self.assertEqual(1.5, got.set_point)
+            processes.wait_until(lambda: session.new.nodes(2, "/trigger"), 10, "/trigger at the new master")
+            new.tell("call", "/trigger", "std_srvs/Trigger", "x")
+            self.assertEqual("ok", new.wait_for("response", "/trigger")[0][0])
+        finally:
+            session.close()
+
+
+if __name__ == "__main__":
+    unittest.main()

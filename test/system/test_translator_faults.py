@@ -1,0 +1,384 @@
+"""The translator when masters, nodes and networks fail, and when peers are hostile."""
+
+import pathlib
+import random
+import socketserver
+import struct
+import sys
+import threading
+import time
+import unittest
+import xmlrpc.client
+import xmlrpc.server
+
+sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[1] / "translator"))
+
+from harness import eras, processes, raw_peer  # noqa: E402
+from harness.session import NAME, Session  # noqa: E402
+
+SESSION = None
+MAX_AGE_S = 0.3
+
+PARAMETERS = {
+    "profiles": [
+        {"pattern": "/command.*", "max_age_s": MAX_AGE_S, "queue": 1, "priority": "control"},
+        {"pattern": "/shifted.*", "lazy": False},
+    ],
+}
+
+
+def setUpModule():
+    global SESSION
+    SESSION = Session()
+    unittest.addModuleCleanup(SESSION.close)
+    SESSION.start("old_cpp", "new_cpp", "old_python", "new_python")
+    SESSION.translate(**PARAMETERS)
+
+
+def text(side, data):
+    return eras.to_hex(SESSION.message(side, "std_msgs/String", data=data))
+
+
+def words(node, topic):
+    return [bytes.fromhex(content[9:]).decode() for _, content in node.heard("message", topic)]
+
+
+class Faults(unittest.TestCase):
+    def flow(self, source, target, topic, word, seconds=20):
+        """Sends a word again and again until it arrives."""
+        source.tell("advertise", topic, "std_msgs/String", 0)
+        target.tell("subscribe", topic, "std_msgs/String")
+
+        def arrived():
+            source.tell("publish", topic, text("old", word))
+            return word in words(target, topic)
+        processes.wait_until(arrived, seconds, lambda: f"{word} from {source.name} to {target.name}; "
+                             f"translator: {SESSION.translator.log_tail(5)}")
+
+    def serve(self, server, client, client_master, name, seconds=20):
+        server.tell("serve", name, "std_srvs/Trigger", "x0100000000")
+        processes.wait_until(lambda: client_master.nodes(2, name), seconds, f"{name} at {client_master.name}")
+        client.tell("call", name, "std_srvs/Trigger", "x")
+        self.assertEqual(["ok", "x0100000000"], client.wait_for("response", name)[0][:2])
+
+    def latch(self, source, target, topic, word, seconds=20):
+        source.tell("advertise", topic, "std_msgs/String", 1)
+        source.tell("publish", topic, text("old", word))
+        target.tell("subscribe", topic, "std_msgs/String")
+        processes.wait_until(lambda: word in words(target, topic), seconds, f"{word} at {target.name}")
+
+    def restart_master(self, side):
+        """What both sides had goes on, and what comes afterwards works without help."""
+        other = "new" if side == "old" else "old"
+        master = SESSION.master_of(side)
+        before = SESSION.start(f"{side}_cpp", f"{other}_cpp")
+        for index, (source, target) in enumerate((before, before[::-1])):
+            self.flow(source, target, f"/{side}_master/before_{index}", "before")
+        master.kill()
+        for index, (source, target) in enumerate((before, before[::-1])):
+            topic = f"/{side}_master/before_{index}"
+            source.tell("publish", topic, text("old", "without_master"))
+            processes.wait_until(lambda: "without_master" in words(target, topic), 5, "a message without a master")
+        master.start()
+        processes.wait_until(lambda: NAME in SESSION.names(master), 15, "the translator, registered again")
+        mine, theirs = SESSION.start(f"{side}_cpp_after_{side}", f"{other}_python")
+        for index, (source, target) in enumerate(((mine, theirs), (theirs, mine))):
+            self.flow(source, target, f"/{side}_master/after_{index}", "after")
+            self.latch(source, target, f"/{side}_master/latched_{index}", "kept")
+        self.serve(mine, theirs, SESSION.master_of(other), f"/{side}_master/served_here")
+        self.serve(theirs, mine, master, f"/{side}_master/served_there")
+        if side == "new":  # where the translator has its own node, with its reports
+            processes.wait_until(lambda: f"{NAME}_home" in master.nodes(0, "/diagnostics"), 10, "reports again")
+        # What was known before the restart is still offered to those who come after it.
+        mine.tell("subscribe", f"/{side}_master/before_1", "std_msgs/String")
+        self.flow(before[1], mine, f"/{side}_master/before_1", "to_the_newcomer")
+        SESSION.end_node(f"{side}_cpp_after_{side}")
+
+    def test_old_master_restarts(self):
+        self.restart_master("old")
+
+    def test_new_master_restarts(self):
+        self.restart_master("new")
+
+    def test_publisher_is_killed_and_comes_back(self):
+        topic = "/killed"
+        target = SESSION.node("new_python")
+        self.flow(SESSION.node("old_cpp_mortal"), target, topic, "first_life")
+        SESSION.end_node("old_cpp_mortal", kill=True)
+        self.flow(SESSION.node("old_cpp_mortal"), target, topic, "second_life")
+        self.latch(SESSION.node("old_cpp_mortal"), target, topic + "_latched", "third")
+        SESSION.end_node("old_cpp_mortal", kill=True)
+
+    def test_no_stale_command_after_an_outage(self):
+        """Commands go on while the network is away: what is delivered later is young, and soon flows again."""
+        if not SESSION.separate:
+            self.skipTest("needs network namespaces: run as root")
+        for seconds in (1.0, 4.0):
+            with self.subTest(outage_s=seconds):
+                self.outage(seconds)
+
+    def outage(self, seconds):
+        name = str(int(seconds))
+        new, old = SESSION.start("new_cpp", "old_cpp")
+        # What a node behind the cut keeps in its own queue is its own: only commands to there are the translator's to drop.
+        streams = [(new, old, "/command_to_old" + name), (new, old, "/plain_to_old" + name), (old, new, "/plain_to_new" + name)]
+        for source, target, topic in streams:
+            target.tell("subscribe", topic, "std_msgs/Float64")
+            source.tell("advertise", topic, "std_msgs/Float64", 0)
+            source.tell("stream", topic, 100, 1_000_000)
+        for source, target, topic in streams:
+            target.wait_for("message", topic, 50)
+        SESSION.network.old_cable.cut()
+        time.sleep(seconds)  # the outage itself
+        before = [len(target.heard("message", topic)) for _, target, topic in streams]
+        SESSION.network.old_cable.mend()
+        mended = time.time()
+        for (source, target, topic), count in zip(streams, before):
+            with self.subTest(topic):
+                target.wait_for("message", topic, count + 200, seconds=20)
+                after = target.heard("message", topic)[count:]
+                if topic.startswith("/command"):
+                    ages = [event.heard_at - struct.unpack("<d", bytes.fromhex(event[1][1:]))[0] for event in after]
+                    self.assertLess(max(ages), MAX_AGE_S + 0.3, f"{topic}: {sorted(ages)[-5:]}")
+                self.assertLess(after[0].heard_at - mended, 8.0, f"{topic} flows again")
+        self.serve(old, SESSION.node("new_python"), SESSION.new, "/served_after_outage" + name)
+        for source, _, topic in streams:
+            source.tell("stop", topic)
+
+    def test_stopped_subscriber_costs_nobody_else(self):
+        """Its queue is bounded, the others hear everything, and it hears the newest when it goes on."""
+        kind, topic, count = "sensor_msgs/Image", "/images", 150
+        source, well = SESSION.start("old_cpp", "new_cpp")
+        stopped = SESSION.node("new_cpp_stopped")
+        for node in (well, stopped):
+            node.tell("subscribe", topic, kind)
+        source.tell("advertise", topic, kind, 0)
+        image = eras.to_hex(SESSION.message("old", kind, width=500, height=500, step=1000, data=bytes(500_000)))
+
+        def both_hear():
+            source.tell("publish", topic, image)
+            return well.heard("message", topic) and stopped.heard("message", topic)
+        processes.wait_until(both_hear, 15, "the first image at both")
+        before_mb, heard = SESSION.translator.memory_mb(), len(well.heard("message", topic))
+        stopped.process.send_signal(19)
+        try:
+            source.tell("repeat", topic, 50, count, image)
+            well.wait_for("message", topic, heard + count, seconds=20)
+            self.assertLess(SESSION.translator.memory_mb() - before_mb, 40, "10 images of 0.5 MB may wait")
+        finally:
+            stopped.process.send_signal(18)
+        got = len(stopped.heard("message", topic))
+        source.tell("publish", topic, image)
+        stopped.wait_for("message", topic, got + 1)
+        SESSION.end_node("new_cpp_stopped")
+
+    def test_hostile_bytes(self):
+        """Garbage, lies about lengths and half messages at every port: nothing falls, nothing leaks."""
+        source, target = SESSION.start("old_cpp", "new_cpp")
+        self.flow(source, target, "/hostile_new", "before")
+        self.flow(target, source, "/hostile_old", "before")
+        for side in ("old", "new"):
+            master = SESSION.master_of(side)
+            uri = master.ask("lookupNode", NAME)
+            files = SESSION.translator.open_files()
+            for address in raw_peer.address_of(uri), raw_peer.topic_address(master.place, uri, f"/hostile_{side}"):
+                for content in self.hostile_contents(random.Random(7)):
+                    raw_peer.throw(master.place, address, content)
+            self.assertTrue(SESSION.translator.alive(), SESSION.translator.log_tail())
+            processes.wait_until(lambda: SESSION.translator.open_files() <= files + 4, 10,
+                                 lambda: f"{files} open files before, {SESSION.translator.open_files()} after")
+        self.assertLess(SESSION.translator.memory_mb(), 300)
+        self.flow(source, target, "/hostile_new", "after")
+        self.flow(target, source, "/hostile_old", "after")
+
+    @staticmethod
+    def hostile_contents(rng):
+        good = raw_peer.header(topic="/hostile_new", type="std_msgs/String", md5sum="*", callerid="/bad")
+        yield b""
+        yield b"\xff" * 8
+        yield struct.pack("<I", 0)
+        yield struct.pack("<I", 0x7fffffff) + b"topic=/hostile_new"
+        yield struct.pack("<II", 4, 0xffffffff)
+        yield struct.pack("<II", 8, 4) + b"abcd"
+        yield raw_peer.header(topic="/hostile_new", type="std_msgs/String", md5sum="0" * 32, callerid="/bad")
+        yield raw_peer.header(topic="/no_such_topic", type="*", md5sum="*", callerid="/bad")
+        yield raw_peer.header(service="/no_such_service", md5sum="*", callerid="/bad")
+        yield raw_peer.header(**{f"key{index}": "x" * 100 for index in range(2000)})
+        for cut in range(1, len(good), 9):
+            yield good[:cut]
+        yield good + rng.randbytes(1000)
+        yield b"POST / HTTP/1.1\r\nContent-Length: 99999999999\r\n\r\n<methodCall>"
+        yield b"POST / HTTP/1.1\r\nContent-Length: -1\r\n\r\n"
+        yield b"POST / HTTP/1.1\r\nContent-Length: 60\r\n\r\n<?xml version='1.0'?><methodCall><methodName>shutdown</methodN"
+        yield b"GET / HTTP/1.0\r\n\r\n"
+        yield b"A" * 200_000
+        deep = b"<methodCall><methodName>x</methodName><params>" + b"<param><value><array><data>" * 500
+        yield b"POST / HTTP/1.1\r\nContent-Length: %d\r\n\r\n" % len(deep) + deep
+        for _ in range(20):
+            yield rng.randbytes(rng.randint(1, 400))
+
+    def test_strangers_are_told_why(self):
+        """A version that nobody knows: the refusal names the type, its MD5 and what to do."""
+        source, target = SESSION.start("old_cpp", "new_cpp")
+        self.flow(source, target, "/strange", "before")
+        uri = SESSION.new.ask("lookupNode", NAME)
+        with raw_peer.connect(SESSION.new.place, raw_peer.topic_address(SESSION.new.place, uri, "/strange")) as stream:
+            stream.sendall(raw_peer.header(topic="/strange", type="std_msgs/String", md5sum="1" * 32, callerid="/stranger"))
+            refusal = raw_peer.read_header(stream)["error"]
+        for word in ("std_msgs/String", "1" * 32, "definitions"):
+            self.assertIn(word, refusal)
+
+    def test_action_server_is_killed_and_comes_back(self):
+        name, kind = "/mortal", "control_msgs/FollowJointTrajectory"
+        client = SESSION.node("new_cpp")
+        client.tell("action_client", name, kind)
+        goal = eras.to_hex(SESSION.message("new", kind + "Goal"))
+        result = eras.to_hex(SESSION.message("old", kind + "Result"))
+        for life in (1, 2):
+            server = SESSION.node("old_python_server")
+            server.tell("action_server", name, kind)
+            client.tell("wait_server", name, 20)
+            self.assertEqual(["1"], client.wait_for("connected", name, life, seconds=25)[-1])
+
+            answered, begin, sent_at = 0, time.monotonic(), 0.0
+            while len(client.heard("done", name)) < life:  # a goal for the dead server may be lost: send another
+                self.assertLess(time.monotonic() - begin, 15, "no result")
+                if time.monotonic() - sent_at > 3:
+                    client.tell("send_goal", name, goal)
+                    sent_at = time.monotonic()
+                if len(server.heard("goal", name)) > answered:
+                    server.tell("succeed", name, result, "well")
+                    answered += 1
+                time.sleep(0.02)
+            SESSION.end_node("old_python_server", kill=True)
+
+    def test_publishers_that_lie(self):
+        """A publisher whose messages end early or are absurdly long loses its connection, not the others theirs."""
+        source, target = SESSION.start("old_cpp", "new_cpp")
+        self.flow(source, target, "/liar", "before")
+        with FakePublisher(SESSION.old, "/liar", "std_msgs/String", "992ce8a1687cec8c8bd883ec73ca41d1") as liar:
+            for body in (struct.pack("<I", 0xfffffff0), struct.pack("<II", 4, 1000), struct.pack("<II", 8, 0xffffffff) + b"abcd",
+                         struct.pack("<I", 100) + b"short"):
+                liar.greet(body)
+        self.assertTrue(SESSION.translator.alive())
+        self.flow(source, target, "/liar", "after")
+
+    def test_versions_that_do_not_convert_are_reported(self):
+        """No silence: the subscriber's and the publisher's types differ and no rule joins them."""
+        topic = "/no_way"
+        old, new = SESSION.start("old_cpp", "new_cpp")
+        listener = SESSION.node("new_python")
+        listener.tell("subscribe", "/diagnostics", "diagnostic_msgs/DiagnosticArray")
+        old.tell("advertise", topic, "std_msgs/Float64", 0)
+        new.tell("subscribe", topic, "std_msgs/String")
+        kind = SESSION.era_of("new").message("diagnostic_msgs/DiagnosticArray")
+
+        def report():
+            for _, content in listener.heard("message", "/diagnostics")[-5:]:
+                for status in eras.from_hex(kind, content).status:
+                    everything = status.name + status.message + "".join(v.key + v.value for v in status.values)
+                    if topic in everything and status.level > b"\0"[0]:
+                        return everything
+            return None
+        told = processes.wait_until(report, 20, "a word about it on /diagnostics")
+        self.assertIn("std_msgs/Float64", told)
+        self.assertIn("std_msgs/String", told)
+
+
+class FakePublisher:
+    """Registers a topic and answers connections with whatever it is told."""
+
+    def __init__(self, master, topic, type_name, md5):
+        self.master, self.topic, self.bodies = master, topic, []
+        self.fields = {"type": type_name, "md5sum": md5, "callerid": "/liar", "latching": "0",
+                       "message_definition": "string data\n", "topic": topic}
+        self.served = threading.Event()
+        outer = self
+
+        class Stream(socketserver.BaseRequestHandler):
+            def handle(self):
+                raw_peer.read_header(self.request)
+                self.request.sendall(raw_peer.header(**outer.fields) + outer.bodies[-1])
+                outer.served.set()
+                self.request.settimeout(1)
+                try:
+                    self.request.recv(1)
+                except OSError:
+                    pass
+        with master.place.inside():
+            socketserver.ThreadingTCPServer.daemon_threads = True
+            self.stream = socketserver.ThreadingTCPServer((master.place.address, 0), Stream)
+            self.api = xmlrpc.server.SimpleXMLRPCServer((master.place.address, 0), logRequests=False)
+        self.api.register_function(lambda *_: [1, "", ["TCPROS", *self.stream.server_address]], "requestTopic")
+        self.uri = "http://%s:%d/" % self.api.server_address
+        for server in (self.stream, self.api):
+            threading.Thread(target=server.serve_forever, args=(0.05,), daemon=True).start()
+
+    def ask(self, method, *arguments):
+        with self.master.place.inside(), xmlrpc.client.ServerProxy(self.master.uri) as master:
+            return getattr(master, method)("/liar", *arguments)
+
+    def greet(self, body):
+        """Has the translator connect, and sends the body behind the header."""
+        self.bodies.append(body)
+        self.served.clear()
+        self.ask("registerPublisher", self.topic, self.fields["type"], self.uri)
+        if not self.served.wait(10):
+            raise AssertionError("nobody connected to the publisher that lies")
+        self.ask("unregisterPublisher", self.topic, self.uri)
+
+    def __enter__(self):
+        return self
+
+    def __exit__(self, *_):
+        for server in (self.stream, self.api):
+            server.shutdown()
+            server.server_close()
+
+
+class Clocks(unittest.TestCase):
+    """The robot's clock is 100 s ahead; its stamps are known from a topic."""
+    AHEAD_S = 100.0
+
+    def test_stamps_are_shifted_both_ways(self):
+        if not SESSION.separate:
+            self.skipTest("needs the session of its own")
+        second = SESSION.another_translator("/translator_clock", {
+            "topics": {"allow": ["/shift/.*"]}, "services": {"allow": []},
+            "clocks": {"shift_stamps": True, "reference_topics": ["/shift/states"]}})
+        try:
+            self.reference()
+        finally:
+            second.end()
+
+    def reference(self):
+        kind = "sensor_msgs/JointState"
+        old, new = SESSION.start("old_cpp", "new_cpp")
+        for source, target, topic in ((old, new, "/shift/states"), (new, old, "/shift/back")):
+            source.tell("advertise", topic, kind, 0)
+            target.tell("subscribe", topic, kind)
+
+        def send(node, side, topic, stamp):
+            message = SESSION.message(side, kind, name=["a"])
+            message.header.stamp.secs, message.header.stamp.nsecs = int(stamp), int(stamp % 1 * 1e9)
+            node.tell("publish", topic, eras.to_hex(message))
+
+        def stamps(node, side, topic):
+            read = SESSION.era_of(side).message(kind)
+            return [(e.heard_at, eras.from_hex(read, e[1]).header.stamp.to_sec()) for e in node.heard("message", topic)]
+
+        def shifted():
+            send(old, "old", "/shift/states", time.time() + self.AHEAD_S)
+            return any(abs(at - stamp) < 0.3 for at, stamp in stamps(new, "new", "/shift/states")[-3:])
+        processes.wait_until(shifted, 20, "a stamp of the old side in the new side's time")
+
+        def shifted_back():
+            send(new, "new", "/shift/back", time.time())
+            send(new, "new", "/shift/back", 0)
+            return any(abs(stamp - at - self.AHEAD_S) < 0.3 for at, stamp in stamps(old, "old", "/shift/back")[-4:])
+        processes.wait_until(shifted_back, 20, "a stamp of the new side in the old side's time")
+        self.assertIn(0.0, [stamp for _, stamp in stamps(old, "old", "/shift/back")], "no stamp stays none")
+
+
+if __name__ == "__main__":
+    unittest.main()
