@@ -20,6 +20,7 @@ import socket
 import subprocess
 import sys
 import tempfile
+import threading
 import time
 import xml.etree.ElementTree
 
@@ -175,6 +176,33 @@ def tidy_sources():
     return [f for f in own_cpp_files() if f.startswith("src/") and f.endswith(".cpp")]
 
 
+def step_aside():
+    """What waits for nothing gives way to tests that mostly wait. Sessions count as a whole where the kernel
+    groups them."""
+    os.nice(19)
+    try:
+        pathlib.Path("/proc/self/autogroup").write_text("19")
+    except OSError:
+        pass
+
+
+class InBackground:
+    """A test that runs beside the others, with what they leave of the processors, from start() on."""
+
+    def __init__(self, runner):
+        self.runner, self.thread, self.counts = runner, None, None
+
+    def start(self, log):
+        self.thread = threading.Thread(target=lambda: setattr(self, "counts", self.runner(log)), daemon=True)
+        self.thread.start()
+
+    def __call__(self, log):
+        if self.thread is None:
+            return self.runner(log)
+        self.thread.join()
+        return self.counts or Counts(0, 1, 0)
+
+
 def tidy_runner(log):
     """clang-tidy over the sources; findings in our headers count too."""
     command = ["run-clang-tidy", "-quiet", "-extra-arg=-std=c++17", "-p", str(WS / "tidy"), "-j", JOBS, *(f"/{f}$" for f in tidy_sources())]
@@ -184,7 +212,7 @@ def tidy_runner(log):
                  "-DEXTPERFC_BENCHMARKS=OFF", "-DCMAKE_DISABLE_PRECOMPILE_HEADERS=ON"]
     if (WS / "openvino").exists():
         configure.append(f"-DOpenVINO_DIR={WS}/openvino/openvino/cmake")
-    if run(configure, log, 120) != 0 or run(command, log, 1500, cwd=REPO) != 0:
+    if run(configure, log, 120) != 0 or run(command, log, 3000, cwd=REPO, preexec_fn=step_aside) != 0:
         return Counts(0, 1, 0)
     return Counts(1, 0, 0)
 
@@ -212,7 +240,7 @@ def all_tests():
         "tsan", ["-DEXTPERFC_SANITIZE=thread", "-DEXTPERFC_WITH_OPENVINO=OFF"], "latest_slot|in_order|event_loop|resolver"))
     for file in sorted((REPO / "test" / "system").rglob("test_*.py")):
         yield Test(f"system/{file.stem[5:]}", "system", unittest_runner(file, 400))
-    yield Test("style/tidy", "style", tidy_runner)
+    yield Test("style/tidy", "style", InBackground(tidy_runner))
 
 
 def chosen(tests, words):
@@ -244,6 +272,17 @@ def report(test, counts, seconds, log):
         print("    skipped: " + (reason[0] or reason[1]).strip(), flush=True)
 
 
+def log_of(test, logs):
+    return logs / (test.name.replace("/", "_") + ".log")
+
+
+def fresh_log(test, logs):
+    log = log_of(test, logs)
+    log.parent.mkdir(parents=True, exist_ok=True)
+    log.unlink(missing_ok=True)
+    return log
+
+
 def main(argv):
     parser = argparse.ArgumentParser(prog="tools/test", description=__doc__,
                                      formatter_class=argparse.RawDescriptionHelpFormatter)
@@ -259,10 +298,14 @@ def main(argv):
     logs = WS / "test_logs"
     total = Counts(0, 0, 0)
     begin = time.monotonic()
+    background = [t for t in tests if isinstance(t.run, InBackground)] if len(tests) > 1 else []
+    started = []
     for test in tests:
-        log = logs / (test.name.replace("/", "_") + ".log")
-        log.parent.mkdir(parents=True, exist_ok=True)
-        log.unlink(missing_ok=True)
+        if test.group != "unit":  # those are quick
+            for other in background:
+                other.run.start(fresh_log(other, logs))
+            started, background = started + background, []
+        log = log_of(test, logs) if test in started else fresh_log(test, logs)
         start = time.monotonic()
         counts = test.run(log)
         report(test, counts, time.monotonic() - start, log)

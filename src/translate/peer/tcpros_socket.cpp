@@ -86,7 +86,8 @@ Result<ListeningSocket> listen_on(const std::string& address, std::uint16_t port
   LoopSocket socket(::socket(at->ai_family, SOCK_STREAM | SOCK_NONBLOCK | SOCK_CLOEXEC, 0));
   set_option(socket.get(), SOL_SOCKET, SO_REUSEADDR, 1);
   set_option(socket.get(), SOL_SOCKET, SO_REUSEPORT, 1);  // for HalfOpenNotices
-  if (!socket || ::bind(socket.get(), at->ai_addr, at->ai_addrlen) != 0 || ::listen(socket.get(), SOMAXCONN) != 0) {
+  if (!socket || ::bind(socket.get(), at->ai_addr, at->ai_addrlen) != 0 ||
+      ::listen(socket.get(), SOMAXCONN) != 0) {
     return fail(ErrorCode::kFailed, "cannot listen at " + address + ":" + std::to_string(port) + ": " +
                                         errno_text(errno) + "; choose another bind address");
   }
@@ -135,7 +136,7 @@ void set_unsent(int descriptor, Priority priority) {
   // Control: what has not left yet waits in our queue, where it may grow too old and be dropped. Normal:
   // enough to keep a stream of large messages as fast as without a bound. Bulk: the system's default, none.
   constexpr int kControl = 1;
-  constexpr int kNormal = 256 << 10;
+  constexpr int kNormal = 1 << 20;
   constexpr int kNone = -1;
   const auto bytes = priority == Priority::kControl  ? kControl
                      : priority == Priority::kNormal ? kNormal
