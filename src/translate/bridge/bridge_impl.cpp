@@ -73,7 +73,6 @@ void BridgeImpl::on_master(End end, const Peer::MasterStatus& status) {
     if (handlers_.on_problem) handlers_.on_problem(side + "is not reachable: " + status.problem);
     return;
   }
-  context_.log(side + "answers");
   if (std::exchange(restarts_[index(end)], status.restarts) == status.restarts) return;
   context_.log(side + "was started again");
   for (auto& [from, route] : param_routes_)
