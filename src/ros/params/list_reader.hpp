@@ -1,9 +1,11 @@
 #pragma once
 
+#include <initializer_list>
 #include <map>
 #include <regex>
 #include <sstream>
 #include <string>
+#include <string_view>
 #include <utility>
 #include <vector>
 
@@ -49,13 +51,19 @@ inline void read_strings(ParamReader& reader, const ros::NodeHandle& handle, con
     reader.complain(handle.resolveName(key) + " must be a list of texts");
 }
 
+inline std::string joined(std::initializer_list<std::string_view> parts) {
+  std::string text;
+  for (const auto part : parts) text += part;
+  return text;
+}
+
 inline void check_expressions(ParamReader& reader, const std::string& where,
                               const std::vector<std::string>& expressions) {
   for (const auto& expression : expressions) {
     try {
       (void)std::regex(expression);
     } catch (const std::regex_error& error) {
-      reader.complain(where + ": '" + expression + "' is no regular expression (" + error.what() + ")");
+      reader.complain(joined({where, ": '", expression, "' is no regular expression (", error.what(), ")"}));
     }
   }
 }
@@ -103,9 +111,9 @@ std::vector<T> read_list(ParamReader& reader, const ros::NodeHandle& handle, con
     for (auto& [entry_key, value] : list[i]) {
       try {
         if (const auto done = set(item, entry_key, Entry(value)); !done)
-          reader.complain(place + "/" + entry_key + ": " + done.error().message);
+          reader.complain(joined({place, "/", entry_key, ": ", done.error().message}));
       } catch (const XmlRpc::XmlRpcException&) {
-        reader.complain(place + "/" + entry_key + " has a value of a wrong type");
+        reader.complain(joined({place, "/", entry_key, " has a value of a wrong type"}));
       }
     }
     items.push_back(std::move(item));
