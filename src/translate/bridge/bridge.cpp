@@ -14,16 +14,19 @@ const char* to_string(End end) {
 
 namespace {
 
+std::string unknown_set(End end, const std::string& set, const std::string& known) {
+  return std::string(to_string(end)) + " side: there is no set of definitions '" + set +
+         "'; there are:" + known;
+}
+
 Result<void> check_sets(const BridgeParams& params, const DefinitionStore& definitions) {
   const auto known = definitions.sets();
   for (const auto end : {End::kOld, End::kNew})
     for (const auto& set : params.ends[static_cast<std::size_t>(end)].definitions)
       if (std::find(known.begin(), known.end(), set) == known.end()) {
         std::string names;
-        for (const auto& name : known) names += " " + name;
-        return fail(ErrorCode::kNotFound, std::string(to_string(end)) +
-                                              " side: there is no set of definitions '" + set +
-                                              "'; there are:" + names);
+        for (const auto& name : known) names.append(" ").append(name);
+        return fail(ErrorCode::kNotFound, unknown_set(end, set, names));
       }
   return {};
 }

@@ -32,9 +32,7 @@ SendParams send_params(const TopicProfile& profile) {
 TopicRoute::TopicRoute(BridgeContext& context, Params params)
     : context_(context), params_(std::move(params)) {
   Publication::Handlers handlers;
-  handlers.on_request = [this](std::shared_ptr<SubscriberRequest> request) {
-    on_request(std::move(request));
-  };
+  handlers.on_request = [this](const std::shared_ptr<SubscriberRequest>& request) { on_request(request); };
   handlers.on_down = [this](LinkId link, const std::string&) {
     lost_with_links_ += publication_->stats(link).dropped_queue + publication_->stats(link).dropped_age;
     targets_.erase(link);
@@ -78,7 +76,7 @@ void TopicRoute::begin_anew() {
 
 // Subscribers.
 
-void TopicRoute::on_request(std::shared_ptr<SubscriberRequest> request) {
+void TopicRoute::on_request(const std::shared_ptr<SubscriberRequest>& request) {
   last_demand_ = EventLoop::now();
   if (!subscription_) subscribe();
   if (!sources_.empty()) return answer(*request);
@@ -138,7 +136,7 @@ Version TopicRoute::any_version() const {
   }
   const auto& source = sources_.begin()->second.version;
   if (const auto native = context_.native(other(params_.from), source.type)) {
-    const Version version{source.type, native->md5(), native};
+    Version version{source.type, native->md5(), native};
     if (context_.plans.carriage(source, version, options()).possible) return version;
   }
   return source;

@@ -57,7 +57,7 @@ class TopicRoute {
     EventLoop::TimerId deadline{0};
   };
 
-  void on_request(std::shared_ptr<SubscriberRequest> request);
+  void on_request(const std::shared_ptr<SubscriberRequest>& request);
   void answer(SubscriberRequest& request);
   void answer_waiting();
   [[nodiscard]] Version wanted_version(const ConnectionHeader& header) const;

@@ -120,7 +120,7 @@ class StoreWriter {
                                               const std::string& content) const {
     std::string text;
     for (const auto& [embedded, embedded_key] : embeds)
-      text += "# embeds " + embedded + " " + embedded_key + "\n";
+      text.append("# embeds ").append(embedded).append(" ").append(embedded_key).append("\n");
     return write_text(folder_ / (type + "." + key + "." + kind), text + content);
   }
 

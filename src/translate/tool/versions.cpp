@@ -67,6 +67,16 @@ Side side_of_set(const DefinitionStore& store, const std::string& set) {
   return side;
 }
 
+namespace {
+
+tl::unexpected<Error> ambiguous(const DefinitionStore& store, const std::string& type,
+                                const std::string& start) {
+  return fail(ErrorCode::kInvalidArgument,
+              start + " is the start of several MD5s of " + type + "; " + known_versions(store, type));
+}
+
+}  // namespace
+
 Result<std::map<std::string, Version>> find_versions(const DefinitionStore& store, const std::string& type,
                                                      const std::string& which) {
   const auto sets = store.sets();
@@ -80,9 +90,7 @@ Result<std::map<std::string, Version>> find_versions(const DefinitionStore& stor
     for (auto& [kind, version] : versions_in(store, set, type)) {
       if (!is_set && version.md5.compare(0, which.size(), which) != 0) continue;
       const auto [known, is_new] = found.emplace(kind, version);
-      if (!is_new && known->second.md5 != version.md5)
-        return fail(ErrorCode::kInvalidArgument,
-                    which + " is the start of several MD5s of " + type + "; " + known_versions(store, type));
+      if (!is_new && known->second.md5 != version.md5) return ambiguous(store, type, which);
     }
   }
   if (found.empty())
