@@ -66,7 +66,7 @@ class Soak:
         for name in names:
             self._wait_ready(name)
 
-    def _wait_ready(self, name, seconds=20):
+    def _wait_ready(self, name, seconds=60):  # on a busy machine Python takes its time
         node, line = self.nodes[name], f" {self.nodes[name].run} 0 "
         ready = lambda: any(l.startswith("ready") and line in l for l in node.lines())
         processes.wait_until(lambda: ready() or not node.alive(), seconds, lambda: f"{name}: {node.log_tail()}")

@@ -45,10 +45,11 @@ void add(DiagnosticStatus& status, const std::string& key, std::string value) {
 
 /// The highest level counts; messages of one level are joined.
 void merge(DiagnosticStatus& status, std::uint8_t level, const std::string& message) {
-  if (level > status.level) {
-    status.level = level;
+  const auto present = static_cast<std::uint8_t>(status.level);
+  if (level > present) {
+    status.level = static_cast<DiagnosticStatus::_level_type>(level);
     status.message = message;
-  } else if (level == status.level && level != DiagnosticStatus::OK) {
+  } else if (level == present && level != DiagnosticStatus::OK) {
     status.message += "; " + message;
   }
 }
@@ -124,6 +125,7 @@ std::size_t problems_in(const std::vector<T>& items) {
 template <typename T>
 std::vector<const T*> worst_first(const std::vector<T>& items) {
   std::vector<const T*> order;
+  order.reserve(items.size());
   for (const auto& item : items) order.push_back(&item);
   std::stable_partition(order.begin(), order.end(), [](const T* item) { return !problem_of(*item).empty(); });
   return order;

@@ -38,7 +38,8 @@ void ParamRoute::write_again() {
 void ParamRoute::on_change(const std::string& name, const XmlValue& value) {
   // A namespace that is told as a whole is written leaf by leaf: what only the other side has, stays.
   if (const auto* fields = value.as<XmlStruct>(); fields != nullptr && !fields->empty()) {
-    for (const auto& [key, part] : *fields) on_change(name == "/" ? name + key : name + "/" + key, part);
+    const auto prefix = name == "/" ? name : name + "/";
+    for (const auto& [key, part] : *fields) on_change(std::string(prefix).append(key), part);
     return;
   }
   auto& here = written_[static_cast<std::size_t>(from_)];
