@@ -1,30 +1,16 @@
 #include "detect/yaml_section.hpp"
 
 #include <algorithm>
-#include <numeric>
 #include <sstream>
 #include <utility>
+
+#include "extperfc/base/edit_distance.hpp"
 
 namespace extperfc::detect {
 
 namespace {
 
 constexpr std::size_t kLongestHint = 2;  // edits between an unknown key and the known one that is suggested
-
-/// Levenshtein distance.
-std::size_t edit_distance(const std::string& a, const std::string& b) {
-  std::vector<std::size_t> row(b.size() + 1);
-  std::iota(row.begin(), row.end(), 0U);
-  for (std::size_t i = 0; i < a.size(); ++i) {
-    std::size_t diagonal = std::exchange(row[0], i + 1);
-    for (std::size_t j = 0; j < b.size(); ++j) {
-      const std::size_t replaced = diagonal + (a[i] == b[j] ? 0U : 1U);
-      diagonal = row[j + 1];
-      row[j + 1] = std::min({replaced, diagonal + 1, row[j] + 1});
-    }
-  }
-  return row.back();
-}
 
 std::string hint_for(const std::string& key, const std::vector<std::string>& known) {
   const auto nearest = std::min_element(known.begin(), known.end(), [&key](const auto& a, const auto& b) {

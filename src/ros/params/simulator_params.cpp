@@ -7,7 +7,7 @@
 #include <XmlRpcException.h>
 #include <ros/package.h>
 
-#include "ros/params/param_reader.hpp"
+#include "ros/params/group_reader.hpp"
 
 namespace extperfc::ros_params {
 
@@ -17,36 +17,6 @@ namespace fs = std::filesystem;
 
 constexpr std::array<const char*, 8> kGroups{"time",   "physics", "base",  "arms",
                                              "camera", "lidar",   "range", "truth"};
-
-/// The readers of the nodelet's namespace and of the groups in it; gathers what is wrong with all of them.
-class GroupReader {
- public:
-  explicit GroupReader(const ros::NodeHandle& private_handle) : handle_(private_handle) {}
-
-  /// `read(reader)` reads the keys of the group `name`; "" is the namespace itself.
-  template <typename Read>
-  void group(const std::string& name, Read&& read) {
-    if (XmlRpc::XmlRpcValue value;
-        !name.empty() && handle_.getParam(name, value) && value.getType() != XmlRpc::XmlRpcValue::TypeStruct)
-      problems_.push_back(handle_.resolveName(name) + " must be a group of parameters");
-    ParamReader reader(name.empty() ? handle_ : ros::NodeHandle(handle_, name));
-    read(reader);
-    if (auto finished = reader.finish(); !finished) problems_.push_back(finished.error().message);
-  }
-
-  void complain(const std::string& problem) { problems_.push_back(problem); }
-
-  [[nodiscard]] Result<void> finish() const {
-    if (problems_.empty()) return {};
-    std::string all = problems_.front();
-    for (std::size_t i = 1; i < problems_.size(); ++i) all += "\n  " + problems_[i];
-    return fail(ErrorCode::kInvalidArgument, all);
-  }
-
- private:
-  ros::NodeHandle handle_;
-  std::vector<std::string> problems_;
-};
 
 double number_of(XmlRpc::XmlRpcValue& value) {
   return value.getType() == XmlRpc::XmlRpcValue::TypeInt ? static_cast<int>(value)
@@ -239,21 +209,31 @@ void read_truth(ParamReader& reader, const ros::NodeHandle& handle, TruthParams&
 Result<SimulatorNodeletParams> load_simulator_params(const ros::NodeHandle& private_handle) {
   SimulatorNodeletParams params;
   GroupReader groups(private_handle);
-  groups.group("", [&](ParamReader& reader) {
+  groups.group("", [&](ParamReader& reader, const ros::NodeHandle&) {
     for (const char* group : kGroups) reader.accept(group);
     for (const char* written : {"classes", "instances"}) reader.accept(written);
     reader.accept("robot");  // load_robot_interface_params reads it
     read_robot_and_world(reader, params);
     params.faults = read_faults(reader, private_handle);
   });
-  groups.group("time", [&](ParamReader& reader) { read_time(reader, params.time); });
-  groups.group("physics", [&](ParamReader& reader) { read_physics(reader, params.simulator.bodies); });
-  groups.group("base", [&](ParamReader& reader) { read_base(reader, params.simulator.base, params.base); });
-  groups.group("arms", [&](ParamReader& reader) { read_arms(reader, params.simulator.arms); });
-  groups.group("camera", [&](ParamReader& reader) { read_camera(reader, params.camera); });
-  groups.group("lidar", [&](ParamReader& reader) { read_lidar(reader, params.lidar); });
-  groups.group("range", [&](ParamReader& reader) { read_range(reader, params.range); });
-  groups.group("truth", [&](ParamReader& reader) { read_truth(reader, private_handle, params.truth); });
+  groups.group("time", [&](ParamReader& reader, const ros::NodeHandle&) { read_time(reader, params.time); });
+  groups.group("physics", [&](ParamReader& reader, const ros::NodeHandle&) {
+    read_physics(reader, params.simulator.bodies);
+  });
+  groups.group("base", [&](ParamReader& reader, const ros::NodeHandle&) {
+    read_base(reader, params.simulator.base, params.base);
+  });
+  groups.group(
+      "arms", [&](ParamReader& reader, const ros::NodeHandle&) { read_arms(reader, params.simulator.arms); });
+  groups.group("camera",
+               [&](ParamReader& reader, const ros::NodeHandle&) { read_camera(reader, params.camera); });
+  groups.group("lidar",
+               [&](ParamReader& reader, const ros::NodeHandle&) { read_lidar(reader, params.lidar); });
+  groups.group("range",
+               [&](ParamReader& reader, const ros::NodeHandle&) { read_range(reader, params.range); });
+  groups.group("truth", [&](ParamReader& reader, const ros::NodeHandle&) {
+    read_truth(reader, private_handle, params.truth);
+  });
   if (auto robot = load_robot_interface_params(private_handle)) {
     params.robot = *robot;
   } else {

@@ -2,9 +2,10 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numeric>
 #include <sstream>
 #include <utility>
+
+#include "extperfc/base/edit_distance.hpp"
 
 namespace extperfc::simulate::worlds {
 
@@ -12,22 +13,6 @@ namespace {
 
 constexpr std::size_t kFarthestHint = 2;  // edits between an unknown word and the known one that is suggested
 constexpr std::size_t kLongestShown = 40;
-
-/// Levenshtein distance, one row at a time.
-std::size_t edits_between(const std::string& from, const std::string& to) {
-  std::vector<std::size_t> cost(to.size() + 1);
-  std::iota(cost.begin(), cost.end(), std::size_t{0});
-  for (std::size_t row = 1; row <= from.size(); ++row) {
-    std::size_t upper_left = cost[0];
-    cost[0] = row;
-    for (std::size_t column = 1; column <= to.size(); ++column) {
-      const std::size_t swap = upper_left + (from[row - 1] == to[column - 1] ? 0 : 1);
-      upper_left = cost[column];
-      cost[column] = std::min({cost[column] + 1, cost[column - 1] + 1, swap});
-    }
-  }
-  return cost.back();
-}
 
 std::string text_of(Span span) {
   std::ostringstream out;
@@ -63,9 +48,9 @@ Error Problems::to_error() const {
 
 std::string hint_for(const std::string& word, const std::vector<std::string>& known) {
   const auto nearest = std::min_element(known.begin(), known.end(), [&word](const auto& a, const auto& b) {
-    return edits_between(word, a) < edits_between(word, b);
+    return edit_distance(word, a) < edit_distance(word, b);
   });
-  if (nearest == known.end() || edits_between(word, *nearest) > kFarthestHint) return "";
+  if (nearest == known.end() || edit_distance(word, *nearest) > kFarthestHint) return "";
   return ", did you mean \"" + *nearest + "\"?";
 }
 

@@ -1,7 +1,8 @@
 #include "translate/rules/problems.hpp"
 
 #include <algorithm>
-#include <numeric>
+
+#include "extperfc/base/edit_distance.hpp"
 
 namespace extperfc::translate::rules {
 
@@ -9,22 +10,6 @@ namespace {
 
 constexpr std::size_t kLongestShown = 60;
 constexpr std::size_t kLongestWord = 200;  // longer words get no hint: the distance costs their product
-
-/// Levenshtein distance, one row at a time.
-std::size_t edits_between(const std::string& from, const std::string& to) {
-  std::vector<std::size_t> cost(to.size() + 1);
-  std::iota(cost.begin(), cost.end(), std::size_t{0});
-  for (std::size_t row = 1; row <= from.size(); ++row) {
-    std::size_t upper_left = cost[0];
-    cost[0] = row;
-    for (std::size_t column = 1; column <= to.size(); ++column) {
-      const std::size_t swap = upper_left + (from[row - 1] == to[column - 1] ? 0 : 1);
-      upper_left = cost[column];
-      cost[column] = std::min({cost[column] + 1, cost[column - 1] + 1, swap});
-    }
-  }
-  return cost.back();
-}
 
 }  // namespace
 
@@ -57,7 +42,7 @@ std::string hint_for(const std::string& word, const std::vector<std::string>& kn
   std::size_t fewest = farthest + 1;
   for (const std::string& candidate : known) {
     if (candidate.size() > word.size() + farthest || word.size() > candidate.size() + farthest) continue;
-    const std::size_t edits = edits_between(word, candidate);
+    const std::size_t edits = edit_distance(word, candidate);
     if (edits < fewest && edits < word.size()) {
       fewest = edits;
       nearest = &candidate;
