@@ -145,6 +145,77 @@ class Faults(unittest.TestCase):
         for source, _, topic in streams:
             source.tell("stop", topic)
 
+    def test_rospy_hears_commands_again_after_an_outage(self):
+        """It gives up a connection that ends, for good: somebody has to call it back."""
+        if not SESSION.separate:
+            self.skipTest("needs network namespaces: run as root")
+        source, listener = SESSION.start("new_cpp", "old_python")
+        topic = "/command_to_rospy"
+        listener.tell("subscribe", topic, "std_msgs/Float64")
+        source.tell("advertise", topic, "std_msgs/Float64", 0)
+        source.tell("stream", topic, 100, 1_000_000)
+        listener.wait_for("message", topic, 50)
+        for seconds in (1.0, 4.0):
+            with self.subTest(outage_s=seconds):
+                SESSION.network.old_cable.cut()
+                time.sleep(seconds)  # the outage itself
+                count = len(listener.heard("message", topic))
+                SESSION.network.old_cable.mend()
+                mended = time.time()
+                listener.wait_for("message", topic, count + 200, seconds=20)
+                after = listener.heard("message", topic)[count:]
+                self.assertLess(after[0].heard_at - mended, 8.0)
+                ages = [event.heard_at - struct.unpack("<d", bytes.fromhex(event[1][1:]))[0] for event in after]
+                self.assertLess(max(ages), MAX_AGE_S + 0.5, sorted(ages)[-5:])
+        source.tell("stop", topic)
+
+    def test_publisher_replaced_during_an_outage(self):
+        """The master tells it while nobody can hear; the translator's connection to the dead one looks alive."""
+        if not SESSION.separate:
+            self.skipTest("needs network namespaces: run as root")
+        topic, target = "/replaced", SESSION.node("new_python")
+        self.flow(SESSION.node("old_cpp_replaced"), target, topic, "before")
+        for life, seconds in enumerate((0.0, 3.2)):
+            with self.subTest(outage_s=seconds):
+                SESSION.network.old_cable.cut()
+                cut = time.monotonic()
+                SESSION.end_node("old_cpp_replaced", kill=True)
+                source = SESSION.node("old_cpp_replaced")
+                source.tell("advertise", topic, "std_msgs/String", 0)
+                time.sleep(max(0.0, cut + seconds - time.monotonic()))  # the outage itself
+                SESSION.network.old_cable.mend()
+                self.flow(source, target, topic, f"life_{life}")
+        SESSION.end_node("old_cpp_replaced")
+
+    def test_slow_network_that_loses_packets(self):
+        """Images want twenty times what a cable carries, which drops the rest: commands that come are young."""
+        if not SESSION.separate:
+            self.skipTest("needs network namespaces: run as root")
+        command, images, kind = "/command_slow", "/images_slow", "sensor_msgs/Image"
+        source, plain, rospy_node = SESSION.start("new_cpp", "old_cpp", "old_python")
+        image = eras.to_hex(SESSION.message("new", kind, width=100, height=333, step=300, data=bytes(100_000)))
+        for node in (plain, rospy_node):
+            node.tell("subscribe", command, "std_msgs/Float64")
+        plain.tell("subscribe", images, kind)
+        source.tell("advertise", command, "std_msgs/Float64", 0)
+        source.tell("advertise", images, kind, 0)
+        source.tell("stream", command, 50, 1_000_000)
+        source.tell("repeat", images, 10, 1_000_000, image)
+        listeners = [(plain, command), (rospy_node, command), (plain, images)]
+        for node, topic in listeners:
+            node.wait_for("message", topic, 20)
+        SESSION.network.old_cable.slow(400)
+        time.sleep(6.0)  # it is slow
+        before = [len(node.heard("message", topic)) for node, topic in listeners]
+        SESSION.network.old_cable.mend()
+        for (node, topic), count in zip(listeners, before):
+            node.wait_for("message", topic, count + 50, seconds=20)
+        for topic in (command, images):
+            source.tell("stop", topic)
+        for node in (plain, rospy_node):
+            ages = [event.heard_at - struct.unpack("<d", bytes.fromhex(event[1][1:]))[0] for event in node.heard("message", command)]
+            self.assertLess(max(ages), MAX_AGE_S + 0.7, f"{node.name}: {sorted(ages)[-5:]}")
+
     def test_stopped_subscriber_costs_nobody_else(self):
         """Its queue is bounded, the others hear everything, and it hears the newest when it goes on."""
         kind, topic, count = "sensor_msgs/Image", "/images", 150

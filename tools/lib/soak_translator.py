@@ -233,7 +233,7 @@ def plot(file, soak, streams, begin):
     figure, (memory, rates) = plt.subplots(2, 1, figsize=(10, 5.5), sharex=True)
     memory.plot([(t - begin) / 60 for t, _ in soak.memory], [size for _, size in soak.memory])
     memory.set_ylabel("resident memory [MB]")
-    memory.set_ylim(bottom=0)
+    memory.set_ylim(0, 1.25 * max(size for _, size in soak.memory))
     bin_s = 5.0
     for stream in streams.values():
         counts = {}
@@ -247,7 +247,8 @@ def plot(file, soak, streams, begin):
             axis.axvline((fault.begin - begin) / 60, color="red", alpha=0.2, linewidth=0.7)
     rates.set_ylabel("arrived [1/s]")
     rates.set_xlabel("time [min]; red: a fault")
-    rates.legend(fontsize="x-small", loc="lower right")
+    rates.legend(fontsize="x-small", loc="upper center", ncol=3)
+    rates.set_ylim(0, 1.3 * rates.get_ylim()[1])
     figure.tight_layout()
     figure.savefig(file, dpi=110)
 

@@ -43,6 +43,9 @@ struct TcprosParams {
   std::chrono::milliseconds keep_alive{5'000};       ///< silence until TCP asks whether the other end lives
   std::chrono::milliseconds retry_first{100};        ///< after a lost connection; doubles
   std::chrono::milliseconds retry_last{5'000};
+  std::chrono::milliseconds call_back_first{1'000};  ///< after a broken connection, until the master is asked
+                                                     ///< to name publishers again; doubles
+  std::chrono::milliseconds call_back_last{30'000};
   std::size_t read_at_once{256U << 10U};  ///< bytes of one connection before others have their turn
 };
 
@@ -133,6 +136,9 @@ class Subscription {
   [[nodiscard]] virtual const std::string& topic() const = 0;
   [[nodiscard]] virtual std::size_t connected() const = 0;
   virtual void set_priority(Priority priority) = 0;
+  /// To be told each look at the master's graph: how many publishers it lists, ourselves left out. When that
+  /// stays another number than we were told, what the master told us was lost, and it is asked again.
+  virtual void compare(std::size_t publishers) = 0;
 };
 
 /// A client's connection to a service of ours. Requests of one connection are answered in order, one at a

@@ -1,5 +1,6 @@
 #include "bridge_impl.hpp"
 
+#include <algorithm>
 #include <chrono>
 #include <utility>
 
@@ -133,7 +134,7 @@ void BridgeImpl::open_new(const TopicCrossings& crossings) {
     if (held != topics_.end()) {
       const auto& present = held->second.route->params();
       if (present.eager == crossing.eager && present.action == crossing.action) {
-        held->second.route->look(crossing.listeners);
+        held->second.route->look(crossing.listeners, publishers_of(topic, from));
         continue;
       }
       topics_.erase(held);  // it became part of an action, or ceased to be
@@ -146,9 +147,19 @@ void BridgeImpl::open_new(const TopicCrossings& crossings) {
     params.action = crossing.action;
     params.eager = crossing.eager;
     auto route = std::make_unique<TopicRoute>(context_, std::move(params));
-    route->look(crossing.listeners);
+    route->look(crossing.listeners, publishers_of(topic, from));
     topics_[key] = {std::move(route), EventLoop::now()};
   }
+}
+
+/// As the master lists them now, ourselves left out.
+std::size_t BridgeImpl::publishers_of(const std::string& topic, End from) const {
+  const auto& topics = graphs_[index(from)].topics;
+  const auto found = topics.find(topic);
+  if (found == topics.end()) return 0;
+  const auto& nodes = found->second.publishers;
+  const auto own = std::count(nodes.begin(), nodes.end(), params_.ends[index(from)].peer.name);
+  return nodes.size() - static_cast<std::size_t>(own);
 }
 
 void BridgeImpl::update_services() {

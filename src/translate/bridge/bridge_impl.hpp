@@ -42,6 +42,7 @@ class BridgeImpl final : public Bridge {
   void update_topics();
   void open_new(const TopicCrossings& crossings);
   void end_old(const TopicCrossings& crossings);
+  [[nodiscard]] std::size_t publishers_of(const std::string& topic, End from) const;
   void update_services();
   void schedule();
   void tell(const std::string& problem);

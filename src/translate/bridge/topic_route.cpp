@@ -55,7 +55,7 @@ bool TopicRoute::demand() const {
   return params_.eager || listeners_ || !targets_.empty() || !waiting_.empty();
 }
 
-void TopicRoute::look(bool listeners_at_other_side) {
+void TopicRoute::look(bool listeners_at_other_side, std::size_t publishers) {
   listeners_ = listeners_at_other_side;
   const auto now = EventLoop::now();
   if (demand()) {
@@ -66,6 +66,7 @@ void TopicRoute::look(bool listeners_at_other_side) {
     sources_.clear();
     latched_ = {};
   }
+  if (subscription_) subscription_->compare(publishers);
 }
 
 void TopicRoute::begin_anew() {

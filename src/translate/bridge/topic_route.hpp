@@ -30,8 +30,8 @@ class TopicRoute {
   TopicRoute(const TopicRoute&) = delete;
   TopicRoute& operator=(const TopicRoute&) = delete;
 
-  /// What the masters say now; opens or closes the subscription.
-  void look(bool listeners_at_other_side);
+  /// What the masters say now; opens or closes the subscription. `publishers`: without ourselves.
+  void look(bool listeners_at_other_side, std::size_t publishers);
   /// Publishers are still connected, listed or not.
   [[nodiscard]] bool alive() const { return subscription_ && subscription_->connected() > 0; }
   [[nodiscard]] const Params& params() const { return params_; }

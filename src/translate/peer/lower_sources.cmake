@@ -1,4 +1,5 @@
 set(EXTPERFC_PEER_LOWER_SOURCES
+  absentees.cpp
   event_loop.cpp
   frame_pool.cpp
   graph_state.cpp

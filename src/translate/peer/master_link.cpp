@@ -160,7 +160,7 @@ struct MasterLink::State : std::enable_shared_from_this<MasterLink::State> {
 
   [[nodiscard]] bool wants_step(const Registration& registration) const {
     if (registration.busy || registration.queued || registration.not_before > EventLoop::now()) return false;
-    return registration.dropped || registration.again || registration.epoch != epoch;
+    return registration.dropped || registration.again || registration.renew || registration.epoch != epoch;
   }
 
   void queue(RegistrationId id, Registration& registration) {
@@ -206,7 +206,7 @@ struct MasterLink::State : std::enable_shared_from_this<MasterLink::State> {
       registrations.entries.erase(id);
     } else if (registration.again) {
       undo(id, registration);
-    } else if (registration.epoch != epoch) {
+    } else if (registration.renew || registration.epoch != epoch) {
       make(id, registration);
     }
   }
@@ -218,6 +218,7 @@ struct MasterLink::State : std::enable_shared_from_this<MasterLink::State> {
 
   void make(RegistrationId id, Registration& registration) {
     registration.busy = true;
+    registration.renew = false;
     registration.told_pid = status.pid;
     ++in_flight;
     const auto& what = registration.what;
@@ -292,6 +293,13 @@ struct MasterLink::State : std::enable_shared_from_this<MasterLink::State> {
     queue(id, found->second);
   }
 
+  void renew(RegistrationId id) {
+    const auto found = registrations.entries.find(id);
+    if (found == registrations.entries.end() || found->second.dropped || found->second.told_pid == 0) return;
+    found->second.renew = true;
+    queue(id, found->second);
+  }
+
   // The end.
 
   void shut_down(std::chrono::milliseconds patience, std::function<void()> done) {
@@ -361,6 +369,10 @@ void MasterLink::drop(RegistrationId registration) {
 
 void MasterLink::again(RegistrationId registration) {
   state_->again(registration);
+}
+
+void MasterLink::renew(RegistrationId registration) {
+  state_->renew(registration);
 }
 
 void MasterLink::call(const std::string& method, XmlArray further_arguments, Done done) {

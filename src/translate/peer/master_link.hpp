@@ -45,6 +45,10 @@ class MasterLink {
   RegistrationId keep_param_watch(const std::string& prefix, Done done);
   void drop(RegistrationId registration);   ///< unregisters, best effort
   void again(RegistrationId registration);  ///< unregisters and registers
+  /// Registers once more without unregistering: for a publisher the master then tells every subscriber its
+  /// publishers again, for a subscriber it answers with them. One try; nothing for what is not registered
+  /// yet.
+  void renew(RegistrationId registration);
 
   /// A method of the master with our caller id as its first argument.
   void call(const std::string& method, XmlArray further_arguments, Done done);

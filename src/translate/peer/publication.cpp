@@ -1,9 +1,12 @@
 #include "publication.hpp"
 
+#include <algorithm>
 #include <cerrno>
 #include <utility>
 
 #include <sys/epoll.h>
+
+#include "subscription.hpp"
 
 namespace extperfc::translate {
 namespace {
@@ -55,12 +58,22 @@ bool is_silence(const std::string& problem) {
 
 PublicationState::PublicationState(std::shared_ptr<PeerCore> core, std::string topic,
                                    Publication::Handlers handlers, const SendParams& params)
-    : core_(std::move(core)), topic_(std::move(topic)), handlers_(std::move(handlers)), params_(params) {}
+    : core_(std::move(core)),
+      topic_(std::move(topic)),
+      handlers_(std::move(handlers)),
+      params_(params),
+      absent_(
+          core_->loop, [this] { call_back(); }, core_->params.tcpros.call_back_first,
+          core_->params.tcpros.call_back_last) {}
 
 void PublicationState::open(const std::string& type) {
   type_ = type;
   core_->publications.emplace(topic_, this);
-  registration_ = core_->master->keep_publisher(topic_, type, [](const Result<XmlValue>&) {});
+  registration_ =
+      core_->master->keep_publisher(topic_, type, [weak = weak_from_this()](const Result<XmlValue>& answer) {
+        const auto self = weak.lock();
+        if (self && !self->closed_) self->on_registered(answer);
+      });
 }
 
 void PublicationState::close() {
@@ -68,6 +81,7 @@ void PublicationState::close() {
   end_registration(*core_, core_->publications, topic_, this);
   while (!pending_.empty()) refuse(pending_.begin()->first, "the publisher of " + topic_ + " goes away");
   links_.clear();
+  absent_.clear();
 }
 
 void PublicationState::incoming(Incoming incoming) {
@@ -137,6 +151,7 @@ LinkId PublicationState::accept(LinkId id, ConnectionHeader header) {
   apply(placed);
   placed.queue.push_header(std::move(frame));
   watch_link(id, placed);
+  absent_.forget(placed.caller);
   flush(id, placed);
   if (!placed.dead) return id;
   links_.erase(id);
@@ -158,7 +173,8 @@ void PublicationState::handle(LinkId id, std::uint32_t events) {
   if ((events & (EPOLLRDHUP | EPOLLHUP | EPOLLERR)) != 0) {
     const auto problem = connect_problem(found->second->socket.get());
     if (is_silence(problem)) return give_up(id, problem);
-    return end_link(id, problem.empty() ? "the subscriber closed the connection" : problem);
+    if (!problem.empty()) return break_link(id, problem);
+    return end_link(id, "the subscriber closed the connection");
   }
   flush(id, *found->second);
 }
@@ -175,7 +191,7 @@ void PublicationState::flush(LinkId id, Link& link) {
   const auto outcome = link.queue.write(link.socket.get());
   if (outcome == SendQueue::Outcome::kBroken)
     return is_silence(link.queue.problem()) ? give_up(id, link.queue.problem())
-                                            : end_link(id, link.queue.problem());
+                                            : break_link(id, link.queue.problem());
   const bool blocked = outcome == SendQueue::Outcome::kBlocked;
   if (blocked == link.blocked) return;
   link.blocked = blocked;
@@ -198,12 +214,58 @@ void PublicationState::end_link(LinkId id, const std::string& reason) {
   });
 }
 
+void PublicationState::break_link(LinkId id, const std::string& reason) {
+  const auto found = links_.find(id);
+  if (found == links_.end() || found->second->dead) return;
+  end_link(id, reason);
+  expect(*found->second);
+}
+
 void PublicationState::give_up(LinkId id, const std::string& reason) {
   const auto found = links_.find(id);
   if (found == links_.end() || found->second->dead) return;
   abort_connection(found->second->socket);
-  core_->half_open.tell(found->second->ends);
-  end_link(id, reason);
+  break_link(id, reason);
+  core_->half_open.tell(found->second->ends, [weak = weak_from_this()] {
+    if (const auto self = weak.lock()) self->absent_.hurry();
+  });
+}
+
+void PublicationState::expect(const Link& link) {
+  const bool has_another = std::any_of(links_.begin(), links_.end(), [&](const auto& one) {
+    return !one.second->dead && one.second->caller == link.caller;
+  });
+  if (!has_another) absent_.expect(link.caller);
+}
+
+void PublicationState::call_back() {
+  calling_back_ = true;
+  core_->master->renew(registration_);
+}
+
+void PublicationState::on_registered(const Result<XmlValue>& subscribers) {
+  const bool called_back = std::exchange(calling_back_, false);
+  if (absent_.empty() || !subscribers || subscribers->as<XmlArray>() == nullptr) return;
+  const auto listed = uris_in(*subscribers);
+  if (listed.empty()) return absent_.clear();
+  // Registered for another reason: the master came back, so they may be reachable again as well.
+  if (!called_back) return absent_.hurry();
+  if (absent_.calls() < 2) return;  // most are on their way
+  const auto names = absent_.names();
+  for (const auto& name : names) ask_whether_listed(name, listed);
+}
+
+void PublicationState::ask_whether_listed(const std::string& caller, const std::vector<std::string>& listed) {
+  core_->master->call("lookupNode", {caller},
+                      [weak = weak_from_this(), caller, listed](const Result<XmlValue>& answer) {
+                        const auto self = weak.lock();
+                        if (!self) return;
+                        const auto* uri = answer ? answer->as<std::string>() : nullptr;
+                        const bool unknown = !answer && answer.error().code == ErrorCode::kNotFound;
+                        const bool elsewhere =
+                            uri != nullptr && std::find(listed.begin(), listed.end(), *uri) == listed.end();
+                        if (unknown || elsewhere) self->absent_.forget(caller);
+                      });
 }
 
 void PublicationState::tell_down(LinkId id, const std::string& reason) {
@@ -238,7 +300,7 @@ std::chrono::milliseconds PublicationState::patience() const {
 void PublicationState::announce_again() {
   core_->master->again(registration_);
   while (!pending_.empty()) refuse(pending_.begin()->first, topic_ + " is announced again; connect again");
-  for (const auto id : links()) end_link(id, "announced again");
+  for (const auto id : links()) break_link(id, "announced again");
 }
 
 std::vector<LinkId> PublicationState::links() const {

@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "absentees.hpp"
 #include "peer_core.hpp"
 #include "tcpros_send_queue.hpp"
 #include "tcpros_stall.hpp"
@@ -64,8 +65,17 @@ class PublicationState : public std::enable_shared_from_this<PublicationState> {
   void flush(LinkId id, Link& link);
   /// Closes now, tells later: on_down never runs inside a call of the owner.
   void end_link(LinkId id, const std::string& reason);
+  /// It ended by a fault: the subscriber is expected back.
+  void break_link(LinkId id, const std::string& reason);
   /// It answers no more: nothing that waits is sent any more, and it is told so when it can be reached again.
   void give_up(LinkId id, const std::string& reason);
+  /// Its subscriber did not ask for the end.
+  void expect(const Link& link);
+  /// The master is to name us to our subscribers anew.
+  void call_back();
+  /// The master's list of subscribers: nobody who is not on it comes back.
+  void on_registered(const Result<XmlValue>& subscribers);
+  void ask_whether_listed(const std::string& caller, const std::vector<std::string>& listed);
   void tell_down(LinkId id, const std::string& reason);
   void apply(Link& link) const;
   [[nodiscard]] std::chrono::milliseconds patience() const;
@@ -78,6 +88,8 @@ class PublicationState : public std::enable_shared_from_this<PublicationState> {
   MasterLink::RegistrationId registration_{0};
   std::map<LinkId, Pending> pending_;
   std::map<LinkId, std::unique_ptr<Link>> links_;
+  Absentees absent_;          ///< subscribers by caller id
+  bool calling_back_{false};  ///< the next registration is that of call_back()
   bool closed_{false};
 };
 

@@ -19,6 +19,7 @@ struct Registration {
   bool queued{false};
   bool dropped{false};
   bool again{false};        ///< unregister before the next registration
+  bool renew{false};        ///< register once more, as it stands
   SteadyTime not_before{};  ///< after a failure
 };
 

@@ -12,7 +12,10 @@ SubscriptionState::SubscriptionState(std::shared_ptr<PeerCore> core, std::string
     : core_(std::move(core)),
       topic_(std::move(topic)),
       handlers_(std::move(handlers)),
-      params_(std::move(params)) {}
+      params_(std::move(params)),
+      absent_(
+          core_->loop, [this] { core_->master->renew(registration_); }, core_->params.tcpros.call_back_first,
+          core_->params.tcpros.call_back_last) {}
 
 void SubscriptionState::open() {
   core_->subscriptions.emplace(topic_, this);
@@ -28,6 +31,7 @@ void SubscriptionState::close() {
   end_registration(*core_, core_->subscriptions, topic_, this);
   for (auto& [uri, source] : sources_) stop(*source);
   sources_.clear();
+  absent_.clear();
 }
 
 void SubscriptionState::stop(Source& source) const {
@@ -86,6 +90,7 @@ void SubscriptionState::remove(const SourcePtr& source) {
   const bool was_up = source->step == Step::kUp;
   stop(*source);
   sources_.erase(source->link.uri);
+  absent_.forget(source->link.uri);
   if (was_up && handlers_.on_down)
     handlers_.on_down(source->link, "the master no longer lists the publisher");
   if (!closed_ && handlers_.on_gone) handlers_.on_gone(source->link);
@@ -167,6 +172,7 @@ void SubscriptionState::connected_to(const SourcePtr& source, Result<Outgoing> o
 
 void SubscriptionState::bring_up(const SourcePtr& source, Outgoing outgoing) {
   source->step = Step::kUp;
+  absent_.forget(source->link.uri);
   source->up_since = EventLoop::now();
   source->problem.clear();
   source->link.id = core_->next_link();
@@ -219,6 +225,7 @@ void SubscriptionState::lose(const SourcePtr& source, const std::string& reason)
 void SubscriptionState::reject(const SourcePtr& source, const std::string& reason) {
   stop(*source);
   source->step = Step::kRejected;
+  absent_.forget(source->link.uri);
   if (!reason.empty()) tell_problem(*source, reason);
 }
 
@@ -230,6 +237,7 @@ void SubscriptionState::fail_attempt(const SourcePtr& source, const std::string&
 }
 
 void SubscriptionState::retry_later(const SourcePtr& source) {
+  absent_.expect(source->link.uri);
   const auto& limits = core_->params.tcpros;
   const auto delay =
       std::clamp(source->delay, limits.retry_first, std::max(limits.retry_first, limits.retry_last));
@@ -250,6 +258,19 @@ void SubscriptionState::tell_problem(Source& source, const std::string& reason) 
 void SubscriptionState::set_priority(Priority priority) {
   params_.priority = priority;
   for (auto& [uri, source] : sources_) source->socket.set_priority(priority);
+}
+
+/// A count that stays unequal for good costs the master less and less.
+void SubscriptionState::compare(std::size_t publishers) {
+  if (publishers == listed_.size()) {
+    unequal_looks_ = 0;
+    patience_ = kLooks;
+    return;
+  }
+  if (++unequal_looks_ < patience_) return;
+  unequal_looks_ = 0;
+  patience_ = std::min(2 * patience_, kMostLooks);
+  core_->master->renew(registration_);
 }
 
 std::size_t SubscriptionState::connected() const {
@@ -292,6 +313,7 @@ class SubscriptionHandle : public Subscription {
   const std::string& topic() const override { return state_->topic(); }
   std::size_t connected() const override { return state_->connected(); }
   void set_priority(Priority priority) override { state_->set_priority(priority); }
+  void compare(std::size_t publishers) override { state_->compare(publishers); }
 
  private:
   std::shared_ptr<SubscriptionState> state_;

@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "absentees.hpp"
 #include "peer_core.hpp"
 #include "tcpros_frame_reader.hpp"
 
@@ -25,6 +26,7 @@ class SubscriptionState : public std::enable_shared_from_this<SubscriptionState>
   /// until they break: nodes do not register again by themselves.
   void update(const std::vector<std::string>& uris);
   void set_priority(Priority priority);
+  void compare(std::size_t publishers);
 
   [[nodiscard]] const std::string& topic() const { return topic_; }
   [[nodiscard]] const std::string& type() const { return params_.type; }
@@ -33,6 +35,7 @@ class SubscriptionState : public std::enable_shared_from_this<SubscriptionState>
   [[nodiscard]] std::vector<BusLink> bus() const;
 
  private:
+  static constexpr unsigned kLooks = 3, kMostLooks = 64;
   enum class Step : std::uint8_t { kAsking, kConnecting, kUp, kWaiting, kRejected, kGone };
   /// One publisher.
   struct Source {
@@ -74,6 +77,10 @@ class SubscriptionState : public std::enable_shared_from_this<SubscriptionState>
   MasterLink::RegistrationId registration_{0};
   std::map<std::string, SourcePtr> sources_;  ///< by URI
   std::set<std::string> listed_;
+  unsigned unequal_looks_{0}, patience_{kLooks};  ///< of compare()
+  /// Publishers by URI. The master's word that one was replaced is lost when it comes while the network is
+  /// away, so it is asked again.
+  Absentees absent_;
   bool closed_{false};
 };
 

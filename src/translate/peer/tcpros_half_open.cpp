@@ -45,10 +45,11 @@ HalfOpenNotices::~HalfOpenNotices() {
   for (auto& [id, notice] : notices_) loop_.cancel(notice.timer);
 }
 
-void HalfOpenNotices::tell(const ConnectionEnds& ends) {
+void HalfOpenNotices::tell(const ConnectionEnds& ends, std::function<void()> done) {
   if (ends.size == 0 || notices_.size() >= kMost) return;
   const auto id = ++last_id_;
   notices_[id].ends = ends;
+  notices_[id].done = std::move(done);
   attempt(id);
 }
 
@@ -62,8 +63,8 @@ void HalfOpenNotices::attempt(std::uint64_t id) {
   set_flag(descriptor, SO_REUSEADDR);
   set_flag(descriptor, SO_REUSEPORT);
   if (!notice.socket || ::bind(descriptor, plain(ends.local), ends.size) != 0) return again(id);
-  if (::connect(descriptor, plain(ends.remote), ends.size) == 0) return forget(id);
-  if (errno == ECONNREFUSED) return forget(id);
+  if (::connect(descriptor, plain(ends.remote), ends.size) == 0) return finish(id);
+  if (errno == ECONNREFUSED) return finish(id);
   if (errno != EINPROGRESS) return again(id);
   notice.socket.watch(loop_, EPOLLOUT, Priority::kNormal, [this, id](std::uint32_t) { answered(id); });
   notice.timer = loop_.after(kPeriod, [this, id] { again(id); });
@@ -75,7 +76,7 @@ void HalfOpenNotices::answered(std::uint64_t id) {
   int problem = 0;
   socklen_t size = sizeof(problem);
   ::getsockopt(notice.socket.get(), SOL_SOCKET, SO_ERROR, &problem, &size);
-  if (problem == 0 || problem == ECONNREFUSED || problem == ECONNRESET) return forget(id);
+  if (problem == 0 || problem == ECONNREFUSED || problem == ECONNRESET) return finish(id);
   again(id);  // no route to it now
 }
 
@@ -84,6 +85,12 @@ void HalfOpenNotices::again(std::uint64_t id) {
   loop_.cancel(notice.timer);
   abort_connection(notice.socket);
   notice.timer = loop_.after(kPeriod, [this, id] { attempt(id); });
+}
+
+void HalfOpenNotices::finish(std::uint64_t id) {
+  const auto done = std::move(notices_.at(id).done);
+  forget(id);
+  if (done) done();
 }
 
 void HalfOpenNotices::forget(std::uint64_t id) {

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <map>
 
 #include <netinet/in.h>
@@ -34,13 +35,15 @@ class HalfOpenNotices {
   HalfOpenNotices(const HalfOpenNotices&) = delete;
   HalfOpenNotices& operator=(const HalfOpenNotices&) = delete;
 
-  /// The old socket must be closed already.
-  void tell(const ConnectionEnds& ends);
+  /// The old socket must be closed already. `done` runs once, when the other end has answered and so knows,
+  /// or is not there any more; never when it cannot be reached in the end.
+  void tell(const ConnectionEnds& ends, std::function<void()> done);
   [[nodiscard]] std::size_t pending() const { return notices_.size(); }
 
  private:
   struct Notice {
     ConnectionEnds ends;
+    std::function<void()> done;
     LoopSocket socket;
     EventLoop::TimerId timer{0};
     int tries{0};
@@ -48,6 +51,7 @@ class HalfOpenNotices {
   void attempt(std::uint64_t id);
   void answered(std::uint64_t id);
   void again(std::uint64_t id);
+  void finish(std::uint64_t id);
   void forget(std::uint64_t id);
 
   EventLoop& loop_;

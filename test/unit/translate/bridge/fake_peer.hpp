@@ -102,6 +102,9 @@ class FakeSubscription final : public Subscription {
   [[nodiscard]] const std::string& topic() const override { return topic_; }
   [[nodiscard]] std::size_t connected() const override { return links_.size(); }
   void set_priority(Priority) override {}
+  void compare(std::size_t publishers) override { compared = publishers; }
+
+  std::size_t compared{0};
 
   LinkId connect(ConnectionHeader header) {
     PublisherLink link{next_link_++, "http://publisher/", std::move(header)};

@@ -96,10 +96,11 @@ TEST_F(TopicRouteTest, EqualMd5OfAnotherLayoutDoesNotPass) {
 
 TEST_F(TopicRouteTest, IsSubscribedOnlyWhileSomebodyListens) {
   auto& route = make();
-  route.look(false);
+  route.look(false, 1);
   EXPECT_FALSE(subscribed());
-  route.look(true);
+  route.look(true, 2);
   EXPECT_TRUE(subscribed());
+  EXPECT_EQ(subscription().compared, 2U) << "the count is passed on";
 }
 
 TEST_F(TopicRouteTest, EagerRoutesSubscribeAtOnce) {

@@ -46,6 +46,14 @@ class GraphMaster {
     publishers_[topic] = {uris.begin(), uris.end()};
     tell(topic);
   }
+  void set_subscriber(const std::string& topic, const std::string& node, const std::string& uri) {
+    nodes_[node] = uri;
+    subscribers_[topic].insert(uri);
+  }
+  void remove_subscriber(const std::string& topic, const std::string& node, const std::string& uri) {
+    nodes_.erase(node);
+    subscribers_[topic].erase(uri);
+  }
   [[nodiscard]] std::size_t publisher_count(const std::string& topic) { return publishers_[topic].size(); }
   [[nodiscard]] std::size_t subscriber_count(const std::string& topic) { return subscribers_[topic].size(); }
   /// Its URI, or "".
@@ -54,6 +62,7 @@ class GraphMaster {
 
   std::map<std::string, int> calls;  ///< how often each method was called
   std::map<std::string, XmlValue> params;
+  bool tells{true};  ///< false: subscribers are not told of publishers, as when the network is away
 
  private:
   static XmlValue reply(std::int32_t code, XmlValue value) { return XmlArray{code, "", std::move(value)}; }
@@ -64,6 +73,8 @@ class GraphMaster {
   XmlValue answer_topics(const XmlCall& call) {
     const auto& method = call.method;
     if (method == "registerPublisher") {
+      // A node that was started again takes the place of its former self.
+      if (nodes_[text(call, 0)] != text(call, 3)) publishers_[text(call, 1)].erase(nodes_[text(call, 0)]);
       nodes_[text(call, 0)] = text(call, 3);
       publishers_[text(call, 1)].insert(text(call, 3));
       tell(text(call, 1));
@@ -140,6 +151,7 @@ class GraphMaster {
   }
 
   void tell(const std::string& topic) {
+    if (!tells) return;
     for (const auto& api : subscribers_[topic]) {
       call_node(api, "publisherUpdate", {"/master", topic, list(publishers_[topic])});
     }

@@ -156,6 +156,44 @@ TEST_F(MasterLinkTest, DropUnregistersAndAgainDoesBoth) {
   EXPECT_EQ(master.calls("unregisterService"), 1);
 }
 
+TEST_F(MasterLinkTest, RenewRegistersOnceMoreAndNeverUnregisters) {
+  FakeMaster master(loop_);
+  const auto link = connect(master.uri());
+  int made = 0;
+  const auto id = link->keep_publisher("/a", "t/A", [&](const Result<XmlValue>&) { ++made; });
+  link->renew(id);  // not registered yet: nothing to renew
+  ASSERT_TRUE(loop_until(loop_, [&] { return made == 1; }));
+  loop_for(loop_, 60ms);
+  EXPECT_EQ(master.calls("registerPublisher"), 1);
+  link->renew(id);
+  link->renew(id);  // under way already
+  ASSERT_TRUE(loop_until(loop_, [&] { return made == 2; }));
+  loop_for(loop_, 60ms);
+  EXPECT_EQ(master.calls("registerPublisher"), 2);
+  EXPECT_EQ(master.calls("unregisterPublisher"), 0);
+  link->renew(id + 1);  // nobody's
+  link->drop(id);
+  link->renew(id);
+  ASSERT_TRUE(loop_until(loop_, [&] { return master.registered.empty(); }));
+  loop_for(loop_, 60ms);
+  EXPECT_EQ(master.calls("registerPublisher"), 2);
+}
+
+TEST_F(MasterLinkTest, WhatIsRenewedDuringAnOutageIsMadeOnceAfterIt) {
+  FakeMaster master(loop_);
+  const auto link = connect(master.uri());
+  const auto id = link->keep_publisher("/a", "t/A", ignore());
+  ASSERT_TRUE(loop_until(loop_, [&] { return master.has("registerPublisher", "/a"); }));
+  master.stop();
+  ASSERT_TRUE(until_reachable(*link, false));
+  for (int i = 0; i < 5; ++i) link->renew(id);
+  master.log.clear();
+  master.start();
+  ASSERT_TRUE(loop_until(loop_, [&] { return master.calls("registerPublisher") == 1; }));
+  loop_for(loop_, 100ms);
+  EXPECT_EQ(master.calls("registerPublisher"), 1);
+}
+
 TEST_F(MasterLinkTest, DropAndKeepOfOneTopicEndsRegistered) {
   FakeMaster master(loop_);
   const auto link = connect(master.uri());

@@ -1,0 +1,57 @@
+#pragma once
+
+#include <chrono>
+#include <cstddef>
+#include <functional>
+#include <set>
+#include <string>
+#include <utility>
+
+#include "extperfc/translate/event_loop.hpp"
+
+namespace extperfc::translate {
+
+/// Nodes whose connection of one topic ended though they did not ask for it, and when to have the master call
+/// them. rospy never connects again by itself: it waits until the master names the publisher anew
+/// (publisherUpdate). The same call tells us of publishers that were replaced while nobody could tell us.
+/// Calls are first, 2 first, 4 first, ... apart, `last` at most, until nobody is missing. Of the loop's
+/// thread.
+class Absentees {
+ public:
+  static constexpr std::size_t kMost = 256;  ///< remembered at once; a call reaches the others all the same
+  static constexpr std::chrono::milliseconds kSoon{200};  ///< for a node to notice that its connection ended
+
+  /// `call` must not destroy this object.
+  Absentees(EventLoop& loop, std::function<void()> call, std::chrono::milliseconds first,
+            std::chrono::milliseconds last)
+      : loop_(loop), call_(std::move(call)), first_(first), last_(last) {}
+  ~Absentees() { clear(); }
+  Absentees(const Absentees&) = delete;
+  Absentees& operator=(const Absentees&) = delete;
+
+  /// It is missing; the schedule begins with the first one.
+  void expect(const std::string& name);
+  /// It came, or it is known that it does not want to.
+  void forget(const std::string& name);
+  void clear();
+  /// Something speaks for success now: the next call comes soon, and the schedule begins anew after it.
+  void hurry();
+
+  [[nodiscard]] bool empty() const { return names_.empty(); }
+  [[nodiscard]] const std::set<std::string>& names() const { return names_; }
+  /// Calls since the first one of those that are missing now went, or since hurry().
+  [[nodiscard]] int calls() const { return calls_; }
+
+ private:
+  void arm(std::chrono::milliseconds delay);
+  void call();
+
+  EventLoop& loop_;
+  std::function<void()> call_;
+  std::chrono::milliseconds first_, last_, delay_{0};
+  std::set<std::string> names_;
+  EventLoop::TimerId timer_{0};
+  int calls_{0};
+};
+
+}  // namespace extperfc::translate
