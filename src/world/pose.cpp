@@ -23,6 +23,23 @@ double wrap_angle(double angle_rad) {
   return wrapped <= -M_PI ? wrapped + 2 * M_PI : wrapped;
 }
 
+Pose2 compose(const Pose2& a_T_b, const Pose2& b_T_c) {
+  const double c = std::cos(a_T_b.yaw);
+  const double s = std::sin(a_T_b.yaw);
+  return {a_T_b.x + c * b_T_c.x - s * b_T_c.y, a_T_b.y + s * b_T_c.x + c * b_T_c.y,
+          wrap_angle(a_T_b.yaw + b_T_c.yaw)};
+}
+
+Pose2 inverse(const Pose2& pose) {
+  const double c = std::cos(pose.yaw);
+  const double s = std::sin(pose.yaw);
+  return {-c * pose.x - s * pose.y, s * pose.x - c * pose.y, wrap_angle(-pose.yaw)};
+}
+
+Pose2 between(const Pose2& a, const Pose2& b) {
+  return compose(inverse(a), b);
+}
+
 Pose2 advance(const Pose2& pose, const Twist2& twist, double duration_s) {
   const double turn = twist.wz * duration_s;
   // sin(a)/a and (1 - cos(a))/a, by their series where the quotient loses digits.

@@ -18,6 +18,14 @@ struct Pose2 {
   double yaw{0};  ///< [rad], counter-clockwise
 };
 
+/// The pose of c in a, from that of b in a and of c in b: `a_T_c = compose(a_T_b, b_T_c)`.
+[[nodiscard]] Pose2 compose(const Pose2& a_T_b, const Pose2& b_T_c);
+
+[[nodiscard]] Pose2 inverse(const Pose2& pose);
+
+/// The pose of b in a, both given in the same third frame.
+[[nodiscard]] Pose2 between(const Pose2& a, const Pose2& b);
+
 /// A velocity on the floor, in the frame of the body that moves.
 struct Twist2 {
   double vx{0};  ///< forward [m/s]

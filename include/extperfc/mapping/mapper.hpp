@@ -1,0 +1,119 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <filesystem>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include <Eigen/Core>
+
+#include "extperfc/base/error.hpp"
+#include "extperfc/world/laser_scan.hpp"
+#include "extperfc/world/occupancy_grid.hpp"
+#include "extperfc/world/pose.hpp"
+#include "extperfc/world/trajectory.hpp"
+
+namespace extperfc::mapping {
+
+/// What a user may set. Standard deviations of odometry follow GMapping: srr and str of the translation per
+/// metre and per radian, srt and stt of the rotation per metre and per radian.
+struct MapperParams {
+  int particles{30};          ///< hypotheses of the path, [1, 1000]
+  double resolution_m{0.05};  ///< side of a cell of the map [m], [0.01, 1]
+  double max_range_m{0};      ///< maxRange: rays without return are free up to here [m]; 0: they say nothing
+  double max_usable_range_m{0};     ///< maxUrange: returns beyond do not count [m]; 0: the scan's range_max
+  double linear_update_m{0.3};      ///< a key frame after this way [m], [0.05, 5] ...
+  double angular_update_rad{0.25};  ///< ... or this turn [rad], [0.02, 3.2] ...
+  double temporal_update_s{-1};     ///< ... or this time [s]; negative: never by time
+  double resample_threshold{0.5};   ///< resample below this share of effective particles, [0, 1]
+  double minimum_score{0.4};        ///< share of a scan that must fit the map for a match to count, [0, 1]
+  double srr{0.1};                  ///< [m/m]
+  double srt{0.1};                  ///< [rad/m]
+  double str{0.1};                  ///< [m/rad]
+  double stt{0.1};                  ///< [rad/rad]
+  double occupied_threshold{0.25};  ///< occ_thresh: share of hits from which a cell is occupied, (0, 1)
+  std::uint64_t seed{1};            ///< of every random draw
+};
+
+/// An error that names the first parameter out of its range.
+[[nodiscard]] Result<void> validate(const MapperParams& params);
+
+/// What became of a scan.
+enum class ScanFate {
+  kKeyFrame,  ///< it is part of the map now
+  kTracked,   ///< it gave a pose; the robot is too near the last key frame for the map to need it
+  kUnusable,  ///< too few returns to be matched: the pose follows odometry alone
+};
+
+struct MapperUpdate {
+  ScanFate fate{ScanFate::kTracked};
+  Pose2 pose;                         ///< of the base in the map, at the scan's stamp
+  Eigen::Matrix3d covariance;         ///< of x, y, yaw [m, m, rad]
+  double fit{0};                      ///< share of the returns that the map explains, [0, 1]
+  bool matched{false};                ///< false: odometry (or standing still) alone gave the pose
+  bool odometry_contradicted{false};  ///< the match left odometry far behind: slip, a jump, or a wrong match
+  bool map_moved{false};              ///< a loop was closed: poses of old scans, and the map, changed
+};
+
+struct MapperStatistics {
+  std::size_t scans{0};
+  std::size_t key_frames{0};
+  std::size_t unusable_scans{0};
+  std::size_t odometry_contradictions{0};
+  std::size_t loops{0};  ///< closed so far
+  std::size_t resamplings{0};
+  double effective_particles{0};  ///< of the last key frame, [1, particles]
+  double entropy{0};              ///< of the particles' weights [nat]
+  double path_m{0};               ///< length of the tracked path [m]
+};
+
+struct WeightedPose {
+  Pose2 pose;
+  double weight{0};  ///< all sum to one
+};
+
+/// Simultaneous localization and mapping from planar scans by a Rao-Blackwellised particle filter. One thread
+/// at a time. The same input, parameters and seed give the same map.
+class Mapper {
+ public:
+  [[nodiscard]] static Result<Mapper> make(const MapperParams& params);
+  Mapper(Mapper&&) noexcept;
+  Mapper& operator=(Mapper&&) noexcept;
+  ~Mapper();
+
+  /// One scan, with the odometry's pose of the base at its stamp where there is one. Scans may vary in size
+  /// from one to the next, and stamps may run backwards. Errors: validate(scan), non-finite odometry.
+  [[nodiscard]] Result<MapperUpdate> add(const LaserScan& scan, const std::optional<Pose2>& odom_T_base);
+
+  /// Of the last scan, in the map.
+  [[nodiscard]] Pose2 pose() const;
+  /// Hypotheses of the pose of the last key frame.
+  [[nodiscard]] std::vector<WeightedPose> particles() const;
+  /// The most likely map. Work is bounded per call: after a loop is closed it takes some calls until every
+  /// old scan stands where it belongs; `settled()` tells.
+  [[nodiscard]] std::shared_ptr<const OccupancyGrid> map();
+  [[nodiscard]] bool settled() const;
+  /// Changes whenever map() would give another map.
+  [[nodiscard]] std::uint64_t map_version() const;
+  /// Every scan so far, where the newest knowledge puts it.
+  [[nodiscard]] Trajectory trajectory() const;
+  [[nodiscard]] MapperStatistics statistics() const;
+
+  /// A recording is over: relaxes everything once more and settles the map.
+  void finish();
+
+  /// Keeps all that mapping needs to go on from here. `load` continues at the last pose, with odometry that
+  /// may begin anywhere. Errors name the file and what is wrong with it (missing, damaged, other version).
+  [[nodiscard]] Result<void> save(const std::filesystem::path& file) const;
+  [[nodiscard]] static Result<Mapper> load(const std::filesystem::path& file, const MapperParams& params);
+
+ private:
+  class Impl;
+  explicit Mapper(std::unique_ptr<Impl> impl);
+  std::unique_ptr<Impl> impl_;
+};
+
+}  // namespace extperfc::mapping

@@ -1,0 +1,33 @@
+#pragma once
+
+#include <vector>
+
+#include "extperfc/base/error.hpp"
+#include "extperfc/world/pose.hpp"
+
+namespace extperfc {
+
+/// One sweep of a planar lidar. Ray i points at `angle_min + i * angle_increment` in the sensor's frame.
+///
+/// A range counts when it is finite and lies inside [range_min, range_max]. +infinity (and anything above
+/// range_max) says that the ray met nothing up to range_max, as REP 117 has it; NaN, zero, negative ranges
+/// and those below range_min say nothing at all, and never that the way is free.
+struct LaserScan {
+  double stamp_s{0};          ///< of the first ray [s]
+  double angle_min{0};        ///< [rad]
+  double angle_increment{0};  ///< [rad]; negative for a scanner that hangs upside down
+  double range_min{0};        ///< [m]
+  double range_max{0};        ///< [m]
+  Pose2 base_T_sensor;        ///< where the scanner sits on the robot
+  std::vector<float> ranges;  ///< [m]
+};
+
+/// Rays that met something.
+[[nodiscard]] std::size_t count_returns(const LaserScan& scan);
+
+/// An error that names the first field that cannot be: a stamp or
+/// angles that are not finite, a zero increment, a sweep of more
+/// than one turn and a half, range_max not above range_min, no rays or more than 100,000.
+[[nodiscard]] Result<void> validate(const LaserScan& scan);
+
+}  // namespace extperfc

@@ -1,0 +1,117 @@
+#include "extperfc/base/arguments.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <locale>
+#include <sstream>
+
+#include "extperfc/base/edit_distance.hpp"
+
+namespace extperfc {
+
+namespace {
+
+tl::unexpected<Error> unknown_option(const std::string& name, const ArgumentSyntax& syntax) {
+  std::set<std::string> known = syntax.values;
+  known.insert(syntax.flags.begin(), syntax.flags.end());
+  const auto nearest = std::min_element(known.begin(), known.end(), [&](const auto& a, const auto& b) {
+    return edit_distance(name, a) < edit_distance(name, b);
+  });
+  constexpr std::size_t kSimilar = 3;
+  const bool hint = nearest != known.end() && edit_distance(name, *nearest) <= kSimilar;
+  return fail(ErrorCode::kInvalidArgument,
+              "unknown option " + name + (hint ? "; did you mean " + *nearest + "?" : ""));
+}
+
+std::optional<double> finite_number(const std::string& text) {
+  std::istringstream in(text);
+  in.imbue(std::locale::classic());
+  double value = 0;
+  if (!(in >> value) || !std::isfinite(value) || in.peek() != std::char_traits<char>::eof())
+    return std::nullopt;
+  return value;
+}
+
+std::string text_of(double value) {
+  std::ostringstream out;
+  out.imbue(std::locale::classic());
+  out << value;
+  return out.str();
+}
+
+}  // namespace
+
+Result<Arguments> Arguments::read(const std::vector<std::string>& words, const ArgumentSyntax& syntax) {
+  Arguments arguments;
+  bool options_end = false;
+  for (std::size_t i = 0; i < words.size(); ++i) {
+    const std::string word = words[i] == "-h" && !options_end ? "--help" : words[i];
+    if (options_end || word.substr(0, 2) != "--") {
+      arguments.words_.push_back(word);
+      continue;
+    }
+    if (word == "--") {
+      options_end = true;
+      continue;
+    }
+    const auto equals = word.find('=');
+    const auto name = word.substr(0, equals);
+    if (syntax.flags.count(name) != 0 && equals == std::string::npos) {
+      arguments.values_[name];
+    } else if (syntax.flags.count(name) != 0) {
+      return fail(ErrorCode::kInvalidArgument, name + " takes no value");
+    } else if (syntax.values.count(name) == 0) {
+      return unknown_option(name, syntax);
+    } else if (equals != std::string::npos) {
+      arguments.values_[name].push_back(word.substr(equals + 1));
+    } else if (++i == words.size()) {
+      return fail(ErrorCode::kInvalidArgument, name + " needs a value");
+    } else {
+      arguments.values_[name].push_back(words[i]);
+    }
+  }
+  if (arguments.words_.size() < syntax.least && !arguments.has("--help"))
+    return fail(ErrorCode::kInvalidArgument, "too few arguments");
+  if (arguments.words_.size() > syntax.most)
+    return fail(ErrorCode::kInvalidArgument, "unexpected argument " + arguments.words_[syntax.most]);
+  return arguments;
+}
+
+std::vector<std::string> Arguments::all(const std::string& option) const {
+  const auto found = values_.find(option);
+  return found == values_.end() ? std::vector<std::string>() : found->second;
+}
+
+std::optional<std::string> Arguments::last(const std::string& option) const {
+  const auto found = all(option);
+  if (found.empty()) return std::nullopt;
+  return found.back();
+}
+
+Result<std::optional<double>> Arguments::number(const std::string& option, double low, double high) const {
+  const auto text = last(option);
+  if (!text) return std::optional<double>();
+  const auto value = finite_number(*text);
+  if (value && *value >= low && *value <= high) return value;
+  return fail(ErrorCode::kInvalidArgument, option + " must be a number from " + text_of(low) + " to " +
+                                               text_of(high) + ", not '" + *text + "'");
+}
+
+Result<std::optional<std::vector<double>>> Arguments::numbers(const std::string& option,
+                                                              std::size_t count) const {
+  const auto text = last(option);
+  if (!text) return std::optional<std::vector<double>>();
+  std::vector<double> found;
+  std::istringstream parts(*text);
+  bool good = true;
+  for (std::string part; std::getline(parts, part, ',');) {
+    const auto value = finite_number(part);
+    good = good && value;
+    found.push_back(value.value_or(0));
+  }
+  if (good && found.size() == count) return std::optional(std::move(found));
+  return fail(ErrorCode::kInvalidArgument, option + " must be " + std::to_string(count) +
+                                               " numbers with commas between, not '" + *text + "'");
+}
+
+}  // namespace extperfc

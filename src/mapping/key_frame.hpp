@@ -1,0 +1,19 @@
+#pragma once
+
+#include <cstddef>
+#include <vector>
+
+#include "extperfc/world/pose.hpp"
+
+#include "mapping/scan_points.hpp"
+
+namespace extperfc::mapping {
+
+/// A scan that the map is made of. Its pose in the map is the pose graph's.
+struct KeyFrame {
+  std::size_t scan{0};    ///< number of the scan it was made from
+  double travelled_m{0};  ///< way of the robot up to here
+  ScanPoints points;
+};
+
+}  // namespace extperfc::mapping

@@ -1,0 +1,339 @@
+#include "extperfc/mapping/mapper.hpp"
+
+#include <cmath>
+#include <limits>
+#include <string>
+#include <utility>
+
+#include <Eigen/LU>
+
+#include "mapping/map_renderer.hpp"
+#include "mapping/path_filter.hpp"
+#include "mapping/session.hpp"
+#include "mapping/tracker.hpp"
+
+namespace extperfc::mapping {
+
+namespace {
+
+constexpr std::size_t kCellsPerMapCall = 1'500'000;  // drawn at most in one call of map()
+constexpr double kSmallestCovariance = 1e-8;
+// Of a step over which odometry alone was heard: 0.1 m and 0.1 rad.
+const Eigen::Matrix3d kBlindInformation = Eigen::Vector3d(100, 100, 100).asDiagonal();
+
+bool is_finite(const Pose2& pose) {
+  return std::isfinite(pose.x) && std::isfinite(pose.y) && std::isfinite(pose.yaw);
+}
+
+/// The matrix that turns x, y, yaw by `yaw`.
+Eigen::Matrix3d turn_by(double yaw) {
+  Eigen::Matrix3d turn = Eigen::Matrix3d::Identity();
+  turn(0, 0) = turn(1, 1) = std::cos(yaw);
+  turn(1, 0) = std::sin(yaw);
+  turn(0, 1) = -turn(1, 0);
+  return turn;
+}
+
+PathFilterParams filter_params(const MapperParams& params) {
+  return {params.particles, params.resample_threshold, params.minimum_score, params.seed};
+}
+
+}  // namespace
+
+class Mapper::Impl {
+ public:
+  explicit Impl(const MapperParams& params)
+      : params_(params),
+        tracker_({params.srr, params.srt, params.str, params.stt}, params.minimum_score),
+        filter_(filter_params(params)),
+        renderer_(params.resolution_m, params.occupied_threshold) {}
+
+  MapperUpdate add(const LaserScan& scan, const std::optional<Pose2>& odom_T_base);
+  [[nodiscard]] Pose2 pose() const;
+  [[nodiscard]] Trajectory trajectory() const;
+  [[nodiscard]] MapperStatistics statistics() const;
+  [[nodiscard]] std::vector<WeightedPose> particles() const;
+  std::shared_ptr<const OccupancyGrid> map();
+  void finish();
+  [[nodiscard]] Result<void> save(const std::filesystem::path& file) const;
+  void go_on_from(Session session);
+  [[nodiscard]] bool settled() const { return settled_; }
+  [[nodiscard]] std::uint64_t map_version() const { return map_version_; }
+
+ private:
+  [[nodiscard]] bool wants_key_frame(const LaserScan& scan, const Tracked& tracked) const;
+  bool add_key_frame(const ScanPoints& points, const Tracked& tracked);
+  [[nodiscard]] Eigen::Matrix3d covariance(const Tracked& tracked) const;
+
+  MapperParams params_;
+  Tracker tracker_;
+  PathFilter filter_;
+  MapRenderer renderer_;
+  std::vector<PassedScan> scans_;
+  MapperStatistics statistics_;
+  Pose2 key_pose_;  ///< tracked pose of the newest key frame
+  double key_way_m_{0};
+  double key_stamp_s_{0};
+  bool blind_{false};  ///< a scan since the newest key frame was not matched
+  bool settled_{true};
+  std::uint64_t map_version_{0};
+};
+
+MapperUpdate Mapper::Impl::add(const LaserScan& scan, const std::optional<Pose2>& odom_T_base) {
+  const auto points = scan_points(scan, {params_.max_usable_range_m, params_.max_range_m});
+  const Pose2 before = tracker_.pose();
+  const Tracked tracked = tracker_.add(points, odom_T_base);
+  statistics_.path_m += std::hypot(tracked.pose.x - before.x, tracked.pose.y - before.y);
+  ++statistics_.scans;
+  if (tracked.odometry_contradicted) ++statistics_.odometry_contradictions;
+  MapperUpdate update;
+  update.fit = tracked.fit;
+  update.matched = tracked.matched;
+  update.odometry_contradicted = tracked.odometry_contradicted;
+  blind_ = blind_ || !tracked.matched;
+  scans_.push_back({scan.stamp_s, tracked.pose, 0});
+  if (points.surface.size() < Tracker::kFewestPoints) {
+    update.fate = ScanFate::kUnusable;
+    ++statistics_.unusable_scans;
+  } else if (wants_key_frame(scan, tracked)) {
+    update.fate = ScanFate::kKeyFrame;
+    update.map_moved = add_key_frame(points, tracked);
+    key_stamp_s_ = scan.stamp_s;
+  }
+  const std::size_t frames = filter_.frames().size();
+  scans_.back().key_frame = frames == 0 ? 0 : static_cast<std::uint32_t>(frames - 1);
+  update.pose = pose();
+  update.covariance = covariance(tracked);
+  return update;
+}
+
+bool Mapper::Impl::wants_key_frame(const LaserScan& scan, const Tracked& tracked) const {
+  if (filter_.frames().empty()) return true;
+  const Pose2 since = between(key_pose_, tracked.pose);
+  const double waited_s = std::abs(scan.stamp_s - key_stamp_s_);
+  return std::hypot(since.x, since.y) >= params_.linear_update_m ||
+         std::abs(since.yaw) >= params_.angular_update_rad ||
+         (params_.temporal_update_s >= 0 && waited_s >= params_.temporal_update_s);
+}
+
+/// True when the map changed elsewhere too.
+bool Mapper::Impl::add_key_frame(const ScanPoints& points, const Tracked& tracked) {
+  KeyFrame frame{scans_.size() - 1, statistics_.path_m, points};
+  PathFilter::Step step;
+  if (filter_.frames().empty()) {
+    filter_.begin(tracked.pose, std::move(frame));
+  } else {
+    const Eigen::Matrix3d turn = turn_by(-key_pose_.yaw);
+    const TrackedStep tracked_step{between(key_pose_, tracked.pose),
+                                   blind_ ? kBlindInformation : turn * tracked.information * turn.transpose(),
+                                   statistics_.path_m - key_way_m_};
+    step = filter_.add(tracked_step, std::move(frame));
+  }
+  key_pose_ = tracked.pose;
+  key_way_m_ = statistics_.path_m;
+  blind_ = false;
+  settled_ = false;
+  ++map_version_;
+  return step.bent;
+}
+
+Pose2 Mapper::Impl::pose() const {
+  if (filter_.poses().empty()) return tracker_.pose();
+  return compose(filter_.poses().back(), between(key_pose_, tracker_.pose()));
+}
+
+Eigen::Matrix3d Mapper::Impl::covariance(const Tracked& tracked) const {
+  const Eigen::Matrix3d tracked_covariance =
+      (tracked.information + kSmallestCovariance * Eigen::Matrix3d::Identity()).inverse();
+  const Eigen::Matrix3d turn = turn_by(wrap_angle(pose().yaw - tracker_.pose().yaw));
+  const Eigen::Matrix3d spread = filter_.frames().empty() ? Eigen::Matrix3d::Zero() : filter_.covariance();
+  return turn * tracked_covariance * turn.transpose() + spread;
+}
+
+/// Between two key frames, the corrections of both are blended by the number of scans from either.
+Trajectory Mapper::Impl::trajectory() const {
+  Trajectory trajectory;
+  trajectory.reserve(scans_.size());
+  const auto& frames = filter_.frames();
+  const auto& poses = filter_.poses();
+  for (std::size_t i = 0; i < scans_.size(); ++i) {
+    const PassedScan& scan = scans_[i];
+    if (frames.empty()) {
+      trajectory.push_back({scan.stamp_s, scan.tracked});
+      continue;
+    }
+    const std::size_t k = scan.key_frame;
+    Pose2 pose = compose(poses[k], between(scans_[frames[k].scan].tracked, scan.tracked));
+    if (k + 1 < frames.size() && i >= frames[k].scan) {  // scans before the first key frame hang on it alone
+      const std::size_t next_scan = frames[k + 1].scan;
+      const Pose2 other = compose(poses[k + 1], between(scans_[next_scan].tracked, scan.tracked));
+      const double share =
+          static_cast<double>(i - frames[k].scan) / static_cast<double>(next_scan - frames[k].scan);
+      pose = {pose.x + share * (other.x - pose.x), pose.y + share * (other.y - pose.y),
+              wrap_angle(pose.yaw + share * wrap_angle(other.yaw - pose.yaw))};
+    }
+    trajectory.push_back({scan.stamp_s, pose});
+  }
+  return trajectory;
+}
+
+MapperStatistics Mapper::Impl::statistics() const {
+  MapperStatistics statistics = statistics_;
+  statistics.key_frames = filter_.frames().size();
+  statistics.loops = filter_.loops();
+  statistics.resamplings = filter_.resamplings();
+  statistics.effective_particles = filter_.effective_particles();
+  statistics.entropy = filter_.entropy();
+  return statistics;
+}
+
+std::vector<WeightedPose> Mapper::Impl::particles() const {
+  std::vector<WeightedPose> particles;
+  const auto weights = filter_.weights();
+  for (std::size_t i = 0; i < weights.size(); ++i)
+    particles.push_back({filter_.particles()[i].pose, weights[i]});
+  return particles;
+}
+
+std::shared_ptr<const OccupancyGrid> Mapper::Impl::map() {
+  if (!settled_) {
+    settled_ = renderer_.update(filter_.frames(), filter_.poses(), kCellsPerMapCall);
+    if (!settled_) ++map_version_;
+  }
+  return renderer_.map();
+}
+
+void Mapper::Impl::finish() {
+  filter_.finish();
+  settled_ = renderer_.update(filter_.frames(), filter_.poses(), std::numeric_limits<std::size_t>::max());
+  ++map_version_;
+}
+
+Result<void> Mapper::Impl::save(const std::filesystem::path& file) const {
+  return write_session({filter_.frames(), filter_.graph(), scans_}, file);
+}
+
+/// The tracker goes on in the map's own frame, with the last scans of the session before its eyes.
+void Mapper::Impl::go_on_from(Session session) {
+  scans_ = std::move(session.scans);
+  const auto& poses = session.graph.poses();
+  // Old scans keep their places against their key frames; the newest key frame is where the tracker goes on.
+  const std::size_t newest = session.frames.back().scan;
+  const Pose2 moved = compose(poses.back(), inverse(scans_[newest].tracked));
+  for (PassedScan& scan : scans_) scan.tracked = compose(moved, scan.tracked);
+  tracker_.go_on_from(session.frames, poses, scans_.back().tracked);
+  statistics_.scans = scans_.size();
+  statistics_.path_m = session.frames.back().travelled_m;
+  key_pose_ = poses.back();
+  key_way_m_ = statistics_.path_m;
+  key_stamp_s_ = scans_.back().stamp_s;
+  filter_.restore(std::move(session.frames), std::move(session.graph));
+  settled_ = false;
+  ++map_version_;
+}
+
+namespace {
+
+tl::unexpected<Error> out_of_range(const char* name, double value, const char* range) {
+  return fail(ErrorCode::kInvalidArgument,
+              std::string(name) + " is " + std::to_string(value) + ", which is outside " + range);
+}
+
+}  // namespace
+
+Result<void> validate(const MapperParams& params) {
+  struct Check {
+    const char* name;
+    double value;
+    double lowest;
+    double highest;
+    const char* range;
+  };
+  constexpr double kMost = 1e6;
+  const Check checks[] = {
+      {"particles", static_cast<double>(params.particles), 1, 1000, "[1, 1000]"},
+      {"delta (resolution)", params.resolution_m, 0.01, 1, "[0.01, 1] m"},
+      {"maxRange", params.max_range_m, 0, kMost, "[0, 1e6] m"},
+      {"maxUrange", params.max_usable_range_m, 0, kMost, "[0, 1e6] m"},
+      {"linearUpdate", params.linear_update_m, 0.05, 5, "[0.05, 5] m"},
+      {"angularUpdate", params.angular_update_rad, 0.02, 3.2, "[0.02, 3.2] rad"},
+      {"temporalUpdate", params.temporal_update_s, -kMost, kMost, "[-1e6, 1e6] s"},
+      {"resampleThreshold", params.resample_threshold, 0, 1, "[0, 1]"},
+      {"minimumScore", params.minimum_score, 0, 1, "[0, 1]"},
+      {"srr", params.srr, 0, 10, "[0, 10]"},
+      {"srt", params.srt, 0, 10, "[0, 10]"},
+      {"str", params.str, 0, 10, "[0, 10]"},
+      {"stt", params.stt, 0, 10, "[0, 10]"},
+      {"occ_thresh", params.occupied_threshold, 0.01, 0.99, "[0.01, 0.99]"},
+  };
+  for (const Check& check : checks)
+    if (!(check.value >= check.lowest && check.value <= check.highest))  // NaN fails
+      return out_of_range(check.name, check.value, check.range);
+  return {};
+}
+
+Result<Mapper> Mapper::make(const MapperParams& params) {
+  if (auto valid = validate(params); !valid) return tl::unexpected(valid.error());
+  return Mapper(std::make_unique<Impl>(params));
+}
+
+Mapper::Mapper(std::unique_ptr<Impl> impl) : impl_(std::move(impl)) {}
+Mapper::Mapper(Mapper&&) noexcept = default;
+Mapper& Mapper::operator=(Mapper&&) noexcept = default;
+Mapper::~Mapper() = default;
+
+Result<MapperUpdate> Mapper::add(const LaserScan& scan, const std::optional<Pose2>& odom_T_base) {
+  if (auto valid = extperfc::validate(scan); !valid) return tl::unexpected(valid.error());
+  if (odom_T_base && !is_finite(*odom_T_base))
+    return fail(ErrorCode::kInvalidArgument, "odometry is not a finite pose");
+  return impl_->add(scan, odom_T_base);
+}
+
+Pose2 Mapper::pose() const {
+  return impl_->pose();
+}
+
+std::vector<WeightedPose> Mapper::particles() const {
+  return impl_->particles();
+}
+
+std::shared_ptr<const OccupancyGrid> Mapper::map() {
+  return impl_->map();
+}
+
+bool Mapper::settled() const {
+  return impl_->settled();
+}
+
+std::uint64_t Mapper::map_version() const {
+  return impl_->map_version();
+}
+
+Trajectory Mapper::trajectory() const {
+  return impl_->trajectory();
+}
+
+MapperStatistics Mapper::statistics() const {
+  return impl_->statistics();
+}
+
+void Mapper::finish() {
+  impl_->finish();
+}
+
+Result<void> Mapper::save(const std::filesystem::path& file) const {
+  if (impl_->statistics().key_frames == 0)
+    return fail(ErrorCode::kInvalidArgument, "there is nothing to save: no scan was mapped yet");
+  return impl_->save(file);
+}
+
+Result<Mapper> Mapper::load(const std::filesystem::path& file, const MapperParams& params) {
+  if (auto valid = validate(params); !valid) return tl::unexpected(valid.error());
+  auto session = read_session(file);
+  if (!session) return tl::unexpected(session.error());
+  auto impl = std::make_unique<Impl>(params);
+  impl->go_on_from(std::move(*session));
+  return Mapper(std::move(impl));
+}
+
+}  // namespace extperfc::mapping

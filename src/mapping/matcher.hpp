@@ -1,0 +1,53 @@
+#pragma once
+
+#include <functional>
+
+#include <Eigen/Core>
+
+#include "extperfc/world/pose.hpp"
+
+#include "mapping/scan_points.hpp"
+#include "mapping/surface_map.hpp"
+
+namespace extperfc::mapping {
+
+/// What was known before the match: a normal distribution of the pose, independent in x, y and yaw.
+struct PosePrior {
+  Pose2 mean;
+  double sigma_m{1};      ///< [m]
+  double sigma_rad{0.5};  ///< [rad]
+};
+
+struct ScanMatch {
+  Pose2 pose;                   ///< of the base in the map's frame
+  Eigen::Matrix3d information;  ///< of x, y, yaw by the scan alone [1/m^2, 1/m, 1/rad^2]
+  double fit{0};                ///< share of the points that lie on a surface of the map, [0, 1]
+  int used{0};                  ///< points that found a surface
+};
+
+/// Moves the scan until its points lie on the map's lines (Gauss-Newton on point-to-line distances with a
+/// Geman-McClure weight; Censi 2008 for the metric), held by the prior. `reach_m` bounds how far a point
+/// looks for its surface at first; it shrinks as the match settles.
+[[nodiscard]] ScanMatch match(const SurfaceMap& map, const ScanPoints& points, const Pose2& start,
+                              const PosePrior& prior, double reach_m);
+
+/// Fit and information at a pose, without moving it.
+[[nodiscard]] ScanMatch evaluate(const SurfaceMap& map, const ScanPoints& points, const Pose2& pose);
+
+/// Share of the points that lie on a surface, graded by how near they lie, [0, 1].
+[[nodiscard]] double graded_fit(const SurfaceMap& map, const ScanPoints& points, const Pose2& pose);
+
+/// A match in surroundings that may look alike along one direction, as corridors do: `score` is followed
+/// along the weakest direction, up to `window_m` either way of the prior's mean. Where it has one peak, the
+/// match starts anew there; where it has a broad one, the place nearest to what was expected stands, and the
+/// information along that direction is cut down to what the breadth leaves of it.
+[[nodiscard]] ScanMatch match_along(const SurfaceMap& map, const ScanPoints& points, const ScanMatch& first,
+                                    const PosePrior& prior, double window_m, double reach_m,
+                                    const std::function<double(const Pose2&)>& score);
+
+/// The pose on a grid around `centre` at which most points lie near a surface: a coarse start for match()
+/// after wheels slipped or a jump. Cost grows with the square of `window_m`.
+[[nodiscard]] Pose2 search_near(const SurfaceMap& map, const ScanPoints& points, const Pose2& centre,
+                                double window_m, double window_rad);
+
+}  // namespace extperfc::mapping

@@ -1,0 +1,137 @@
+#include "mapping/surface_map.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace extperfc::mapping {
+
+namespace {
+
+constexpr float kSameSide = 0.6F;      // cosine between normals of one surface
+constexpr float kMostWeight = 60.0F;   // beyond, a cell follows what is seen lately
+constexpr int kDirectoryMargin = 8;    // tiles; so that the directory is not widened for every ray
+constexpr float kFarthestM = 5000.0F;  // points beyond are not of this robot's world
+
+int cell_index(float coordinate_m) {
+  return static_cast<int>(std::floor(coordinate_m * (1.0F / SurfaceMap::kCellM)));
+}
+
+bool goes_with(const Eigen::Vector2f& a, const Eigen::Vector2f& b) {
+  const bool either_unknown = a.squaredNorm() == 0.0F || b.squaredNorm() == 0.0F;
+  return either_unknown || a.dot(b) > kSameSide;
+}
+
+}  // namespace
+
+void SurfaceMap::clear() {
+  directory_.clear();
+  tiles_.clear();
+  columns_ = rows_ = 0;
+}
+
+void SurfaceMap::add(const ScanPoints& points, const Pose2& map_T_base) {
+  Eigen::Matrix2f turn;
+  const auto c = static_cast<float>(std::cos(map_T_base.yaw));
+  const auto s = static_cast<float>(std::sin(map_T_base.yaw));
+  turn << c, -s, s, c;
+  const Eigen::Vector2f shift(static_cast<float>(map_T_base.x), static_cast<float>(map_T_base.y));
+  for (const SurfacePoint& point : points.surface) {
+    const Eigen::Vector2f position = turn * point.position + shift;
+    if (!(position.cwiseAbs().maxCoeff() < kFarthestM)) continue;
+    const Eigen::Vector2f normal = turn * point.normal;
+    Surface& surface = *make(cell_index(position.x()), cell_index(position.y()));
+    if (!goes_with(surface.normal, normal)) {
+      // The side that was seen more often stays, the other one wears it down.
+      if (surface.weight > 1) {
+        surface.weight -= 1;
+        continue;
+      }
+      surface = {};
+    }
+    const float share = 1.0F / std::min(surface.weight + 1, kMostWeight);
+    surface.mean += share * (position - surface.mean);
+    const Eigen::Vector2f blend = surface.normal * std::min(surface.weight, kMostWeight) + normal;
+    surface.normal =
+        blend.squaredNorm() > 1e-6F ? Eigen::Vector2f(blend.normalized()) : Eigen::Vector2f::Zero();
+    surface.weight = std::min(surface.weight + 1, kMostWeight);
+  }
+}
+
+const SurfaceMap::Surface* SurfaceMap::nearest(const Eigen::Vector2f& point, const Eigen::Vector2f& normal,
+                                               int reach_cells) const {
+  const int column = cell_index(point.x());
+  const int row = cell_index(point.y());
+  const Surface* best = nullptr;
+  const float reach = static_cast<float>(reach_cells) * kCellM;
+  float best_squared = reach * reach;
+  for (int r = row - reach_cells; r <= row + reach_cells; ++r) {
+    for (int c = column - reach_cells; c <= column + reach_cells; ++c) {
+      const Surface* surface = find(c, r);
+      if (!surface || surface->weight == 0) continue;
+      const float squared = (surface->mean - point).squaredNorm();
+      if (squared >= best_squared || !goes_with(surface->normal, normal)) continue;
+      best = surface;
+      best_squared = squared;
+    }
+  }
+  return best;
+}
+
+bool SurfaceMap::occupied_near(const Eigen::Vector2f& point) const {
+  const int column = cell_index(point.x());
+  const int row = cell_index(point.y());
+  for (int r = row - 1; r <= row + 1; ++r)
+    for (int c = column - 1; c <= column + 1; ++c)
+      if (const Surface* surface = find(c, r); surface && surface->weight > 0) return true;
+  return false;
+}
+
+const SurfaceMap::Surface* SurfaceMap::find(int column, int row) const {
+  const int tile_column = (column >> kTileBits) - first_column_;
+  const int tile_row = (row >> kTileBits) - first_row_;
+  if (tile_column < 0 || tile_row < 0 || tile_column >= columns_ || tile_row >= rows_) return nullptr;
+  const std::int32_t tile = directory_[static_cast<std::size_t>(tile_row * columns_ + tile_column)];
+  if (tile < 0) return nullptr;
+  constexpr int kMask = kTileCells - 1;
+  return &tiles_[static_cast<std::size_t>(tile)]
+                [static_cast<std::size_t>((row & kMask) * kTileCells + (column & kMask))];
+}
+
+SurfaceMap::Surface* SurfaceMap::make(int column, int row) {
+  widen(column >> kTileBits, row >> kTileBits);
+  const int tile_column = (column >> kTileBits) - first_column_;
+  const int tile_row = (row >> kTileBits) - first_row_;
+  std::int32_t& tile = directory_[static_cast<std::size_t>(tile_row * columns_ + tile_column)];
+  if (tile < 0) {
+    tile = static_cast<std::int32_t>(tiles_.size());
+    tiles_.emplace_back();
+  }
+  return const_cast<Surface*>(find(column, row));  // NOLINT: the tile was made just now, and is ours
+}
+
+void SurfaceMap::widen(int tile_column, int tile_row) {
+  const bool inside = columns_ > 0 && tile_column >= first_column_ && tile_row >= first_row_ &&
+                      tile_column < first_column_ + columns_ && tile_row < first_row_ + rows_;
+  if (inside) return;
+  const int left = columns_ == 0 ? tile_column : std::min(first_column_, tile_column);
+  const int bottom = columns_ == 0 ? tile_row : std::min(first_row_, tile_row);
+  const int right = columns_ == 0 ? tile_column + 1 : std::max(first_column_ + columns_, tile_column + 1);
+  const int top = columns_ == 0 ? tile_row + 1 : std::max(first_row_ + rows_, tile_row + 1);
+  const int new_first_column = left - kDirectoryMargin;
+  const int new_first_row = bottom - kDirectoryMargin;
+  const int new_columns = right - left + 2 * kDirectoryMargin;
+  const int new_rows = top - bottom + 2 * kDirectoryMargin;
+  std::vector<std::int32_t> wider(static_cast<std::size_t>(new_columns) * static_cast<std::size_t>(new_rows),
+                                  -1);
+  for (int row = 0; row < rows_; ++row)
+    std::copy_n(directory_.begin() + static_cast<std::ptrdiff_t>(row) * columns_, columns_,
+                wider.begin() + static_cast<std::ptrdiff_t>(row + first_row_ - new_first_row) * new_columns +
+                    (first_column_ - new_first_column));
+  directory_ = std::move(wider);
+  first_column_ = new_first_column;
+  first_row_ = new_first_row;
+  columns_ = new_columns;
+  rows_ = new_rows;
+}
+
+}  // namespace extperfc::mapping

@@ -1,0 +1,66 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <vector>
+
+#include <Eigen/Core>
+
+#include "extperfc/world/pose.hpp"
+
+#include "mapping/scan_points.hpp"
+
+namespace extperfc::mapping {
+
+/// Surfaces seen from a few places near each other: per small cell the mean of the points that fell into it
+/// and of their normals. The sides of a thin wall stay apart, because a cell keeps the normals of one side
+/// only. Memory grows with the surface that was seen. Coordinates are of the frame that scans are added in
+/// [m].
+class SurfaceMap {
+ public:
+  static constexpr float kCellM = 0.08F;
+
+  struct Surface {
+    Eigen::Vector2f mean{0, 0};
+    Eigen::Vector2f normal{0, 0};  ///< of unit length, or zero: unknown
+    float weight{0};               ///< points that make it up; 0: nothing here
+  };
+
+  /// Adds what a scan saw from `map_T_base`.
+  void add(const ScanPoints& points, const Pose2& map_T_base);
+  void clear();
+  [[nodiscard]] bool empty() const { return tiles_.empty(); }
+
+  /// The nearest surface within `reach_cells` cells whose normal goes with `normal` (either may be zero:
+  /// unknown). Null when there is none.
+  [[nodiscard]] const Surface* nearest(const Eigen::Vector2f& point, const Eigen::Vector2f& normal,
+                                       int reach_cells) const;
+  /// True when a surface of any direction lies in the cell or next to it.
+  [[nodiscard]] bool occupied_near(const Eigen::Vector2f& point) const;
+
+  /// Every surface, in no order that means anything.
+  template <typename Visitor>
+  void visit(const Visitor& visitor) const {
+    for (const Tile& tile : tiles_)
+      for (const Surface& surface : tile)
+        if (surface.weight > 0) visitor(surface);
+  }
+
+ private:
+  static constexpr int kTileBits = 3;
+  static constexpr int kTileCells = 1 << kTileBits;
+  using Tile = std::array<Surface, kTileCells * kTileCells>;
+
+  [[nodiscard]] const Surface* find(int column, int row) const;
+  [[nodiscard]] Surface* make(int column, int row);
+  void widen(int tile_column, int tile_row);
+
+  int first_column_{0};  ///< of the directory, in tiles
+  int first_row_{0};
+  int columns_{0};
+  int rows_{0};
+  std::vector<std::int32_t> directory_;  ///< index of each tile, or -1
+  std::vector<Tile> tiles_;
+};
+
+}  // namespace extperfc::mapping

@@ -1,0 +1,154 @@
+#include "mapping/tracker.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace extperfc::mapping {
+
+namespace {
+
+constexpr std::size_t kRemembered = 25;  // scans that the map holds at least, twice as many at most
+constexpr double kRememberEveryM = 0.15;
+constexpr double kRememberEveryRad = 0.12;
+constexpr double kReachM = 0.25;  // a point looks so far for its surface
+constexpr double kNeverStillM = 1e-4;
+constexpr double kNeverStillRad = 1e-4;
+// A match this many standard deviations from what odometry said contradicts it.
+constexpr double kContradiction = 6.0;
+// No robot moves so far from scan to scan: its odometry was set anew.
+constexpr double kJumpM = 3.0;
+constexpr double kJumpRad = 1.5;
+// Scans of which less is explained than the least, and this, are looked for in a wider window.
+constexpr double kComfortableFit = 0.15;
+// Without odometry a robot goes on as before, give or take this from scan to scan.
+constexpr double kUnknownStepM = 0.12;
+constexpr double kUnknownStepRad = 0.12;
+
+}  // namespace
+
+bool Tracker::jumps(const std::optional<Pose2>& odom_T_base) const {
+  if (!odom_T_base || !last_odometry_) return false;
+  const Pose2 step = between(*last_odometry_, *odom_T_base);
+  return std::hypot(step.x, step.y) > kJumpM || std::abs(step.yaw) > kJumpRad;
+}
+
+Pose2 Tracker::expected_step(const std::optional<Pose2>& odom_T_base) const {
+  if (jumps(odom_T_base)) return last_step_;
+  if (odom_T_base && last_odometry_) return between(*last_odometry_, *odom_T_base);
+  if (odom_T_base) return {};  // the first odometry tells no motion yet
+  return last_step_;
+}
+
+PosePrior Tracker::prior(const Pose2& step, bool has_odometry) const {
+  PosePrior prior;
+  prior.mean = compose(pose_, step);
+  const double way = std::hypot(step.x, step.y);
+  const double turn = std::abs(step.yaw);
+  prior.sigma_m = has_odometry ? 0.02 + 3 * noise_.srr * way + 0.2 * noise_.str * turn : kUnknownStepM;
+  prior.sigma_rad = has_odometry ? 0.05 + 5 * noise_.stt * turn + 0.5 * noise_.srt * way : kUnknownStepRad;
+  return prior;
+}
+
+Tracked Tracker::add(const ScanPoints& points, const std::optional<Pose2>& odom_T_base) {
+  const bool jump = jumps(odom_T_base);
+  const bool has_odometry = odom_T_base && last_odometry_ && !jump;
+  const Pose2 step = expected_step(odom_T_base);
+  const bool enough = points.surface.size() >= kFewestPoints;
+  const bool stands = has_odometry && std::hypot(step.x, step.y) < kNeverStillM &&
+                      std::abs(step.yaw) < kNeverStillRad && enough && fits_where_it_stands(points);
+  const PosePrior before = prior(step, has_odometry);
+  Tracked tracked;
+  tracked.pose = before.mean;
+  if (stands || (map_.empty() && enough)) {
+    tracked.matched = true;
+    tracked.fit = 1.0;
+  } else if (!map_.empty() && enough) {
+    match_scan(points, before, tracked);
+  }
+  const double per_m2 = 1 / (before.sigma_m * before.sigma_m);
+  tracked.information +=
+      Eigen::Vector3d(per_m2, per_m2, 1 / (before.sigma_rad * before.sigma_rad)).asDiagonal();
+  const Pose2 off = between(before.mean, tracked.pose);
+  tracked.odometry_contradicted =
+      jump || (has_odometry && (std::hypot(off.x, off.y) > kContradiction * before.sigma_m + 0.05 ||
+                                std::abs(off.yaw) > kContradiction * before.sigma_rad + 0.03));
+  last_step_ = resuming_ ? Pose2{} : between(pose_, tracked.pose);
+  if (tracked.matched) resuming_ = false;
+  pose_ = tracked.pose;
+  last_odometry_ = odom_T_base;
+  if (enough) remember(points, pose_);
+  return tracked;
+}
+
+/// Odometry that stands still is believed only while the scan agrees: an encoder may be dead, a robot pushed.
+bool Tracker::fits_where_it_stands(const ScanPoints& points) const {
+  return !map_.empty() && evaluate(map_, points, pose_).fit >= minimum_fit_ + 2 * kComfortableFit;
+}
+
+void Tracker::match_scan(const ScanPoints& points, const PosePrior& prior, Tracked& tracked) const {
+  ScanMatch best = match(map_, points, prior.mean, prior, kReachM);
+  if (best.fit < minimum_fit_ + kComfortableFit) best = look_wider(points, prior, best);
+  tracked.fit = best.fit;
+  if (best.fit < minimum_fit_ && best.used * 2 < static_cast<int>(points.surface.size())) return;
+  tracked.matched = true;
+  tracked.pose = best.pose;
+  tracked.information = best.information;
+}
+
+/// Wheels slipped, odometry jumped, somebody carried the robot, or much is new: looks around where odometry
+/// says it is, where it would be had it gone on as before, and where it was. Only a clear gain is believed.
+ScanMatch Tracker::look_wider(const ScanPoints& points, const PosePrior& prior,
+                              const ScanMatch& first) const {
+  constexpr double kWindowM = 0.4;
+  constexpr double kResumingWindowM = 1.2;
+  constexpr double kWindowRad = 0.3;
+  constexpr double kResumingWindowRad = 0.6;
+  constexpr double kClearGain = 0.1;
+  constexpr double kSamePlaceM = 0.2;
+  ScanMatch best = first;
+  std::vector<Pose2> tried;
+  for (const Pose2& centre : {prior.mean, compose(pose_, last_step_), pose_}) {
+    const bool known = std::any_of(tried.begin(), tried.end(), [&](const Pose2& other) {
+      return std::hypot(other.x - centre.x, other.y - centre.y) < kSamePlaceM &&
+             std::abs(wrap_angle(other.yaw - centre.yaw)) < 0.5 * kWindowRad;
+    });
+    if (known) continue;
+    tried.push_back(centre);
+    const Pose2 start = search_near(map_, points, centre, resuming_ ? kResumingWindowM : kWindowM,
+                                    resuming_ ? kResumingWindowRad : kWindowRad);
+    const ScanMatch wide = match(map_, points, start, {start, 1.0, 1.0}, kReachM);
+    if (wide.fit > best.fit + kClearGain) best = wide;
+  }
+  return best;
+}
+
+void Tracker::remember(const ScanPoints& points, const Pose2& pose) {
+  if (!recent_.empty()) {
+    const Pose2 since = between(recent_.back().pose, pose);
+    if (std::hypot(since.x, since.y) < kRememberEveryM && std::abs(since.yaw) < kRememberEveryRad) return;
+  }
+  recent_.push_back({pose, points});
+  map_.add(points, pose);
+  if (recent_.size() < 2 * kRemembered) return;
+  while (recent_.size() > kRemembered) recent_.pop_front();
+  redraw();
+}
+
+void Tracker::redraw() {
+  map_.clear();
+  for (const Remembered& scan : recent_) map_.add(scan.points, scan.pose);
+}
+
+void Tracker::go_on_from(const std::vector<KeyFrame>& frames, const std::vector<Pose2>& poses,
+                         const Pose2& pose) {
+  recent_.clear();
+  for (std::size_t i = frames.size() - std::min(frames.size(), kRemembered); i < frames.size(); ++i)
+    recent_.push_back({poses[i], frames[i].points});
+  redraw();
+  pose_ = pose;
+  last_step_ = {};
+  last_odometry_.reset();
+  resuming_ = true;
+}
+
+}  // namespace extperfc::mapping

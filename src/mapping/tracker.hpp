@@ -1,0 +1,72 @@
+#pragma once
+
+#include <deque>
+#include <optional>
+#include <vector>
+
+#include "extperfc/world/pose.hpp"
+
+#include "mapping/key_frame.hpp"
+#include "mapping/matcher.hpp"
+#include "mapping/scan_points.hpp"
+#include "mapping/surface_map.hpp"
+
+namespace extperfc::mapping {
+
+/// How much odometry may be trusted; see MapperParams.
+struct OdometryNoise {
+  double srr{0.1};
+  double srt{0.1};
+  double str{0.1};
+  double stt{0.1};
+};
+
+struct Tracked {
+  Pose2 pose;                                            ///< of the base in the tracker's own, drifting frame
+  Eigen::Matrix3d information{Eigen::Matrix3d::Zero()};  ///< of x, y, yaw in that frame, prior included
+  double fit{0};                                         ///< see ScanMatch
+  bool matched{false};                                   ///< false: odometry alone gave the pose
+  bool odometry_contradicted{false};
+};
+
+/// Follows the robot from scan to scan: every scan is matched to the surfaces seen over the last metres, held
+/// by odometry or, without it, by the last motion. Smooth and precise over a room, drifting over a building.
+class Tracker {
+ public:
+  static constexpr std::size_t kFewestPoints = 12;  ///< fewer cannot tell a pose
+
+  Tracker(const OdometryNoise& noise, double minimum_fit) : noise_(noise), minimum_fit_(minimum_fit) {}
+
+  [[nodiscard]] Tracked add(const ScanPoints& points, const std::optional<Pose2>& odom_T_base);
+  [[nodiscard]] const Pose2& pose() const { return pose_; }
+  /// Goes on at `pose`, with the newest key frames before its eyes, in the frame of their `poses`. The robot
+  /// may stand a step away from there, and its odometry may begin anywhere.
+  void go_on_from(const std::vector<KeyFrame>& frames, const std::vector<Pose2>& poses, const Pose2& pose);
+
+ private:
+  struct Remembered {
+    Pose2 pose;
+    ScanPoints points;
+  };
+
+  [[nodiscard]] bool jumps(const std::optional<Pose2>& odom_T_base) const;
+  [[nodiscard]] bool fits_where_it_stands(const ScanPoints& points) const;
+  [[nodiscard]] Pose2 expected_step(const std::optional<Pose2>& odom_T_base) const;
+  [[nodiscard]] PosePrior prior(const Pose2& step, bool has_odometry) const;
+  void match_scan(const ScanPoints& points, const PosePrior& prior, Tracked& tracked) const;
+  [[nodiscard]] ScanMatch look_wider(const ScanPoints& points, const PosePrior& prior,
+                                     const ScanMatch& first) const;
+  void redraw();
+  void remember(const ScanPoints& points, const Pose2& pose);
+
+  OdometryNoise noise_;
+  double minimum_fit_;
+  Pose2 pose_;
+  Pose2 last_step_;
+  std::optional<Pose2> last_odometry_;
+  std::deque<Remembered> recent_;
+  SurfaceMap map_;
+  bool resuming_{false};  ///< the next scan is looked for in a wider window
+};
+
+}  // namespace extperfc::mapping

@@ -1,0 +1,52 @@
+#include "extperfc/world/laser_scan.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <string>
+
+namespace extperfc {
+
+namespace {
+
+constexpr std::size_t kMostRays = 100000;
+constexpr double kWidestSweepRad = 3 * M_PI;  // drivers overlap a turn by some rays
+
+bool is_finite(const Pose2& pose) {
+  return std::isfinite(pose.x) && std::isfinite(pose.y) && std::isfinite(pose.yaw);
+}
+
+tl::unexpected<Error> wrong(const std::string& what) {
+  return fail(ErrorCode::kInvalidArgument, "laser scan: " + what);
+}
+
+}  // namespace
+
+std::size_t count_returns(const LaserScan& scan) {
+  const auto low = static_cast<float>(scan.range_min);
+  const auto high = static_cast<float>(scan.range_max);
+  return static_cast<std::size_t>(std::count_if(scan.ranges.begin(), scan.ranges.end(), [&](float range) {
+    return range >= low && range <= high && range > 0;
+  }));
+}
+
+Result<void> validate(const LaserScan& scan) {
+  if (!std::isfinite(scan.stamp_s)) return wrong("its stamp is not a finite time");
+  if (!std::isfinite(scan.angle_min) || !std::isfinite(scan.angle_increment))
+    return wrong("angle_min or angle_increment is not a finite number");
+  if (scan.angle_increment == 0.0)
+    return wrong("angle_increment is 0; the driver must say how far rays are apart");
+  if (!std::isfinite(scan.range_min) || !std::isfinite(scan.range_max) || scan.range_max <= scan.range_min ||
+      scan.range_max <= 0)
+    return wrong("range_max " + std::to_string(scan.range_max) + " is not above range_min " +
+                 std::to_string(scan.range_min));
+  if (scan.ranges.empty()) return wrong("it has no rays");
+  if (scan.ranges.size() > kMostRays)
+    return wrong("it has " + std::to_string(scan.ranges.size()) + " rays, more than " +
+                 std::to_string(kMostRays));
+  if (std::abs(scan.angle_increment) * static_cast<double>(scan.ranges.size() - 1) > kWidestSweepRad)
+    return wrong("it sweeps more than a turn and a half; is angle_increment in radians?");
+  if (!is_finite(scan.base_T_sensor)) return wrong("the pose of the scanner on the robot is not finite");
+  return {};
+}
+
+}  // namespace extperfc

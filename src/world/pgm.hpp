@@ -1,0 +1,30 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <filesystem>
+#include <string>
+
+#include "extperfc/base/error.hpp"
+
+namespace extperfc {
+
+/// Larger maps are taken for damaged files.
+constexpr std::size_t kMostMapCells = std::size_t{1} << 28;
+
+/// A grey picture, top row first.
+struct GreyPicture {
+  std::size_t width{0};   ///< pixels
+  std::size_t height{0};  ///< pixels
+  unsigned largest{255};  ///< the value of white, [1, 65535]
+  std::string bytes;      ///< one byte a pixel, two (high byte first) where `largest` is above 255
+
+  /// In [0, largest].
+  [[nodiscard]] unsigned at(std::size_t x, std::size_t y) const;
+};
+
+/// Reads a PGM picture, binary (P5) or text (P2). Errors name the file and what is wrong: no such file,
+/// another picture format, more than 2^28 pixels, fewer pixels than announced.
+[[nodiscard]] Result<GreyPicture> read_pgm(const std::filesystem::path& file);
+
+}  // namespace extperfc
