@@ -1,0 +1,154 @@
+#include <csignal>
+#include <exception>
+#include <iostream>
+#include <string>
+#include <system_error>
+#include <utility>
+
+#include "extperfc/base/atomic_file.hpp"
+#include "extperfc/offline/map_recording.hpp"
+#include "extperfc/offline/picture.hpp"
+#include "extperfc/world/map_file.hpp"
+
+#include "map_options.hpp"
+#include "map_report.hpp"
+#include "progress_line.hpp"
+
+namespace extperfc::offline::tool {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr int kDone = 0;
+constexpr int kFailed = 1;
+constexpr int kUsage = 2;
+
+volatile std::sig_atomic_t stop_wanted = 0;
+
+/// The first signal asks to stop; the next one finds the system's own answer.
+extern "C" void ask_to_stop(int signal) {
+  stop_wanted = 1;
+  (void)std::signal(signal, SIG_DFL);
+}
+
+void say(const std::string& what) {
+  std::cerr << "extperfc-map: " << what << '\n';
+}
+
+Result<mapping::Mapper> make_mapper(const MapOptions& options) {
+  if (options.session) return mapping::Mapper::load(*options.session, options.params);
+  return mapping::Mapper::make(options.params);
+}
+
+MappingResult run(const MapOptions& options, sources::ScanLog& log, mapping::Mapper& mapper) {
+  ProgressLine line;
+  MappingOptions mapping;
+  mapping.use_odometry = options.use_odometry;
+  mapping.most_scans = options.most_scans;
+  mapping.go_on = [&](const MappingProgress& progress) {
+    if (!options.quiet) line.show(progress);
+    return stop_wanted == 0;
+  };
+  auto result = map_recording(log, mapper, mapping);
+  line.end();
+  return result;
+}
+
+Result<void> write_text(const fs::path& file, const std::string& text) {
+  return write_file_atomically(file, [&](std::ostream& out) { out << text; });
+}
+
+/// Everything but the reports.
+Result<void> write_files(const MapOptions& options, const MappingResult& result,
+                         const mapping::Mapper& mapper, const OccupancyGrid& map) {
+  if (auto done = write_tum(result.trajectory, options.out / "trajectory.tum"); !done) return done;
+  if (auto done = mapper.save(options.out / "map.session"); !done) return done;
+  if (auto done = save_map(map, options.out / "map"); !done) return done;
+  return write_png(draw_map(map, result.trajectory), options.out / "map.png");
+}
+
+/// Poses by the scans' numbers in the recording.
+std::vector<std::optional<Pose2>> by_index(const MappingResult& result) {
+  std::vector<std::optional<Pose2>> poses;
+  for (std::size_t i = 0; i < result.trajectory.size(); ++i) {
+    if (poses.size() <= result.scan_index[i]) poses.resize(result.scan_index[i] + 1);
+    poses[result.scan_index[i]] = result.trajectory[i].pose;
+  }
+  return poses;
+}
+
+Result<int> write_reports(const MapReport& report) {
+  const std::string text = report_text(report);
+  const std::string json = report_json(report);
+  if (auto done = write_text(report.options.out / "report.txt", text); !done)
+    return tl::unexpected(done.error());
+  if (auto done = write_text(report.options.out / "report.json", json); !done)
+    return tl::unexpected(done.error());
+  std::cout << (report.options.json ? json : text) << std::flush;
+  if (!report.options.json) std::cout << "written to   " << report.options.out.string() << '\n' << std::flush;
+  if (report.result.broken.empty()) return kDone;
+  return fail(ErrorCode::kCorrupt, report.result.broken + "; the map holds what came before");
+}
+
+Result<int> map(const MapOptions& options) {
+  MapReport report{options, {}, {}, 0, 0, 0, {}, {}};
+  if (options.relations) {
+    auto relations = read_relations(*options.relations);
+    if (!relations) return tl::unexpected(relations.error());
+    report.relations = *std::move(relations);
+  }
+  auto log = open_recording(options.recording, options.reading);
+  if (!log) return tl::unexpected(log.error());
+  auto mapper = make_mapper(options);
+  if (!mapper) return tl::unexpected(mapper.error());
+  std::error_code error;
+  fs::create_directories(options.out, error);
+  if (error)
+    return fail(ErrorCode::kFailed,
+                "cannot make the folder " + options.out.string() + ": " + error.message());
+  report.result = run(options, **log, *mapper);
+  if (report.result.scans == report.result.refused)
+    return fail(ErrorCode::kCorrupt,
+                options.recording.string() + " holds no usable laser scans" +
+                    (report.result.broken.empty() ? "" : ": " + report.result.broken) +
+                    (report.result.complaints.empty() ? "" : "; " + report.result.complaints[0]));
+  const auto grid = mapper->map();
+  report.statistics = mapper->statistics();
+  report.map_width = grid->width;
+  report.map_height = grid->height;
+  report.peak_memory_mb = peak_memory_mb();
+  if (options.relations) report.score = score_relations(report.relations, by_index(report.result));
+  if (auto written = write_files(options, report.result, *mapper, *grid); !written)
+    return tl::unexpected(written.error());
+  return write_reports(report);
+}
+
+int run_tool(const std::vector<std::string>& words) {
+  const auto options = read_map_options(words);
+  if (!options) {
+    say(options.error().message + " (extperfc-map --help)");
+    return kUsage;
+  }
+  if (options->help) {
+    std::cout << map_help();
+    return kDone;
+  }
+  (void)std::signal(SIGINT, ask_to_stop);
+  (void)std::signal(SIGTERM, ask_to_stop);
+  const auto done = map(*options);
+  if (done) return *done;
+  say(done.error().message);
+  return kFailed;
+}
+
+}  // namespace
+}  // namespace extperfc::offline::tool
+
+int main(int argc, char** argv) {
+  try {
+    return extperfc::offline::tool::run_tool({argv + 1, argv + argc});
+  } catch (const std::exception& problem) {
+    std::cerr << "extperfc-map: " << problem.what() << '\n';
+    return 1;
+  }
+}

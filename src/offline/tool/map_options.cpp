@@ -1,0 +1,158 @@
+#include "map_options.hpp"
+
+#include <sstream>
+
+#include "extperfc/base/arguments.hpp"
+#include "extperfc/mapping/param_names.hpp"
+
+namespace extperfc::offline::tool {
+
+namespace {
+
+constexpr const char* kHelp = R"(Makes a map of a recording of planar laser scans, without ROS running.
+
+  extperfc-map RECORDING [OPTION ...]
+
+RECORDING is a CARMEN log (FLASER or ROBOTLASER1 lines; plain, .gz or .bz2), a ROS bag with sensor_msgs/LaserScan (and
+tf or nav_msgs/Odometry), or an MRPT rawlog. Its content tells which. Scans are taken in the order of the file.
+
+Writes into a folder:
+  map.pgm, map.yaml   the map, as map_server, the localizer and amcl read it
+  map.png             the same as a picture with the path in it: from blue (green disc) to red (red disc)
+  trajectory.tum      a line `stamp x y z qx qy qz qw` for every scan, in the recording's order
+  map.session         all that mapping needs to go on from here: --continue, or the nodelet's load service
+  report.txt, .json   scans, key frames, loops, CPU time, memory, and the score of --relations
+
+Ctrl-C ends early and writes what there is; a second one ends at once.
+
+Options:
+  --out DIR              the folder, made if it is not there; NAME-map in the present folder by default
+  --particles N          hypotheses of the path
+  --seed N               of every random draw: the same recording, parameters and seed give the same map
+  --resolution M         side of a map's cell [m]
+  --set NAME=VALUE       any parameter of the table below; may be given several times
+  --relations FILE       scores the trajectory, see extperfc-relations
+  --continue SESSION     goes on with the map of an earlier run; the recording must begin where that one ended
+  --scans N              only the first N scans
+  --no-odometry          by scan matching alone
+  --laser-pose X,Y,YAW   where the scanner sits on the robot [m, m, rad]; overrules the recording
+  --sensor-max M         ranges from here on met nothing [m]; by default what the recording says, 81.8 for FLASER
+  --sensor LABEL         rawlogs: the scanner, when there are several; the first one seen by default
+  --scan-topic TOPIC     bags: the only topic with laser scans by default
+  --odom-topic TOPIC     bags: nav_msgs/Odometry; by default tf, else the only topic with odometry
+  --base-frame FRAME     bags: the robot in tf, base_link by default
+  --odom-frame FRAME     bags: odometry's frame in tf, odom by default
+  --json                 the report as JSON on standard output
+  --quiet                no progress on standard error
+
+Parameters for --set, the same as the nodelet's (GMapping's names where they mean the same):
+)";
+
+constexpr const char* kHelpEnd = R"(
+Example:
+  extperfc-map intel.clf.bz2 --out intel --particles 30 --relations intel.relations
+
+Exit status: 0 done, 1 failed (standard error says why), 2 wrong usage.
+)";
+
+Result<void> read_pose(const Arguments& arguments, RecordingOptions& reading) {
+  const auto laser = arguments.numbers("--laser-pose", 3);
+  if (!laser) return tl::unexpected(laser.error());
+  if (*laser) reading.log.base_T_sensor = Pose2{(**laser)[0], (**laser)[1], (**laser)[2]};
+  return {};
+}
+
+Result<void> read_params(const Arguments& arguments, mapping::MapperParams& params) {
+  for (const auto& setting : arguments.all("--set")) {
+    const auto equals = setting.find('=');
+    if (equals == std::string::npos)
+      return fail(ErrorCode::kInvalidArgument, "--set takes NAME=VALUE, not '" + setting + "'");
+    if (auto set = mapping::set_param(params, setting.substr(0, equals), setting.substr(equals + 1)); !set)
+      return set;
+  }
+  const std::vector<std::pair<const char*, const char*>> shortcuts = {
+      {"--particles", "particles"}, {"--seed", "seed"}, {"--resolution", "delta"}};
+  for (const auto& [option, name] : shortcuts) {
+    const auto value = arguments.last(option);
+    if (!value) continue;
+    if (auto set = mapping::set_param(params, name, *value); !set)
+      return fail(set.error().code, std::string(option) + ": " + set.error().message);
+  }
+  return mapping::validate(params);
+}
+
+Result<void> read_limits(const Arguments& arguments, MapOptions& options) {
+  constexpr double kMostScans = 1e9;
+  const auto scans = arguments.number("--scans", 1, kMostScans);
+  if (!scans) return tl::unexpected(scans.error());
+  if (*scans) options.most_scans = static_cast<std::size_t>(**scans);
+  constexpr double kMostRangeM = 1e4;
+  const auto most_m = arguments.number("--sensor-max", 0.1, kMostRangeM);
+  if (!most_m) return tl::unexpected(most_m.error());
+  options.reading.log.max_range_m = most_m->value_or(0);
+  return {};
+}
+
+/// "intel" of "logs/intel.clf.bz2".
+std::string name_of(const std::filesystem::path& recording) {
+  std::filesystem::path name = recording.filename();
+  while (name.has_extension() && name.has_stem()) name = name.stem();
+  return name.string();
+}
+
+void read_names(const Arguments& arguments, MapOptions& options) {
+  auto& reading = options.reading;
+  reading.log.sensor_label = arguments.last("--sensor").value_or("");
+  reading.scan_topic = arguments.last("--scan-topic").value_or("");
+  reading.odom_topic = arguments.last("--odom-topic").value_or("");
+  reading.base_frame = arguments.last("--base-frame").value_or(reading.base_frame);
+  reading.odom_frame = arguments.last("--odom-frame").value_or(reading.odom_frame);
+  options.out = arguments.last("--out").value_or(name_of(options.recording) + "-map");
+  options.relations = arguments.last("--relations");
+  options.session = arguments.last("--continue");
+  options.use_odometry = !arguments.has("--no-odometry");
+  options.json = arguments.has("--json");
+  options.quiet = arguments.has("--quiet");
+}
+
+}  // namespace
+
+Result<MapOptions> read_map_options(const std::vector<std::string>& words) {
+  const auto arguments =
+      Arguments::read(words, {0,
+                              1,
+                              {"--out", "--particles", "--seed", "--resolution", "--set", "--relations",
+                               "--continue", "--scans", "--laser-pose", "--sensor-max", "--sensor",
+                               "--scan-topic", "--odom-topic", "--base-frame", "--odom-frame"},
+                              {"--no-odometry", "--json", "--quiet", "--help"}});
+  if (!arguments) return tl::unexpected(arguments.error());
+  MapOptions options;
+  options.help = arguments->has("--help");
+  if (options.help) return options;
+  if (arguments->words().empty()) return fail(ErrorCode::kInvalidArgument, "give a recording");
+  options.recording = arguments->words()[0];
+  read_names(*arguments, options);
+  if (auto read = read_pose(*arguments, options.reading); !read) return tl::unexpected(read.error());
+  if (auto read = read_params(*arguments, options.params); !read) return tl::unexpected(read.error());
+  if (auto read = read_limits(*arguments, options); !read) return tl::unexpected(read.error());
+  return options;
+}
+
+std::string map_help() {
+  std::ostringstream out;
+  out << kHelp;
+  const mapping::MapperParams defaults;
+  constexpr std::size_t kNameWidth = 20;
+  constexpr std::size_t kValueWidth = 16;
+  for (const auto& name : mapping::param_names()) {
+    std::string line = "  " + std::string(name.name);
+    line.resize(kNameWidth, ' ');
+    line += mapping::param_text(defaults, name) + " " + std::string(name.unit);
+    line.resize(std::max(line.size() + 1, kNameWidth + kValueWidth), ' ');
+    out << line << name.help << '\n';
+  }
+  out << kHelpEnd;
+  return out.str();
+}
+
+}  // namespace extperfc::offline::tool

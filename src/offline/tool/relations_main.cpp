@@ -1,0 +1,188 @@
+#include <exception>
+#include <iostream>
+#include <string>
+#include <utility>
+
+#include "extperfc/base/arguments.hpp"
+#include "extperfc/offline/picture.hpp"
+#include "extperfc/offline/recording.hpp"
+#include "extperfc/offline/relations.hpp"
+#include "extperfc/world/map_file.hpp"
+
+#include "score_report.hpp"
+
+namespace extperfc::offline::tool {
+namespace {
+
+constexpr int kDone = 0;
+constexpr int kFailed = 1;
+constexpr int kUsage = 2;
+
+constexpr const char* kHelp = R"(How well a trajectory keeps known relations between places.
+
+  extperfc-relations TRAJECTORY RELATIONS [OPTION ...]
+
+TRAJECTORY: TUM format, a line `stamp x y z qx qy qz qw` a pose.
+RELATIONS:  a line `i j x y z roll pitch yaw` a relation: where scan j lies, seen from scan i [m, rad]. Scans are
+            numbered from 0 in the order of their recording.
+
+Prints the metric of Kuemmerle et al. 2009: mean and standard deviation of the translational and the rotational error,
+absolute and squared, for all relations, for neighbours, and for loops (scans that are more than 100 apart).
+
+A trajectory that holds every scan needs no more. One that holds only some of them (as most mappers write) needs the
+recording: poses and scans are then matched by their stamps, and what lies between two poses is filled in by odometry.
+
+Options:
+  --odometry RECORDING   the recording: CARMEN log, ROS bag or MRPT rawlog, as extperfc-map reads them
+  --loop-span N          scans that a loop spans at least, 101 by default
+  --worst N              relations to list, 10 by default
+  --picture FILE.png     draws the trajectory, and each relation from green over yellow to red (0.15 m off or more)
+  --map MAP.yaml         below that picture
+  --json                 for programs
+  --scan-topic TOPIC, --odom-topic TOPIC, --base-frame FRAME, --odom-frame FRAME, --sensor LABEL
+                         how to read the recording, see extperfc-map --help
+
+Example:
+  extperfc-relations intel/trajectory.tum intel.relations --map intel/map.yaml --picture relations.png
+
+Exit status: 0 done, 1 failed (standard error says why), 2 wrong usage.
+)";
+
+constexpr double kMostCount = 1e8;
+
+RecordingOptions reading_of(const Arguments& arguments) {
+  RecordingOptions reading;
+  reading.log.base_T_sensor = Pose2{};  // of no account here
+  reading.log.sensor_label = arguments.last("--sensor").value_or("");
+  reading.scan_topic = arguments.last("--scan-topic").value_or("");
+  reading.odom_topic = arguments.last("--odom-topic").value_or("");
+  reading.base_frame = arguments.last("--base-frame").value_or(reading.base_frame);
+  reading.odom_frame = arguments.last("--odom-frame").value_or(reading.odom_frame);
+  return reading;
+}
+
+Result<std::vector<ScanMoment>> read_moments(const std::string& file, const RecordingOptions& reading) {
+  auto log = open_recording(file, reading);
+  if (!log) return tl::unexpected(log.error());
+  std::vector<ScanMoment> moments;
+  while (true) {
+    const auto record = (*log)->next();
+    if (!record) return tl::unexpected(record.error());
+    if (!*record) return moments;
+    moments.push_back({(*record)->index, (*record)->scan.stamp_s, (*record)->odom_T_base});
+  }
+}
+
+/// Without a recording the trajectory must hold every scan.
+Result<std::vector<std::optional<Pose2>>> poses_one_by_one(const Trajectory& trajectory,
+                                                           const std::vector<Relation>& relations) {
+  std::size_t most = 0;
+  for (const auto& relation : relations) most = std::max({most, relation.from, relation.to});
+  if (most >= trajectory.size())
+    return fail(ErrorCode::kInvalidArgument,
+                "the trajectory holds " + std::to_string(trajectory.size()) +
+                    " poses and a relation names scan " + std::to_string(most) +
+                    ": give the recording (--odometry RECORDING), so that poses can be "
+                    "matched by their stamps");
+  std::vector<std::optional<Pose2>> poses;
+  poses.reserve(trajectory.size());
+  for (const auto& stamped : trajectory) poses.emplace_back(stamped.pose);
+  return poses;
+}
+
+Result<std::vector<std::optional<Pose2>>> find_poses(const Arguments& arguments, const Trajectory& trajectory,
+                                                     const std::vector<Relation>& relations) {
+  const auto recording = arguments.last("--odometry");
+  if (!recording) return poses_one_by_one(trajectory, relations);
+  const auto moments = read_moments(*recording, reading_of(arguments));
+  if (!moments) return tl::unexpected(moments.error());
+  return poses_of_scans(trajectory, *moments);
+}
+
+Result<void> draw(const Arguments& arguments, const std::vector<std::optional<Pose2>>& poses,
+                  const std::vector<Relation>& relations, const RelationsScore& score) {
+  const auto picture = arguments.last("--picture");
+  if (!picture) return {};
+  OccupancyGrid map;
+  if (const auto file = arguments.last("--map")) {
+    auto loaded = load_map(*file);
+    if (!loaded) return tl::unexpected(loaded.error());
+    map = *std::move(loaded);
+  }
+  return write_png(draw_relations(map, poses, relations, score), *picture);
+}
+
+struct Limits {
+  std::size_t loop_span{kLoopSpan};
+  std::size_t worst{10};
+};
+
+Result<Limits> read_limits(const Arguments& arguments) {
+  Limits limits;
+  const auto span = arguments.number("--loop-span", 1, kMostCount);
+  if (!span) return tl::unexpected(span.error());
+  const auto worst = arguments.number("--worst", 0, kMostCount);
+  if (!worst) return tl::unexpected(worst.error());
+  if (*span) limits.loop_span = static_cast<std::size_t>(**span) - 1;
+  if (*worst) limits.worst = static_cast<std::size_t>(**worst);
+  return limits;
+}
+
+Result<void> score(const Arguments& arguments, const Limits& limits) {
+  const auto trajectory = read_tum(arguments.words()[0]);
+  if (!trajectory) return tl::unexpected(trajectory.error());
+  const auto relations = read_relations(arguments.words()[1]);
+  if (!relations) return tl::unexpected(relations.error());
+  const auto poses = find_poses(arguments, *trajectory, *relations);
+  if (!poses) return tl::unexpected(poses.error());
+  const auto score = score_relations(*relations, *poses, limits.loop_span);
+  if (score.errors.empty())
+    return fail(ErrorCode::kInvalidArgument, "the trajectory has no pose for any of the " +
+                                                 std::to_string(relations->size()) + " relations");
+  if (auto drawn = draw(arguments, *poses, *relations, score); !drawn) return drawn;
+  if (!arguments.has("--json")) {
+    print_score(std::cout, *relations, score, limits.worst);
+    return {};
+  }
+  JsonWriter json;
+  json.begin_object();
+  json.count("poses", trajectory->size());
+  write_score(json, "score", *relations, score, limits.worst);
+  json.end_object();
+  std::cout << json.str();
+  return {};
+}
+
+int run_tool(const std::vector<std::string>& words) {
+  const auto arguments =
+      Arguments::read(words, {2,
+                              2,
+                              {"--odometry", "--loop-span", "--worst", "--picture", "--map", "--scan-topic",
+                               "--odom-topic", "--base-frame", "--odom-frame", "--sensor"},
+                              {"--json", "--help"}});
+  const auto limits = arguments ? read_limits(*arguments) : Result<Limits>(tl::unexpected(arguments.error()));
+  if (!limits) {
+    std::cerr << "extperfc-relations: " << limits.error().message << " (extperfc-relations --help)\n";
+    return kUsage;
+  }
+  if (arguments->has("--help")) {
+    std::cout << kHelp;
+    return kDone;
+  }
+  const auto done = score(*arguments, *limits);
+  if (done) return kDone;
+  std::cerr << "extperfc-relations: " << done.error().message << '\n';
+  return kFailed;
+}
+
+}  // namespace
+}  // namespace extperfc::offline::tool
+
+int main(int argc, char** argv) {
+  try {
+    return extperfc::offline::tool::run_tool({argv + 1, argv + argc});
+  } catch (const std::exception& problem) {
+    std::cerr << "extperfc-relations: " << problem.what() << '\n';
+    return 1;
+  }
+}

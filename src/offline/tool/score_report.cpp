@@ -1,0 +1,82 @@
+#include "score_report.hpp"
+
+#include <array>
+#include <iomanip>
+#include <utility>
+
+namespace extperfc::offline::tool {
+
+namespace {
+
+std::array<std::pair<const char*, const GroupScore*>, 3> groups_of(const RelationsScore& score) {
+  return {{{"all", &score.all}, {"neighbours", &score.neighbours}, {"loops", &score.loops}}};
+}
+
+void print_row(std::ostream& out, const char* name, const GroupScore& group) {
+  out << "  " << std::left << std::setw(11) << name << std::right << std::setw(7) << group.relations;
+  if (group.relations == 0) {
+    out << "        -\n";
+    return;
+  }
+  for (const auto* errors : {&group.translation_m, &group.rotation_deg})
+    out << "  " << std::setprecision(4) << std::setw(9) << errors->mean << std::setw(9) << errors->deviation
+        << std::setprecision(6) << std::setw(11) << errors->squared_mean << std::setw(11)
+        << errors->squared_deviation << std::setprecision(3) << std::setw(9) << errors->worst;
+  out << '\n';
+}
+
+void write_statistics(JsonWriter& json, const char* key, const ErrorStatistics& errors) {
+  json.begin_object(key);
+  json.number("mean", errors.mean);
+  json.number("std", errors.deviation);
+  json.number("squared_mean", errors.squared_mean);
+  json.number("squared_std", errors.squared_deviation);
+  json.number("worst", errors.worst);
+  json.end_object();
+}
+
+}  // namespace
+
+void print_score(std::ostream& out, const std::vector<Relation>& relations, const RelationsScore& score,
+                 std::size_t worst) {
+  const auto flags = out.flags();
+  out << std::fixed << "relations: " << score.all.relations << " of " << relations.size() << " scored\n"
+      << "                       translation [m]                                    rotation [deg]\n"
+      << "               number       mean      std    squared        std    worst       mean      std    "
+         "squared        std    worst\n";
+  for (const auto& [name, group] : groups_of(score)) print_row(out, name, *group);
+  const auto far_off = worst_relations(score, worst);
+  if (!far_off.empty()) out << "  worst:\n";
+  for (const auto& error : far_off)
+    out << "    scans " << relations[error.relation].from << " and " << relations[error.relation].to << ": "
+        << std::setprecision(3) << error.translation_m << " m, " << std::setprecision(2) << error.rotation_deg
+        << " deg\n";
+  out.flags(flags);
+}
+
+void write_score(JsonWriter& json, const char* key, const std::vector<Relation>& relations,
+                 const RelationsScore& score, std::size_t worst) {
+  json.begin_object(key);
+  json.count("relations", relations.size());
+  json.count("unmatched", score.unmatched);
+  for (const auto& [name, group] : groups_of(score)) {
+    json.begin_object(name);
+    json.count("relations", group->relations);
+    write_statistics(json, "translation_m", group->translation_m);
+    write_statistics(json, "rotation_deg", group->rotation_deg);
+    json.end_object();
+  }
+  json.begin_array("worst");
+  for (const auto& error : worst_relations(score, worst)) {
+    json.begin_object();
+    json.count("from", relations[error.relation].from);
+    json.count("to", relations[error.relation].to);
+    json.number("translation_m", error.translation_m);
+    json.number("rotation_deg", error.rotation_deg);
+    json.end_object();
+  }
+  json.end_array();
+  json.end_object();
+}
+
+}  // namespace extperfc::offline::tool
