@@ -1,125 +1,71 @@
 #include "scan/cloud_points.hpp"
 
-#include <algorithm>
-#include <array>
-#include <cstring>
+#include <cmath>
 #include <optional>
+
+#include "scan/azimuth_times.hpp"
+#include "scan/field_reader.hpp"
 
 namespace extperfc::scan {
 
 namespace {
 
-constexpr bool kHostIsBigEndian = __BYTE_ORDER__ == __ORDER_BIG_ENDIAN__;
+/// Fields that only some clouds have, or only some users want.
+struct Extras {
+  std::optional<AnyField> intensity, ring, time;
+  double time_unit_s{1};
+  double time_origin_s{0};
 
-template <typename T, bool kSwap>
-float number_at(const std::uint8_t* at) {
-  T value;
-  if constexpr (kSwap) {
-    std::array<std::uint8_t, sizeof(T)> bytes;
-    std::reverse_copy(at, at + sizeof(T), bytes.begin());
-    std::memcpy(&value, bytes.data(), sizeof(T));
-  } else {
-    std::memcpy(&value, at, sizeof(T));
+  void read(const std::uint8_t* point, std::size_t i, CloudPoints& points) const {
+    if (intensity) points.intensity[i] = static_cast<float>((*intensity)(point));
+    if (ring) points.level[i] = static_cast<float>((*ring)(point));
+    if (time) points.time_s[i] = static_cast<float>((*time)(point)*time_unit_s - time_origin_s);
   }
-  return static_cast<float>(value);
-}
-
-using Reader = float (*)(const std::uint8_t*);
-
-template <bool kSwap>
-Reader reader_of(NumberType type) {
-  switch (type) {
-    case NumberType::kInt8:
-      return number_at<std::int8_t, kSwap>;
-    case NumberType::kUint8:
-      return number_at<std::uint8_t, kSwap>;
-    case NumberType::kInt16:
-      return number_at<std::int16_t, kSwap>;
-    case NumberType::kUint16:
-      return number_at<std::uint16_t, kSwap>;
-    case NumberType::kInt32:
-      return number_at<std::int32_t, kSwap>;
-    case NumberType::kUint32:
-      return number_at<std::uint32_t, kSwap>;
-    case NumberType::kFloat32:
-      return number_at<float, kSwap>;
-    case NumberType::kFloat64:
-      return number_at<double, kSwap>;
-  }
-  return nullptr;
-}
-
-/// A field that any layout may have: one indirect call per number.
-struct AnyField {
-  AnyField(const CloudView& cloud, const CloudField& field)
-      : offset(field.offset),
-        read(cloud.big_endian == kHostIsBigEndian ? reader_of<false>(field.type)
-                                                  : reader_of<true>(field.type)) {}
-  float operator()(const std::uint8_t* point) const { return read(point + offset); }
-  std::size_t offset;
-  Reader read;
 };
 
-/// What nearly every driver sends: 32-bit floats in the host's byte order.
-struct FloatField {
-  FloatField(const CloudView&, const CloudField& field) : offset(field.offset) {}
-  float operator()(const std::uint8_t* point) const { return number_at<float, false>(point + offset); }
-  std::size_t offset;
-};
-
-template <typename Visit>
-void for_each_point(const CloudView& cloud, Visit visit) {
-  for (std::size_t row = 0; row < cloud.height; ++row) {
-    const std::uint8_t* point = cloud.data + row * cloud.row_step;
-    for (std::size_t column = 0; column < cloud.width; ++column, point += cloud.point_step) visit(point);
+Extras extras_of(const CloudView& cloud, const ReadOptions& options) {
+  Extras extras;
+  if (options.intensity && cloud.intensity) extras.intensity.emplace(cloud, *cloud.intensity);
+  if (cloud.ring) extras.ring.emplace(cloud, *cloud.ring);
+  if (options.time && cloud.time) {
+    extras.time.emplace(cloud, cloud.time->field);
+    extras.time_unit_s = cloud.time->unit_s;
+    extras.time_origin_s = cloud.time->origin_s;
   }
+  return extras;
 }
 
 /// Returns the number of points that were wanted.
 template <typename Field, typename Wanted>
-std::size_t read_into(const CloudView& cloud, Wanted wanted, CloudPoints& points) {
+std::size_t read_into(const CloudView& cloud, const Extras& extras, Wanted wanted, CloudPoints& points) {
   const Field x(cloud, cloud.x);
   const Field y(cloud, cloud.y);
   const Field z(cloud, cloud.z);
-  std::optional<AnyField> intensity;
-  if (!points.intensity.empty()) intensity.emplace(cloud, *cloud.intensity);
   std::size_t i = 0;
   for_each_point(cloud, [&](const std::uint8_t* point) {
     if (!wanted(point)) return;
-    points.x[i] = x(point);
-    points.y[i] = y(point);
-    points.z[i] = z(point);
-    if (intensity) points.intensity[i] = (*intensity)(point);
+    points.sensor_x[i] = static_cast<float>(x(point));
+    points.sensor_y[i] = static_cast<float>(y(point));
+    points.sensor_z[i] = static_cast<float>(z(point));
+    extras.read(point, i, points);
     ++i;
   });
   return i;
 }
 
 template <typename Field>
-std::size_t read_with(const CloudView& cloud, const RingSet* rings, CloudPoints& points) {
+std::size_t read_with(const CloudView& cloud, const Extras& extras, const RingSet* rings,
+                      CloudPoints& points) {
   if (!rings)
     return read_into<Field>(
-        cloud, [](const std::uint8_t*) { return true; }, points);
+        cloud, extras, [](const std::uint8_t*) { return true; }, points);
   const AnyField ring(cloud, *cloud.ring);
   const auto selected = [&](const std::uint8_t* point) {
-    const float number = ring(point);
-    return number >= 0 && number < static_cast<float>(rings->size()) &&
+    const double number = ring(point);
+    return number >= 0 && number < static_cast<double>(rings->size()) &&
            rings->test(static_cast<std::size_t>(number));
   };
-  return read_into<Field>(cloud, selected, points);
-}
-
-void transform(const Pose& target_T_cloud, CloudPoints& points) {
-  const Eigen::Matrix3f r = target_T_cloud.linear().cast<float>();
-  const Eigen::Vector3f t = target_T_cloud.translation().cast<float>();
-  for (std::size_t i = 0; i < points.size(); ++i) {
-    const float x = points.x[i];
-    const float y = points.y[i];
-    const float z = points.z[i];
-    points.x[i] = r(0, 0) * x + r(0, 1) * y + r(0, 2) * z + t.x();
-    points.y[i] = r(1, 0) * x + r(1, 1) * y + r(1, 2) * z + t.y();
-    points.z[i] = r(2, 0) * x + r(2, 1) * y + r(2, 2) * z + t.z();
-  }
+  return read_into<Field>(cloud, extras, selected, points);
 }
 
 bool is_plain_float(const CloudView& cloud) {
@@ -127,21 +73,38 @@ bool is_plain_float(const CloudView& cloud) {
          cloud.y.type == NumberType::kFloat32 && cloud.z.type == NumberType::kFloat32;
 }
 
-}  // namespace
-
-void CloudPoints::resize(std::size_t points, bool with_intensity) {
-  for (auto* values : {&x, &y, &z}) values->resize(points);
-  intensity.resize(with_intensity ? points : 0);
+/// Rings that are not told are told by their elevation, up to the half degree.
+void levels_from_elevation(CloudPoints& points) {
+  constexpr float kLevelsPerRad = 2 * 57.29578F;
+  for (std::size_t i = 0; i < points.level.size(); ++i) {
+    const float x = points.sensor_x[i];
+    const float y = points.sensor_y[i];
+    points.level[i] = kLevelsPerRad * std::atan2(points.sensor_z[i], std::sqrt(x * x + y * y));
+  }
 }
 
-void read_points(const CloudView& cloud, const Pose& target_T_cloud, const ReadOptions& options,
-                 CloudPoints& points) {
-  const bool with_intensity = options.intensity && cloud.intensity;
-  points.resize(cloud.size(), with_intensity);
-  const std::size_t kept = is_plain_float(cloud) ? read_with<FloatField>(cloud, options.rings, points)
-                                                 : read_with<AnyField>(cloud, options.rings, points);
-  points.resize(kept, with_intensity);
-  transform(target_T_cloud, points);
+void resize(CloudPoints& points, std::size_t size, const ReadOptions& options, const CloudView& cloud) {
+  for (auto* values :
+       {&points.sensor_x, &points.sensor_y, &points.sensor_z, &points.x, &points.y, &points.z, &points.level})
+    values->resize(size);
+  points.intensity.resize(options.intensity && cloud.intensity ? size : 0);
+  points.time_s.resize(options.time && cloud.time ? size : 0);
+}
+
+}  // namespace
+
+void read_points(const CloudView& cloud, const ReadOptions& options, CloudPoints& points) {
+  resize(points, cloud.size(), options, cloud);
+  const Extras extras = extras_of(cloud, options);
+  const std::size_t kept = is_plain_float(cloud) ? read_with<FloatField>(cloud, extras, options.rings, points)
+                                                 : read_with<AnyField>(cloud, extras, options.rings, points);
+  resize(points, kept, options, cloud);
+  if (!cloud.ring) levels_from_elevation(points);
+  if (options.time && !cloud.time && options.azimuth_times != AzimuthTimes::kNone) {
+    // Rows of rings, each with all azimuths, begin anew; rows of firings go on.
+    const bool rows_are_rings = cloud.height > 1 && cloud.height < cloud.width && !options.rings;
+    times_from_azimuth(points, rows_are_rings ? cloud.width : kept, options);
+  }
 }
 
 }  // namespace extperfc::scan

@@ -5,27 +5,32 @@
 
 #include "extperfc/scan/cloud_view.hpp"
 #include "extperfc/scan/ring_selection.hpp"
-#include "extperfc/world/pose.hpp"
+#include "extperfc/scan/sensor_track.hpp"
 
 namespace extperfc::scan {
 
-/// Coordinates in the target frame, each in an array of its own: loops over one of them are quick.
+/// A cloud's points, each number in an array of its own: loops over one of them are quick.
 struct CloudPoints {
-  std::vector<float> x, y, z;    ///< [m]; NaN where the cloud has NaN
-  std::vector<float> intensity;  ///< as long as x, or empty
+  std::vector<float> sensor_x, sensor_y, sensor_z;  ///< [m]; NaN where the cloud has NaN
+  std::vector<float> x, y, z;                       ///< in the target frame [m], see put_in_place()
+  std::vector<float> intensity;                     ///< as long as x, or empty
+  std::vector<float> level;  ///< tells rings apart: they differ by 1 or more. The ring's number, or twice the
+                             ///< elevation in degrees where the cloud has no rings
+  std::vector<float> time_s;  ///< since the stamp; as long as x, or empty where nobody knows
 
   [[nodiscard]] std::size_t size() const { return x.size(); }
-  void resize(std::size_t points, bool with_intensity);
 };
 
 /// Which part of a cloud is read.
 struct ReadOptions {
   const RingSet* rings{nullptr};  ///< null: all; else the cloud must have a ring field
   bool intensity{false};          ///< ignored when the cloud has none
+  bool time{false};               ///< from the time field, or else from the azimuth
+  AzimuthTimes azimuth_times{AzimuthTimes::kNone};
+  double turn_s{0.1};  ///< of one turn, for times from the azimuth
 };
 
-/// Precondition: validate(cloud) passed.
-void read_points(const CloudView& cloud, const Pose& target_T_cloud, const ReadOptions& options,
-                 CloudPoints& points);
+/// Fills everything but x, y and z. Precondition: validate(cloud) passed.
+void read_points(const CloudView& cloud, const ReadOptions& options, CloudPoints& points);
 
 }  // namespace extperfc::scan

@@ -6,27 +6,17 @@
 #include <utility>
 
 #include "scan/cloud_points.hpp"
+#include "scan/columns.hpp"
 #include "scan/find_ground.hpp"
+#include "scan/ray_layout.hpp"
+#include "scan/silent_beams.hpp"
+#include "scan/slope_ground.hpp"
+#include "scan/support.hpp"
+#include "scan/sweep_transform.hpp"
 
 namespace extperfc::scan {
 
 namespace {
-
-constexpr double kTurn = 2 * 3.14159265358979323846;
-constexpr float kNothing = std::numeric_limits<float>::infinity();
-
-/// A turn that is complete: the ray after the last one would be the first again.
-bool is_full_turn(const ScanParams& params, double rays) {
-  constexpr double kRoundingRad = 1e-6;
-  return rays * params.angle_increment > kTurn - kRoundingRad;
-}
-
-/// Rays at angle_min + i * increment up to angle_max.
-std::size_t count_rays(const ScanParams& params) {
-  constexpr double kRounding = 1e-3;  // of an increment: angles come from text with few digits
-  const double steps = std::floor((params.angle_max - params.angle_min) / params.angle_increment + kRounding);
-  return static_cast<std::size_t>(is_full_turn(params, steps) ? steps : steps + 1);
-}
 
 Ground level_ground(const GroundParams& params) {
   Ground ground;
@@ -38,60 +28,78 @@ Ground level_ground(const GroundParams& params) {
 
 class CloudToScan::Impl {
  public:
-  explicit Impl(const ScanParams& params)
-      : params_(params),
-        rays_(count_rays(params)),
-        full_turn_(is_full_turn(params, static_cast<double>(rays_))),
-        rays_per_rad_(static_cast<float>(1.0 / params.angle_increment)),
-        first_edge_rad_(static_cast<float>(params.angle_min - 0.5 * params.angle_increment)) {}
+  explicit Impl(const ScanParams& params) : params_(params), layout_(params) {}
 
-  Result<ScanStatistics> convert(const CloudView& cloud, const Pose& target_T_cloud, PlanarScan& scan);
-  [[nodiscard]] std::size_t rays() const { return rays_; }
+  Result<ScanStatistics> convert(const CloudView& cloud, const SensorTrack& track, const SelfFilter& robot,
+                                 PlanarScans& scans);
+  [[nodiscard]] std::size_t rays() const { return layout_.count(); }
 
  private:
-  void clear(PlanarScan& scan, bool with_intensity) const;
+  Result<void> check(const CloudView& cloud, const SensorTrack& track) const;
+  void read(const CloudView& cloud, const SweepTransform& transform, ScanStatistics& statistics);
   void choose_ground(ScanStatistics& statistics) const;
-  void fill(PlanarScan& scan, ScanStatistics& statistics) const;
-  void add(std::size_t point, std::size_t ray, float squared_range, PlanarScan& scan) const;
-  void finish(PlanarScan& scan) const;
-  [[nodiscard]] std::size_t ray_of(float x, float y) const;
+  void sort_points(const SelfFilter& robot, const Eigen::Vector3f& origin, ScanStatistics& statistics);
+  void see_silent_beams(const CloudView& cloud, const SweepTransform& transform,
+                        const Eigen::Vector3f& origin, const Ground& ground);
+  void see_through(const Eigen::Vector3f& origin, const Eigen::Vector3f& far, const Ground& ground);
+  void follow_slopes(ScanStatistics& statistics);
+  void fill_ray(std::size_t ray, PlanarScans& scans, ScanStatistics& statistics);
+  void set(std::size_t ray, float range, std::uint32_t point, PlanarScan& scan);
 
   ScanParams params_;
-  std::size_t rays_;
-  bool full_turn_;
-  float rays_per_rad_;
-  float first_edge_rad_;  ///< lower edge of the first ray's bin
+  RayLayout layout_;
   CloudPoints points_;
+  Columns columns_;
+  std::vector<SilentBeam> silent_;
+  std::vector<char> free_;  ///< rays along which a beam went on beyond range_max
 };
 
-Result<ScanStatistics> CloudToScan::Impl::convert(const CloudView& cloud, const Pose& target_T_cloud,
-                                                  PlanarScan& scan) {
-  if (auto valid = validate(cloud); !valid) return tl::unexpected(valid.error());
+Result<void> CloudToScan::Impl::check(const CloudView& cloud, const SensorTrack& track) const {
+  if (auto valid = validate(cloud); !valid) return valid;
+  if (track.empty()) return fail(ErrorCode::kInvalidArgument, "the sensor's track has no pose");
+  if (params_.rings && !cloud.ring && cloud.size() > 0)
+    return fail(ErrorCode::kNotFound,
+                "rings are selected, but the cloud has no field 'ring'; leave the parameter rings empty");
+  return {};
+}
+
+Result<ScanStatistics> CloudToScan::Impl::convert(const CloudView& cloud, const SensorTrack& track,
+                                                  const SelfFilter& robot, PlanarScans& scans) {
+  if (auto usable = check(cloud, track); !usable) return tl::unexpected(usable.error());
   ScanStatistics statistics;
   statistics.points = cloud.size();
   const bool wants_intensity = params_.intensity != IntensityOf::kNone;
-  const bool with_intensity = wants_intensity && cloud.intensity;
-  statistics.intensity_missing = wants_intensity && !with_intensity && statistics.points > 0;
+  statistics.intensity_missing = wants_intensity && !cloud.intensity && statistics.points > 0;
   statistics.ground = level_ground(params_.ground);
-  clear(scan, with_intensity);
+  for (auto* scan : {&scans.supported, &scans.nearest})
+    layout_.clear(*scan, wants_intensity && cloud.intensity);
+  columns_.clear(layout_.count());
+  free_.assign(layout_.count(), 0);
   if (statistics.points > 0) {
-    if (params_.rings && !cloud.ring)
-      return fail(ErrorCode::kNotFound,
-                  "rings are selected, but the cloud has no field 'ring'; leave the parameter rings empty");
-    read_points(cloud, target_T_cloud, {params_.rings ? &*params_.rings : nullptr, with_intensity}, points_);
+    const SweepTransform transform(track);
+    const Eigen::Vector3f origin = transform.map(0, Eigen::Vector3f::Zero());
+    read(cloud, transform, statistics);
     choose_ground(statistics);
-    fill(scan, statistics);
+    sort_points(robot, origin, statistics);
+    see_silent_beams(cloud, transform, origin, statistics.ground);
   }
-  finish(scan);
+  columns_.sort();
+  follow_slopes(statistics);
+  for (std::size_t ray = 0; ray < layout_.count(); ++ray) fill_ray(ray, scans, statistics);
   return statistics;
 }
 
-void CloudToScan::Impl::clear(PlanarScan& scan, bool with_intensity) const {
-  scan.angle_min = params_.angle_min;
-  scan.angle_increment = params_.angle_increment;
-  scan.angle_max = params_.angle_min + static_cast<double>(rays_ - 1) * params_.angle_increment;
-  scan.ranges.assign(rays_, kNothing);
-  scan.intensities.assign(with_intensity ? rays_ : 0, 0.0F);
+void CloudToScan::Impl::read(const CloudView& cloud, const SweepTransform& transform,
+                             ScanStatistics& statistics) {
+  ReadOptions options;
+  options.rings = params_.rings ? &*params_.rings : nullptr;
+  options.intensity = params_.intensity != IntensityOf::kNone;
+  options.time = transform.moves();
+  options.azimuth_times = params_.azimuth_times;
+  options.turn_s = params_.scan_time;
+  read_points(cloud, options, points_);
+  transform.apply(points_);
+  statistics.deskewed = !points_.time_s.empty();
 }
 
 void CloudToScan::Impl::choose_ground(ScanStatistics& statistics) const {
@@ -101,54 +109,118 @@ void CloudToScan::Impl::choose_ground(ScanStatistics& statistics) const {
   if (found) statistics.ground = *found;
 }
 
-std::size_t CloudToScan::Impl::ray_of(float x, float y) const {
-  constexpr auto kTurnF = static_cast<float>(kTurn);
-  float from_edge = std::atan2(y, x) - first_edge_rad_;
-  while (from_edge < 0) from_edge += kTurnF;
-  while (from_edge >= kTurnF) from_edge -= kTurnF;
-  const auto ray = static_cast<std::size_t>(from_edge * rays_per_rad_);
-  return full_turn_ && ray == rays_ ? 0 : ray;
-}
-
-/// Until finish(), `scan.ranges` holds squares: one root per ray instead of one per point.
-void CloudToScan::Impl::fill(PlanarScan& scan, ScanStatistics& statistics) const {
-  const auto lowest = static_cast<float>(params_.min_height);
+void CloudToScan::Impl::sort_points(const SelfFilter& robot, const Eigen::Vector3f& origin,
+                                    ScanStatistics& statistics) {
+  const bool by_slope = params_.ground.method == GroundMethod::kSlope;
+  // The floor below the height band leads to the floor within it.
+  const auto lowest = by_slope ? -std::numeric_limits<float>::max() : static_cast<float>(params_.min_height);
   const auto highest = static_cast<float>(params_.max_height);
   const auto nearest = static_cast<float>(params_.range_min * params_.range_min);
   const auto farthest = static_cast<float>(params_.range_max * params_.range_max);
-  const bool has_ground = params_.ground.method != GroundMethod::kNone;
+  const bool has_ground = !by_slope && params_.ground.method != GroundMethod::kNone;
   const auto clearance = static_cast<float>(params_.ground.clearance_m);
   for (std::size_t i = 0; i < points_.size(); ++i) {
-    const float x = points_.x[i];
-    const float y = points_.y[i];
-    const float z = points_.z[i];
-    const float squared_range = x * x + y * y;
+    const Eigen::Vector3f point(points_.x[i], points_.y[i], points_.z[i]);
+    const float squared_range = point.x() * point.x() + point.y() * point.y();
+    if (squared_range > farthest) see_through(origin, point, statistics.ground);
     // Written so that NaN fails.
-    if (!(z >= lowest && z <= highest && squared_range >= nearest && squared_range <= farthest)) continue;
-    if (has_ground && statistics.ground.height({x, y, z}) < clearance) {
+    if (!(point.z() >= lowest && point.z() <= highest && squared_range >= nearest &&
+          squared_range <= farthest))
+      continue;
+    if (has_ground && statistics.ground.height(point) < clearance) {
       ++statistics.on_ground;
       continue;
     }
-    const std::size_t ray = ray_of(x, y);
-    if (ray >= rays_) continue;
+    const std::size_t ray = layout_.ray_of(point.x(), point.y());
+    if (ray >= layout_.count()) continue;
+    if (robot.contains({points_.sensor_x[i], points_.sensor_y[i], points_.sensor_z[i]})) {
+      ++statistics.on_robot;
+      continue;
+    }
+    columns_.add(ray, std::sqrt(squared_range), i);
     ++statistics.used;
-    add(i, ray, squared_range, scan);
   }
 }
 
-void CloudToScan::Impl::add(std::size_t point, std::size_t ray, float squared_range, PlanarScan& scan) const {
-  const bool is_nearest = squared_range < scan.ranges[ray];
-  if (is_nearest) scan.ranges[ray] = squared_range;
-  if (scan.intensities.empty()) return;
-  float& intensity = scan.intensities[ray];
-  const float value = points_.intensity[point];
-  if (params_.intensity == IntensityOf::kMaximum ? value > intensity : is_nearest) intensity = value;
+void CloudToScan::Impl::see_silent_beams(const CloudView& cloud, const SweepTransform& transform,
+                                         const Eigen::Vector3f& origin, const Ground& ground) {
+  if (params_.rings || !(params_.no_return_range > params_.range_max)) return;
+  silent_beams(cloud, points_, silent_);
+  const auto length = static_cast<float>(params_.no_return_range);
+  for (const SilentBeam& beam : silent_)
+    see_through(origin, transform.map(beam.time_s, length * beam.direction), ground);
 }
 
-void CloudToScan::Impl::finish(PlanarScan& scan) const {
-  const float nothing =
-      params_.use_inf ? kNothing : static_cast<float>(params_.range_max + params_.inf_epsilon);
-  for (float& range : scan.ranges) range = range == kNothing ? nothing : std::sqrt(range);
+/// Marks the ray on whose circle of range_max the beam from `origin` to `far` passes, when the beam is inside
+/// the height band there and at range_min.
+void CloudToScan::Impl::see_through(const Eigen::Vector3f& origin, const Eigen::Vector3f& far,
+                                    const Ground& ground) {
+  const Eigen::Vector3f beam = far - origin;
+  const float a = beam.head<2>().squaredNorm();
+  const float b = beam.head<2>().dot(origin.head<2>());
+  /// Where the beam leaves the circle, as a share of it; NaN when it never crosses it.
+  const auto leaves = [&](double radius) {
+    const float c = origin.head<2>().squaredNorm() - static_cast<float>(radius * radius);
+    return (std::sqrt(b * b - a * c) - b) / a;
+  };
+  const Eigen::Vector3f entry = origin + std::max(0.0F, leaves(params_.range_min)) * beam;
+  const float exit_share = leaves(params_.range_max);
+  const Eigen::Vector3f exit = origin + exit_share * beam;
+  if (!(exit_share <= 1.0F)) return;
+  const bool has_ground = params_.ground.method != GroundMethod::kNone;
+  const auto clearance =
+      has_ground ? static_cast<float>(params_.ground.clearance_m) : -std::numeric_limits<float>::infinity();
+  for (const Eigen::Vector3f& point : {entry, exit})
+    if (!(point.z() >= static_cast<float>(params_.min_height) &&
+          point.z() <= static_cast<float>(params_.max_height) && ground.height(point) >= clearance))
+      return;
+  const std::size_t ray = layout_.ray_of(exit.x(), exit.y());
+  if (ray < layout_.count()) free_[ray] = 1;
+}
+
+void CloudToScan::Impl::follow_slopes(ScanStatistics& statistics) {
+  if (params_.ground.method != GroundMethod::kSlope) return;
+  const auto lowest = static_cast<float>(params_.min_height);
+  std::size_t obstacles = 0;
+  for (std::size_t ray = 0; ray < layout_.count(); ++ray) {
+    const Column column = columns_.column(ray);
+    ColumnPoint* const end = column.first + obstacles_first(column, points_.z, params_.ground);
+    statistics.on_ground += static_cast<std::size_t>(column.last - end);
+    ColumnPoint* const kept = std::remove_if(
+        column.first, end, [&](const ColumnPoint& point) { return points_.z[point.index] < lowest; });
+    columns_.shrink(ray, static_cast<std::size_t>(kept - column.first));
+    obstacles += static_cast<std::size_t>(kept - column.first);
+  }
+  statistics.used = obstacles;
+}
+
+void CloudToScan::Impl::fill_ray(std::size_t ray, PlanarScans& scans, ScanStatistics& statistics) {
+  const float free = params_.use_inf ? std::numeric_limits<float>::infinity()
+                                     : static_cast<float>(params_.range_max + params_.inf_epsilon);
+  if (free_[ray] != 0) scans.supported.ranges[ray] = scans.nearest.ranges[ray] = free;
+  const Column column = columns_.column(ray);
+  if (column.empty()) {
+    ++(free_[ray] != 0 ? statistics.rays_free : statistics.rays_unknown);
+    return;
+  }
+  ++statistics.rays_met;
+  set(ray, column.first->range, column.first->index, scans.nearest);
+  const auto surface = supported_surface(column, columns_.column(layout_.beside(ray, -1)),
+                                         columns_.column(layout_.beside(ray, 1)), points_.level,
+                                         static_cast<float>(params_.support_m));
+  if (!surface) return;
+  set(ray, surface->range, surface->index, scans.supported);
+  if (surface->two_rings) ++statistics.rays_supported;
+}
+
+void CloudToScan::Impl::set(std::size_t ray, float range, std::uint32_t point, PlanarScan& scan) {
+  scan.ranges[ray] = range;
+  if (scan.intensities.empty()) return;
+  float intensity = points_.intensity[point];
+  if (params_.intensity == IntensityOf::kMaximum)
+    for (const ColumnPoint& other : columns_.column(ray))
+      intensity = std::max(intensity, points_.intensity[other.index]);
+  scan.intensities[ray] = intensity;
 }
 
 Result<CloudToScan> CloudToScan::make(const ScanParams& params) {
@@ -161,9 +233,9 @@ CloudToScan::CloudToScan(CloudToScan&&) noexcept = default;
 CloudToScan& CloudToScan::operator=(CloudToScan&&) noexcept = default;
 CloudToScan::~CloudToScan() = default;
 
-Result<ScanStatistics> CloudToScan::convert(const CloudView& cloud, const Pose& target_T_cloud,
-                                            PlanarScan& scan) {
-  return impl_->convert(cloud, target_T_cloud, scan);
+Result<ScanStatistics> CloudToScan::convert(const CloudView& cloud, const SensorTrack& track,
+                                            const SelfFilter& robot, PlanarScans& scans) {
+  return impl_->convert(cloud, track, robot, scans);
 }
 
 std::size_t CloudToScan::rays() const {

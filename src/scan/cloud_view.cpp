@@ -47,6 +47,8 @@ Result<void> validate(const CloudView& cloud) {
   for (const auto& [name, field] : {std::pair{"intensity", &cloud.intensity}, {"ring", &cloud.ring}})
     if (*field)
       if (auto inside = inside_point(cloud, name, **field); !inside) return inside;
+  if (cloud.time)
+    if (auto inside = inside_point(cloud, "time", cloud.time->field); !inside) return inside;
   if (product_exceeds(cloud.width, cloud.point_step, cloud.row_step))
     return fail(ErrorCode::kCorrupt,
                 std::to_string(cloud.width) + " points of " + std::to_string(cloud.point_step) +

@@ -11,9 +11,12 @@ namespace {
 
 constexpr double kPi = 3.14159265358979323846;
 
-constexpr std::array kGroundMethods{std::pair{GroundMethod::kNone, "none"},
-                                    std::pair{GroundMethod::kHeight, "height"},
-                                    std::pair{GroundMethod::kPlane, "plane"}};
+constexpr std::array kGroundMethods{
+    std::pair{GroundMethod::kNone, "none"}, std::pair{GroundMethod::kHeight, "height"},
+    std::pair{GroundMethod::kPlane, "plane"}, std::pair{GroundMethod::kSlope, "slope"}};
+constexpr std::array kAzimuthTimes{std::pair{AzimuthTimes::kNone, "none"},
+                                   std::pair{AzimuthTimes::kStampAtEnd, "end"},
+                                   std::pair{AzimuthTimes::kStampAtStart, "start"}};
 constexpr std::array kIntensities{std::pair{IntensityOf::kNone, "none"},
                                   std::pair{IntensityOf::kNearest, "nearest"},
                                   std::pair{IntensityOf::kMaximum, "maximum"}};
@@ -85,20 +88,33 @@ const char* to_string(IntensityOf intensity) {
   return name_in(kIntensities, intensity);
 }
 
+Result<AzimuthTimes> azimuth_times_from_name(const std::string& name) {
+  return value_in<AzimuthTimes>(kAzimuthTimes, "azimuth_times", name);
+}
+
+const char* to_string(AzimuthTimes times) {
+  return name_in(kAzimuthTimes, times);
+}
+
 Result<void> validate(const ScanParams& params) {
   constexpr double kFar = 1e6;  // users who want no limit write large numbers
-  auto inside = all_inside(std::array<Bounded, 8>{{{"min_height", params.min_height, -kFar, kFar},
-                                                   {"max_height", params.max_height, -kFar, kFar},
-                                                   {"angle_min", params.angle_min, -2 * kPi, 2 * kPi},
-                                                   {"angle_max", params.angle_max, -2 * kPi, 2 * kPi},
-                                                   {"angle_increment", params.angle_increment, 1e-4, 1},
-                                                   {"range_min", params.range_min, 0, kFar},
-                                                   {"range_max", params.range_max, 0, kFar},
-                                                   {"inf_epsilon", params.inf_epsilon, 0, kFar}}});
+  auto inside = all_inside(std::array<Bounded, 11>{{{"min_height", params.min_height, -kFar, kFar},
+                                                    {"max_height", params.max_height, -kFar, kFar},
+                                                    {"angle_min", params.angle_min, -2 * kPi, 2 * kPi},
+                                                    {"angle_max", params.angle_max, -2 * kPi, 2 * kPi},
+                                                    {"angle_increment", params.angle_increment, 1e-4, 1},
+                                                    {"range_min", params.range_min, 0, kFar},
+                                                    {"range_max", params.range_max, 0, kFar},
+                                                    {"inf_epsilon", params.inf_epsilon, 0, kFar},
+                                                    {"support_m", params.support_m, 0.001, 2},
+                                                    {"no_return_range", params.no_return_range, 0, kFar},
+                                                    {"scan_time", params.scan_time, 0, 60}}});
   if (!inside) return inside;
   if (params.min_height > params.max_height) return wrong("min_height is greater than max_height");
   if (params.range_min > params.range_max) return wrong("range_min is greater than range_max");
   if (params.angle_min > params.angle_max) return wrong("angle_min is greater than angle_max");
+  if (params.azimuth_times != AzimuthTimes::kNone && params.scan_time <= 0)
+    return wrong("azimuth_times needs scan_time, the duration of one turn");
   if (params.angle_max - params.angle_min > 2 * kPi + 1e-6)
     return wrong("angle_max - angle_min is more than one turn");
   return validate_ground(params.ground);

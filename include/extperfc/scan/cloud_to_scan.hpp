@@ -10,7 +10,8 @@
 #include "extperfc/scan/cloud_view.hpp"
 #include "extperfc/scan/ground.hpp"
 #include "extperfc/scan/ring_selection.hpp"
-#include "extperfc/world/pose.hpp"
+#include "extperfc/scan/self_filter.hpp"
+#include "extperfc/scan/sensor_track.hpp"
 
 namespace extperfc::scan {
 
@@ -34,10 +35,16 @@ struct ScanParams {
   double angle_increment{0.00872664625997};  ///< from ray to ray [rad], [0.0001, 1]
   double range_min{0.6};    ///< nearer points do not count [m]; keep it beyond the robot's own hull
   double range_max{30.0};   ///< farther points do not count [m]
-  bool use_inf{true};       ///< a ray that meets nothing is +infinity, as REP 117 wants it; or ...
+  bool use_inf{true};       ///< a ray that is seen to be free is +infinity, as REP 117 wants it; or ...
   double inf_epsilon{1.0};  ///< ... range_max + inf_epsilon [m]
   IntensityOf intensity{IntensityOf::kNearest};
   std::optional<RingSet> rings;  ///< nothing: all
+  double support_m{0.15};        ///< points this near to each other are one surface, (0, 2]
+  /// A beam without any return proves its way free up to here [m], [0, 1e6]; 0: it proves nothing. Dark, wet
+  /// and glass surfaces give no returns either. Organised clouds only: others leave such beams out.
+  double no_return_range{0.0};
+  AzimuthTimes azimuth_times{AzimuthTimes::kNone};  ///< for clouds without times
+  double scan_time{0.1};  ///< of one turn, where moments come from the azimuth [s], (0, 60]
   GroundParams ground;
 };
 
@@ -53,20 +60,41 @@ struct PlanarScan {
   std::vector<float> intensities;  ///< as long as ranges (0 where nothing was met), or empty
 };
 
-/// What became of a cloud's points.
+/// What became of a cloud's points and of the rays.
 struct ScanStatistics {
   std::size_t points{0};          ///< in the cloud
   std::size_t on_ground{0};       ///< inside heights, ranges and angles, but taken for floor
+  std::size_t on_robot{0};        ///< would have fallen on a ray, but belong to the robot itself
   std::size_t used{0};            ///< fell on a ray
+  std::size_t rays_met{0};        ///< with a nearest point
+  std::size_t rays_supported{0};  ///< with a range that two rings agree on
+  std::size_t rays_free{0};       ///< met nothing, and a beam was seen to go through
+  std::size_t rays_unknown{0};    ///< met nothing, and nothing is known
   bool ground_found{true};        ///< false: kPlane found no plane and took the floor for level
   bool intensity_missing{false};  ///< intensities were wanted, and the cloud has none
+  bool deskewed{false};           ///< the track has several poses, and the points' moments are known
   Ground ground;
 };
 
-/// Flattens point clouds to planar scans: every ray has the horizontal distance of the nearest point that
-/// stands on the floor within its heights. Points with NaN or infinite coordinates do not count.
+/// The two readings of one cloud. Both know three kinds of rays: one that met something has its distance; one
+/// that is seen to be free up to range_max is +infinity (or range_max + inf_epsilon); one that nobody has
+/// looked along, or that the robot itself hides, is NaN, and never free.
+struct PlanarScans {
+  /// For maps: the nearest surface that two rings or more agree on, i.e. whose points lie within support_m.
+  /// The range is the mean of those points, so that noise averages out. Where no two rings agree: with those
+  /// of the two neighbouring rays; or else three points of one ring there; else a lone point does not count.
+  PlanarScan supported;
+  /// For cost maps: the nearest point, whatever it is.
+  PlanarScan nearest;
+};
+
+/// Flattens point clouds to planar scans: every ray has the horizontal distance of what stands on the floor
+/// within its heights. Points with NaN or infinite coordinates do not count.
 ///
-/// Deterministic. Memory is kept from cloud to cloud, so one thread at a time. O(points + rays).
+/// A ray is seen to be free when a beam of its direction went on beyond range_max, inside the height band and
+/// above the floor from range_min to range_max.
+///
+/// Deterministic. Memory is kept from cloud to cloud, so one thread at a time. O(points log points + rays).
 class CloudToScan {
  public:
   [[nodiscard]] static Result<CloudToScan> make(const ScanParams& params);
@@ -74,10 +102,13 @@ class CloudToScan {
   CloudToScan& operator=(CloudToScan&&) noexcept;
   ~CloudToScan();
 
-  /// `scan` keeps its memory from call to call. Errors: the cloud's layout does not fit its data, rings are
-  /// selected and the cloud has no ring field. An empty cloud gives a scan that meets nothing.
-  [[nodiscard]] Result<ScanStatistics> convert(const CloudView& cloud, const Pose& target_T_cloud,
-                                               PlanarScan& scan);
+  /// `scans` keep their memory from call to call. With several poses in `track`, every point is put where the
+  /// sensor was when it was measured; without moments (see time_span()), the pose at the stamp counts for
+  /// all. Points inside `robot` (placed in the sensor's frame) are left out. Errors: the cloud's layout does
+  /// not fit its data, rings are selected and the cloud has no ring field, an empty track. An empty cloud
+  /// gives a scan that knows nothing.
+  [[nodiscard]] Result<ScanStatistics> convert(const CloudView& cloud, const SensorTrack& track,
+                                               const SelfFilter& robot, PlanarScans& scans);
 
   [[nodiscard]] std::size_t rays() const;
 

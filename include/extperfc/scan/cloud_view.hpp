@@ -18,6 +18,13 @@ struct CloudField {
   NumberType type{NumberType::kFloat32};
 };
 
+/// When every point was measured. Seconds since the cloud's stamp are `value * unit_s - origin_s`.
+struct TimeField {
+  CloudField field;
+  double unit_s{1.0};    ///< 1 for seconds, 1e-9 for nanoseconds
+  double origin_s{0.0};  ///< the stamp itself where the field holds absolute times, else 0
+};
+
 /// A point cloud in somebody else's memory, laid out as in sensor_msgs/PointCloud2. Organised clouds have
 /// several rows, unorganised ones a single row. Rows may be padded; nothing needs to be aligned.
 struct CloudView {
@@ -31,6 +38,7 @@ struct CloudView {
   CloudField x, y, z;                   ///< [m]
   std::optional<CloudField> intensity;  ///< in the sensor's own unit
   std::optional<CloudField> ring;       ///< number of the laser
+  std::optional<TimeField> time;        ///< of the measurement, against the cloud's stamp
 
   [[nodiscard]] std::size_t size() const { return width * height; }
 };

@@ -14,6 +14,8 @@ enum class GroundMethod {
   kHeight,  ///< the floor is level, at z_m
   kPlane,   ///< the floor is the plane that most points near z_m lie on (RANSAC), so slopes and a tilted
             ///< sensor are taken up
+  kSlope,   ///< the floor is followed outwards, ray by ray, as long as it does not rise steeply: ramps belong
+            ///< to it, steps do not (after the column-wise idea of Petrovskaya and Thrun 2009)
 };
 
 [[nodiscard]] Result<GroundMethod> ground_method_from_name(const std::string& name);  ///< none, height, plane
@@ -22,15 +24,15 @@ enum class GroundMethod {
 /// How points of the floor are told from obstacles.
 struct GroundParams {
   GroundMethod method{GroundMethod::kHeight};
-  double z_m{0.0};           ///< where the floor is in the target frame, [-10, 10]
-  double clearance_m{0.05};  ///< points lower than this above the floor belong to it, [0, 1]
+  double z_m{0.0};            ///< where the floor is in the target frame, [-10, 10]
+  double clearance_m{0.05};   ///< points lower than this above the floor belong to it, [0, 1]
+  double max_slope_rad{0.1};  ///< kPlane, kSlope: what is steeper is no floor, (0, 0.7]
   // What follows counts for kPlane only.
-  double band_m{0.3};         ///< points this far from z_m at most are looked at, (0, 2]
-  double max_slope_rad{0.1};  ///< steeper planes are no floor, (0, 0.7]
-  double inlier_m{0.03};      ///< points this far from a plane at most lie on it, (0, 0.5]
-  int max_iterations{100};    ///< planes that are tried, [1, 10000]
-  int min_points{100};        ///< fewer points on the best plane give no floor, [3, 100000]
-  std::uint32_t seed{1};      ///< of the planes that are tried
+  double band_m{0.3};       ///< points this far from z_m at most are looked at, (0, 2]
+  double inlier_m{0.03};    ///< points this far from a plane at most lie on it, (0, 0.5]
+  int max_iterations{100};  ///< planes that are tried, [1, 10000]
+  int min_points{100};      ///< fewer points on the best plane give no floor, [3, 100000]
+  std::uint32_t seed{1};    ///< of the planes that are tried
 };
 
 /// The floor in the target frame: height(p) = normal . p + offset.

@@ -1,5 +1,7 @@
 #include "ros/convert/scan.hpp"
 
+#include <cmath>
+#include <cstring>
 #include <optional>
 #include <string>
 #include <utility>
@@ -70,6 +72,27 @@ Result<std::optional<scan::CloudField>> intensity_field(const sensor_msgs::Point
   return field && !*field ? find_field(message, "i") : field;
 }
 
+/// `time` [s] (velodyne_pointcloud), `t` [ns] (Ouster), `timestamp` [s] (Hesai, RoboSense). Whole numbers are
+/// nanoseconds, others seconds. Absolute times, which only 64 bits hold, count from the stamp.
+Result<std::optional<scan::TimeField>> time_field(const sensor_msgs::PointCloud2& message) {
+  for (const char* name : {"time", "t", "timestamp"}) {
+    const auto field = find_field(message, name);
+    if (!field) return tl::unexpected(field.error());
+    if (!*field) continue;
+    const auto type = (*field)->type;
+    if (type == scan::NumberType::kFloat32) return scan::TimeField{**field, 1.0, 0.0};
+    if (type == scan::NumberType::kUint32 || type == scan::NumberType::kInt32)
+      return scan::TimeField{**field, 1e-9, 0.0};
+    if (type != scan::NumberType::kFloat64) continue;
+    constexpr double kAbsolute = 1e3;  // [s]
+    double first = 0;
+    if ((*field)->offset + sizeof first <= message.data.size() && message.is_bigendian == 0)
+      std::memcpy(&first, message.data.data() + (*field)->offset, sizeof first);
+    return scan::TimeField{**field, 1.0, std::abs(first) > kAbsolute ? message.header.stamp.toSec() : 0.0};
+  }
+  return std::nullopt;
+}
+
 }  // namespace
 
 Result<scan::CloudView> to_cloud_view(const sensor_msgs::PointCloud2& message) {
@@ -93,6 +116,9 @@ Result<scan::CloudView> to_cloud_view(const sensor_msgs::PointCloud2& message) {
   const auto ring = find_field(message, "ring");
   if (!ring) return tl::unexpected(ring.error());
   cloud.ring = *ring;
+  const auto time = time_field(message);
+  if (!time) return tl::unexpected(time.error());
+  cloud.time = *time;
   return cloud;
 }
 

@@ -11,7 +11,8 @@
 namespace extperfc::convert {
 
 /// The message's data seen as a cloud; valid as long as the message. Fields: x, y, z, and where they are
-/// there intensity (or "i") and ring. Errors: no x, y or z; a field of several numbers or of an unknown type.
+/// there intensity (or "i"), ring, and time, t or timestamp. Errors: no x, y or z; a field of several numbers
+/// or of an unknown type.
 [[nodiscard]] Result<scan::CloudView> to_cloud_view(const sensor_msgs::PointCloud2& message);
 
 /// What a planar scan itself does not know.

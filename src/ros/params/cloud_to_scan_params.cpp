@@ -1,5 +1,8 @@
 #include "ros/params/cloud_to_scan_params.hpp"
 
+#include <sstream>
+
+#include "ros/params/list_reader.hpp"
 #include "ros/params/param_reader.hpp"
 
 namespace extperfc::ros_params {
@@ -8,6 +11,8 @@ namespace {
 
 constexpr double kFar = 1e6;      // "no limit" in configurations of pointcloud_to_laserscan
 constexpr double kTurn = 6.2832;  // a little more than 2 pi: angles come from text
+
+const Words<LevelFrom> kLevels{{"none", LevelFrom::kNone}, {"tf", LevelFrom::kTf}, {"imu", LevelFrom::kImu}};
 
 void read_limits(ParamReader& reader, scan::ScanParams& scan) {
   reader.read("min_height", scan.min_height, {-kFar, kFar});
@@ -19,6 +24,8 @@ void read_limits(ParamReader& reader, scan::ScanParams& scan) {
   reader.read("range_max", scan.range_max, {0.0, kFar});
   reader.read("use_inf", scan.use_inf);
   reader.read("inf_epsilon", scan.inf_epsilon, {0.0, kFar});
+  reader.read("no_return_range", scan.no_return_range, {0.0, kFar});
+  reader.read("support_m", scan.support_m, {0.001, 2.0});
 }
 
 void read_ground(ParamReader& reader, scan::GroundParams& ground) {
@@ -59,19 +66,99 @@ void read_rings(ParamReader& reader, scan::ScanParams& scan) {
     reader.complain(chosen.error().message);
 }
 
+void read_times(ParamReader& reader, scan::ScanParams& scan) {
+  std::string times = to_string(scan.azimuth_times);
+  reader.read("azimuth_times", times);
+  reader.read("scan_time", scan.scan_time, {0.0, 60.0});
+  if (const auto known = scan::azimuth_times_from_name(times))
+    scan.azimuth_times = *known;
+  else
+    reader.complain(known.error().message);
+}
+
+/// Three numbers in a text, as in a URDF: "0.1 0 -0.2".
+Result<Eigen::Vector3d> vector_in(const std::string& text) {
+  std::istringstream stream(text);
+  Eigen::Vector3d v;
+  std::string rest;
+  if (stream >> v.x() >> v.y() >> v.z() && v.allFinite() && !(stream >> rest)) return v;
+  return fail(ErrorCode::kInvalidArgument, "'" + text + "' is not three numbers, e.g. \"0.1 0 -0.2\"");
+}
+
+Result<void> set_vector(const Entry& entry, Eigen::Vector3d& value) {
+  const auto given = vector_in(entry.text());
+  if (!given) return tl::unexpected(given.error());
+  value = *given;
+  return {};
+}
+
+scan::Capsule& capsule_of(scan::SelfVolume& volume) {
+  if (!volume.capsule) volume.capsule.emplace();
+  return *volume.capsule;
+}
+
+scan::Cuboid& box_of(scan::SelfVolume& volume) {
+  if (!volume.box) volume.box.emplace();
+  return *volume.box;
+}
+
+Result<void> set_volume(scan::SelfVolume& volume, const std::string& key, const Entry& entry) {
+  if (key == "frame") {
+    volume.frame = entry.text();
+    return {};
+  }
+  if (key == "from") return set_vector(entry, capsule_of(volume).from);
+  if (key == "to") return set_vector(entry, capsule_of(volume).to);
+  if (key == "size") return set_vector(entry, box_of(volume).size);
+  if (key == "radius") {
+    const auto radius = entry.number({0.001, 5.0});
+    if (!radius) return tl::unexpected(radius.error());
+    capsule_of(volume).radius_m = *radius;
+    return {};
+  }
+  Eigen::Vector3d v;
+  if (key != "xyz" && key != "rpy")
+    return fail(ErrorCode::kInvalidArgument,
+                "unknown key; a capsule has frame, from, to, radius, a box has frame, size, xyz, rpy");
+  if (auto set = set_vector(entry, v); !set) return set;
+  Pose& pose = box_of(volume).frame_T_box;
+  if (key == "xyz")
+    pose.translation() = v;
+  else
+    pose.linear() = make_pose(Eigen::Vector3d::Zero(), v).linear();
+  return {};
+}
+
+void read_self(ParamReader& reader, const ros::NodeHandle& handle, CloudToScanNodeletParams& params) {
+  params.self_volumes = read_list<scan::SelfVolume>(reader, handle, "self_volumes", set_volume);
+  reader.read("self_padding", params.self_padding, {0.0, 1.0});
+  if (const auto made = scan::SelfFilter::make(params.self_volumes, params.self_padding); !made)
+    reader.complain(made.error().message);
+}
+
 }  // namespace
+
+const char* to_string(LevelFrom level) {
+  for (const auto& [word, meaning] : kLevels)
+    if (meaning == level) return word.c_str();
+  return "?";
+}
 
 Result<CloudToScanNodeletParams> load_cloud_to_scan_params(const ros::NodeHandle& private_handle) {
   CloudToScanNodeletParams params;
   ParamReader reader(private_handle);
   reader.read("target_frame", params.target_frame);
   reader.read("transform_tolerance", params.transform_tolerance, {0.0, 5.0});
-  reader.read("scan_time", params.scan_time, {0.0, 60.0});
+  reader.read("fixed_frame", params.fixed_frame);
+  reader.read("deskew", params.deskew);
+  read_word(reader, private_handle, "level", params.level, kLevels);
   reader.read("timeout_s", params.timeout_s, {0.1, 3600.0});
   read_limits(reader, params.scan);
   read_ground(reader, params.scan.ground);
   read_intensity(reader, params.scan);
   read_rings(reader, params.scan);
+  read_times(reader, params.scan);
+  read_self(reader, private_handle, params);
   if (const auto fits = scan::validate(params.scan); !fits) reader.complain(fits.error().message);
   if (auto finished = reader.finish(); !finished) return tl::unexpected(finished.error());
   return params;

@@ -10,11 +10,9 @@
 #include <diagnostic_updater/diagnostic_updater.h>
 #include <nodelet/nodelet.h>
 #include <pluginlib/class_list_macros.hpp>
+#include <sensor_msgs/Imu.h>
 #include <sensor_msgs/LaserScan.h>
 #include <sensor_msgs/PointCloud2.h>
-#include <tf2_eigen/tf2_eigen.h>
-#include <tf2_ros/buffer.h>
-#include <tf2_ros/transform_listener.h>
 
 #include "extperfc/base/latest_slot.hpp"
 #include "extperfc/base/stopwatch.hpp"
@@ -23,38 +21,64 @@
 #include "ros/convert/scan.hpp"
 #include "ros/health/stream_health.hpp"
 #include "ros/params/cloud_to_scan_params.hpp"
+#include "ros/scan/sweep_poses.hpp"
 
 namespace extperfc {
 
-/// Flattens a lidar's point cloud to a planar scan: floor removed, the nearest return per direction.
+/// Makes planar scans of a lidar's point cloud: put right for the robot's motion and tilt, without the floor
+/// and without the robot itself.
 ///
-/// Subscribes (only while somebody listens to the scan):
-///   velodyne_points   sensor_msgs/PointCloud2 with x, y, z; intensity and ring where they are there; any
-///                     number type, byte order and padding, organised or not
-/// Publishes:
-///   scan              sensor_msgs/LaserScan, stamp of the cloud, frame target_frame
+/// Subscribes (only while somebody listens to one of the scans):
+///   velodyne_points   sensor_msgs/PointCloud2 with x, y, z; intensity, ring and time, t or timestamp where
+///   they
+///                     are there; any number type, byte order and padding, organised or not
+///   imu/data          sensor_msgs/Imu with an orientation; with level: imu only
+/// Publishes (stamp of the cloud, frame target_frame):
+///   scan              sensor_msgs/LaserScan for maps: per ray the nearest surface that two rings agree on
+///   scan_nearest      sensor_msgs/LaserScan for cost maps: per ray the nearest point
 ///   diagnostics       diagnostic_msgs/DiagnosticArray
+///   In both, NaN is a ray of which nothing is known (nothing came back, or the robot hides it), and infinity
+///   one that a beam was seen to go through, up to range_max and beyond.
 /// Parameters (private; unknown keys are refused; names as in pointcloud_to_laserscan):
 ///   target_frame           frame of the scan, of heights and of ranges          "": the cloud's
-///   transform_tolerance    wait for the transform at the cloud's stamp [s]      0.1, [0, 5]
+///   fixed_frame            points are deskewed by the motion in it, e.g. odom   "": they are not
+///   deskew                 false: fixed_frame serves for the vertical only      true
+///   azimuth_times          none | end | start: moments of a VLP-16's points from their azimuth, where the
+///                          cloud has no times; the stamp is that of the end or the start of the turn   none
+///   level                  none | tf (upwards in fixed_frame) | imu: takes roll and pitch of target_frame
+///   away
+///                                                                               tf
+///   transform_tolerance    wait for transforms at the cloud's stamp [s]         0.1, [0, 5]
 ///   min_height, max_height points outside do not count [m]                      0.1, 1.5
 ///   angle_min, angle_max   first and last ray [rad]                             -pi, pi; [-2 pi, 2 pi]
 ///   angle_increment        from ray to ray [rad]                                0.5 degrees, [0.0001, 1]
 ///   scan_time              from scan to scan [s]                                0.1, [0, 60]
 ///   range_min, range_max   points outside do not count [m]                      0.6, 30; >= 0
-///   use_inf, inf_epsilon   a ray that meets nothing: infinity, or range_max + inf_epsilon [m]   true, 1
+///   use_inf, inf_epsilon   a ray that is seen to be free: infinity, or range_max + inf_epsilon [m]   true, 1
+///   no_return_range        a beam without a return proves its way free up to here [m]; organised clouds
+///   only;
+///                          0: never                                             0
+///   support_m              points this near to each other are one surface [m]   0.15, [0.001, 2]
 ///   intensity              none | nearest | maximum of the points of a ray      nearest
 ///   rings                  lasers that count: "7", "4-11", "1,3,8-15"           "": all
-///   ground_method          none | height (level floor) | plane (RANSAC)         height
+///   self_volumes           list of capsules {frame, from, to, radius} and boxes {frame, size, xyz, rpy} that
+///                          are the robot; texts of three numbers [m], [rad]     none
+///   self_padding           added to every side of them [m]                      0.03, [0, 1]
+///   ground_method          none | height (level floor) | plane (RANSAC) | slope (along each ray)     height
 ///   ground_z_m             where the floor is in the target frame [m]           0, [-10, 10]
 ///   ground_clearance_m     lower points above the floor belong to it [m]        0.05, [0, 1]
-///   ground_band_m, ground_max_slope_rad, ground_inlier_m, ground_max_iterations, ground_min_points,
-///   ground_seed            of the plane, see extperfc/scan/ground.hpp           0.3, 0.1, 0.03, 100, 100, 1
+///   ground_max_slope_rad   of plane and slope: what is steeper is no floor      0.1, [0.001, 0.7]
+///   ground_band_m, ground_inlier_m, ground_max_iterations, ground_min_points, ground_seed
+///                          of the plane, see extperfc/scan/ground.hpp           0.3, 0.03, 100, 100, 1
 ///   timeout_s              silence after which diagnostics warn [s]             5, [0.1, 3600]
-/// Frames: needs cloud frame -> target_frame at the cloud's stamp when target_frame is set.
-/// Diagnostics: rates, latency, how clouds arrive, what became of the points; WARN while no ground plane is
+/// Frames: needs cloud frame -> target_frame at the cloud's stamp when target_frame is set. Wants
+/// target_frame
+///   -> fixed_frame over the sweep, the IMU's frame and the frames of self_volumes; without them the scan
+///   comes all the same, and diagnostics warn.
+/// Diagnostics: rates, latency, how clouds arrive, what became of points and rays; WARN while clouds are not
+///   deskewed or not levelled although they should be, a frame of the robot is missing, or no ground plane is
 ///   found; ERROR while clouds cannot be used (fields, layout, transforms).
-/// Threads: the callback only stores; one worker waits for transforms and computes. The newest cloud replaces
+/// Threads: the callbacks only store; one worker waits for transforms and computes. The newest cloud replaces
 /// a waiting one.
 class CloudToScanNodelet : public nodelet::Nodelet {
  public:
@@ -65,6 +89,7 @@ class CloudToScanNodelet : public nodelet::Nodelet {
       closing_ = true;  // a listener that comes or goes now must not subscribe again
     }
     subscriber_.shutdown();
+    imu_subscriber_.shutdown();
     clouds_.close();
     if (worker_.joinable()) worker_.join();
   }
@@ -72,21 +97,24 @@ class CloudToScanNodelet : public nodelet::Nodelet {
  private:
   using CloudEvent = ros::MessageEvent<const sensor_msgs::PointCloud2>;
   static constexpr const char* kCloudTopic = "velodyne_points";
+  static constexpr const char* kImuTopic = "imu/data";
 
   void onInit() override;
   void advertise();
   void update_subscription();
   void on_cloud(const CloudEvent& event);
   void process(const sensor_msgs::PointCloud2& cloud);
-  Result<sensor_msgs::LaserScanPtr> flatten(const sensor_msgs::PointCloud2& message);
-  Result<Pose> transform_at(const std_msgs::Header& header);
+  Result<void> flatten(const sensor_msgs::PointCloud2& message);
+  void publish(const std_msgs::Header& header);
   void report(diagnostic_updater::DiagnosticStatusWrapper& status);
+  void report_place(diagnostic_updater::DiagnosticStatusWrapper& status) const;
+  void report_points(diagnostic_updater::DiagnosticStatusWrapper& status) const;
 
   ros_params::CloudToScanNodeletParams params_;
-  std::optional<scan::CloudToScan> converter_;  ///< of the worker
-  scan::PlanarScan scan_;                       ///< of the worker
-  std::unique_ptr<tf2_ros::Buffer> tf_buffer_;
-  std::unique_ptr<tf2_ros::TransformListener> tf_listener_;
+  std::optional<scan::CloudToScan> converter_;  ///< of the worker, as are these
+  scan::SelfFilter robot_;
+  scan::PlanarScans scans_;
+  std::optional<SweepPoses> poses_;
   std::unique_ptr<diagnostic_updater::Updater> updater_;
   ros::WallTimer diagnostics_timer_;
   health::InputHealth cloud_health_{"cloud"};
@@ -94,11 +122,12 @@ class CloudToScanNodelet : public nodelet::Nodelet {
 
   std::mutex subscription_mutex_;
   std::atomic<bool> closing_{false};
-  ros::Publisher publisher_;
-  ros::Subscriber subscriber_;
+  ros::Publisher supported_, nearest_;
+  ros::Subscriber subscriber_, imu_subscriber_;
 
-  std::mutex statistics_mutex_;
+  mutable std::mutex statistics_mutex_;
   scan::ScanStatistics statistics_;  ///< of the latest cloud
+  SweepPlace place_;                 ///< of the latest cloud
 
   LatestSlot<sensor_msgs::PointCloud2ConstPtr> clouds_;
   std::thread worker_;
@@ -112,10 +141,8 @@ void CloudToScanNodelet::onInit() {
   }
   params_ = *params;
   converter_ = scan::CloudToScan::make(params_.scan).value();  // the parameters are checked
-  if (!params_.target_frame.empty()) {
-    tf_buffer_ = std::make_unique<tf2_ros::Buffer>();
-    tf_listener_ = std::make_unique<tf2_ros::TransformListener>(*tf_buffer_);
-  }
+  robot_ = scan::SelfFilter::make(params_.self_volumes, params_.self_padding).value();
+  poses_.emplace(params_);
   updater_ =
       std::make_unique<diagnostic_updater::Updater>(getNodeHandle(), getPrivateNodeHandle(), getName());
   updater_->setHardwareID("none");
@@ -131,17 +158,24 @@ void CloudToScanNodelet::onInit() {
 void CloudToScanNodelet::advertise() {
   const std::lock_guard lock(subscription_mutex_);  // the callbacks must not run before the publisher exists
   const auto changed = [this](const ros::SingleSubscriberPublisher&) { update_subscription(); };
-  publisher_ = getNodeHandle().advertise<sensor_msgs::LaserScan>("scan", 5, changed, changed);
+  supported_ = getNodeHandle().advertise<sensor_msgs::LaserScan>("scan", 5, changed, changed);
+  nearest_ = getNodeHandle().advertise<sensor_msgs::LaserScan>("scan_nearest", 5, changed, changed);
 }
 
 void CloudToScanNodelet::update_subscription() {
   const std::lock_guard lock(subscription_mutex_);
   if (closing_) return;
-  const bool wanted = publisher_.getNumSubscribers() > 0;
+  const bool wanted = supported_.getNumSubscribers() > 0 || nearest_.getNumSubscribers() > 0;
   cloud_health_.listening(wanted);
-  if (!wanted)
+  if (!wanted) {
     subscriber_.shutdown();
-  else if (!subscriber_)
+    imu_subscriber_.shutdown();
+    return;
+  }
+  if (!imu_subscriber_ && params_.level == ros_params::LevelFrom::kImu)
+    imu_subscriber_ = getNodeHandle().subscribe<sensor_msgs::Imu>(
+        kImuTopic, 100, [this](const sensor_msgs::Imu::ConstPtr& message) { poses_->imu().add(*message); });
+  if (!subscriber_)
     subscriber_ = getNodeHandle().subscribe(kCloudTopic, 2, &CloudToScanNodelet::on_cloud, this);
 }
 
@@ -152,48 +186,40 @@ void CloudToScanNodelet::on_cloud(const CloudEvent& event) {
 }
 
 void CloudToScanNodelet::process(const sensor_msgs::PointCloud2& cloud) {
-  auto message = flatten(cloud);
-  if (!message) {
-    if (work_health_.failed(message.error().message)) NODELET_ERROR("%s", message.error().message.c_str());
-    return;
-  }
-  publisher_.publish(*message);
+  const auto done = flatten(cloud);
+  if (done) return publish(cloud.header);
+  if (work_health_.failed(done.error().message)) NODELET_ERROR("%s", done.error().message.c_str());
 }
 
-Result<sensor_msgs::LaserScanPtr> CloudToScanNodelet::flatten(const sensor_msgs::PointCloud2& message) {
+Result<void> CloudToScanNodelet::flatten(const sensor_msgs::PointCloud2& message) {
   const auto cloud = convert::to_cloud_view(message);
   if (!cloud) return tl::unexpected(cloud.error());
-  const auto target_T_cloud = transform_at(message.header);
-  if (!target_T_cloud) return tl::unexpected(target_T_cloud.error());
+  if (auto valid = scan::validate(*cloud); !valid) return valid;
+  const auto span = scan::time_span(*cloud, params_.scan.azimuth_times, params_.scan.scan_time);
+  auto place = poses_->find(message.header, span, robot_, closing_);
+  if (!place) return tl::unexpected(place.error());
   const Stopwatch watch;
-  const auto statistics = converter_->convert(*cloud, *target_T_cloud, scan_);
+  const auto statistics = converter_->convert(*cloud, place->track, robot_, scans_);
   if (!statistics) return tl::unexpected(statistics.error());
-  {
-    const std::lock_guard lock(statistics_mutex_);
-    statistics_ = *statistics;
-  }
-  auto header = message.header;
-  if (!params_.target_frame.empty()) header.frame_id = params_.target_frame;
-  const convert::ScanFacts facts{params_.scan_time, params_.scan.range_min, params_.scan.range_max};
-  auto scan = boost::make_shared<sensor_msgs::LaserScan>(convert::to_message(scan_, facts, header));
-  work_health_.done(watch.milliseconds(), health::age_ms(header.stamp));
-  return scan;
+  work_health_.done(watch.milliseconds(), health::age_ms(message.header.stamp));
+  if (place->track.size() > 1 && !statistics->deskewed && statistics->points > 0)
+    place->not_deskewed = "the cloud's points are not in the order of their firing";
+  const std::lock_guard lock(statistics_mutex_);
+  statistics_ = *statistics;
+  place_ = std::move(*place);
+  return {};
 }
 
-/// Polls in wall time: tf2's own wait would not end while simulated time stands still.
-Result<Pose> CloudToScanNodelet::transform_at(const std_msgs::Header& header) {
-  if (params_.target_frame.empty() || params_.target_frame == header.frame_id) return Pose::Identity();
-  const auto deadline = ros::WallTime::now() + ros::WallDuration(params_.transform_tolerance);
-  while (!tf_buffer_->canTransform(params_.target_frame, header.frame_id, header.stamp) && !closing_ &&
-         ros::WallTime::now() < deadline)
-    ros::WallDuration(0.002).sleep();
-  try {
-    return tf2::transformToEigen(
-        tf_buffer_->lookupTransform(params_.target_frame, header.frame_id, header.stamp));
-  } catch (const tf2::TransformException&) {
-    return fail(ErrorCode::kNotFound, "no transform from " + header.frame_id + " to " + params_.target_frame +
-                                          " at the cloud's stamp; is tf published?");
-  }
+void CloudToScanNodelet::publish(const std_msgs::Header& cloud) {
+  auto header = cloud;
+  if (!params_.target_frame.empty()) header.frame_id = params_.target_frame;
+  const convert::ScanFacts facts{params_.scan.scan_time, params_.scan.range_min, params_.scan.range_max};
+  if (supported_.getNumSubscribers() > 0)
+    supported_.publish(
+        boost::make_shared<sensor_msgs::LaserScan>(convert::to_message(scans_.supported, facts, header)));
+  if (nearest_.getNumSubscribers() > 0)
+    nearest_.publish(
+        boost::make_shared<sensor_msgs::LaserScan>(convert::to_message(scans_.nearest, facts, header)));
 }
 
 void CloudToScanNodelet::report(diagnostic_updater::DiagnosticStatusWrapper& status) {
@@ -202,11 +228,40 @@ void CloudToScanNodelet::report(diagnostic_updater::DiagnosticStatusWrapper& sta
   cloud_health_.report(status, getNodeHandle().resolveName(kCloudTopic), params_.timeout_s);
   work_health_.report(status);
   const std::lock_guard lock(statistics_mutex_);
+  report_place(status);
+  report_points(status);
+}
+
+void CloudToScanNodelet::report_place(diagnostic_updater::DiagnosticStatusWrapper& status) const {
+  using diagnostic_msgs::DiagnosticStatus;
+  const bool deskewed = place_.track.size() > 1 && place_.not_deskewed.empty();
+  status.add("deskewed", deskewed);
+  status.addf("turned during the sweep [rad]", "%.4f", place_.turned_rad);
+  status.add("level", to_string(params_.level));
+  status.addf("tilt [rad]", "%.4f", place_.tilt_rad);
+  std::string unseen;
+  for (const auto& frame : place_.unseen) unseen += (unseen.empty() ? "" : ", ") + frame;
+  status.add("robot frames without a transform", unseen.empty() ? "none" : unseen);
+  if (!place_.not_deskewed.empty())
+    status.mergeSummary(DiagnosticStatus::WARN, "clouds are not deskewed: " + place_.not_deskewed);
+  if (!place_.not_levelled.empty())
+    status.mergeSummary(DiagnosticStatus::WARN, "clouds are not levelled: " + place_.not_levelled);
+  if (!unseen.empty())
+    status.mergeSummary(DiagnosticStatus::WARN,
+                        "the robot itself may be in the scan: no transform of " + unseen);
+}
+
+void CloudToScanNodelet::report_points(diagnostic_updater::DiagnosticStatusWrapper& status) const {
   status.add("ground method", scan::to_string(params_.scan.ground.method));
   status.addf("ground slope [rad]", "%.4f", statistics_.ground.slope_rad());
   status.add("points", statistics_.points);
   status.add("points on the ground", statistics_.on_ground);
+  status.add("points on the robot", statistics_.on_robot);
   status.add("points used", statistics_.used);
+  status.add("rays that met something", statistics_.rays_met);
+  status.add("rays that two rings support", statistics_.rays_supported);
+  status.add("rays seen to be free", statistics_.rays_free);
+  status.add("rays unknown", statistics_.rays_unknown);
   status.add("intensities", statistics_.intensity_missing ? "wanted, but the cloud has none"
                                                           : scan::to_string(params_.scan.intensity));
   if (!statistics_.ground_found)

@@ -45,4 +45,18 @@ inline void add_field(sensor_msgs::PointCloud2& message, const std::string& name
   return message;
 }
 
+/// The same cloud with a field `time` [s] since the stamp, one value per point.
+inline void add_times(sensor_msgs::PointCloud2& message, const std::vector<float>& times) {
+  const std::size_t step = message.point_step + sizeof(float);
+  std::vector<std::uint8_t> data(step * message.width);
+  for (std::size_t i = 0; i < message.width; ++i) {
+    std::memcpy(&data[i * step], &message.data[i * message.point_step], message.point_step);
+    std::memcpy(&data[i * step + message.point_step], &times.at(i), sizeof(float));
+  }
+  add_field(message, "time", message.point_step, sensor_msgs::PointField::FLOAT32);
+  message.point_step = static_cast<std::uint32_t>(step);
+  message.row_step = message.point_step * message.width;
+  message.data = std::move(data);
+}
+
 }  // namespace extperfc::ros_test

@@ -14,9 +14,10 @@ namespace extperfc::scan {
 struct TestPoint {
   float x{0}, y{0}, z{0}, intensity{0};
   std::uint16_t ring{0};
+  float time_s{0};  ///< since the stamp
 };
 
-/// A cloud in memory, as a VLP-16 driver lays it out: x, y, z, intensity as float32, ring as uint16.
+/// A cloud in memory, as a VLP-16 driver lays it out: x, y, z, intensity, time as float32, ring as uint16.
 class CloudBuilder {
  public:
   static constexpr std::size_t kStep = 22;  // unaligned, as drivers really do it
@@ -26,7 +27,7 @@ class CloudBuilder {
     for (const auto& point : points) {
       const std::size_t start = bytes_.size();
       for (const float value : {point.x, point.y, point.z, point.intensity}) append(value);
-      append(std::uint32_t{0});  // padding
+      append(point.time_s);
       append(point.ring);
       bytes_.resize(start + kStep);
     }
@@ -45,6 +46,7 @@ class CloudBuilder {
     cloud.y = {4, NumberType::kFloat32};
     cloud.z = {8, NumberType::kFloat32};
     cloud.intensity = CloudField{12, NumberType::kFloat32};
+    cloud.time = TimeField{{16, NumberType::kFloat32}, 1.0, 0.0};
     cloud.ring = CloudField{20, NumberType::kUint16};
     return cloud;
   }
@@ -79,19 +81,35 @@ inline ScanParams open_params() {
 
 /// What one cloud gives.
 struct Outcome {
-  PlanarScan scan;
+  PlanarScan scan;  ///< the nearest points
+  ScanStatistics statistics;
+};
+struct BothOutcomes {
+  PlanarScans scans;
   ScanStatistics statistics;
 };
 
-inline Outcome run(const ScanParams& params, const CloudView& cloud,
-                   const Pose& target_T_cloud = Pose::Identity()) {
+inline BothOutcomes run_both(const ScanParams& params, const CloudView& cloud, const SensorTrack& track,
+                             const SelfFilter& robot = {}) {
   auto converter = CloudToScan::make(params);
   if (!converter) throw std::runtime_error(converter.error().message);
-  Outcome outcome;
-  auto statistics = converter->convert(cloud, target_T_cloud, outcome.scan);
+  BothOutcomes outcome;
+  auto statistics = converter->convert(cloud, track, robot, outcome.scans);
   if (!statistics) throw std::runtime_error(statistics.error().message);
   outcome.statistics = *statistics;
   return outcome;
+}
+
+inline BothOutcomes run_both(const ScanParams& params, const std::vector<TestPoint>& points,
+                             const Pose& target_T_cloud = Pose::Identity(), const SelfFilter& robot = {}) {
+  const CloudBuilder cloud(points);
+  return run_both(params, cloud.view(), {{0, target_T_cloud}}, robot);
+}
+
+inline Outcome run(const ScanParams& params, const CloudView& cloud,
+                   const Pose& target_T_cloud = Pose::Identity()) {
+  auto both = run_both(params, cloud, {{0, target_T_cloud}});
+  return {both.scans.nearest, both.statistics};
 }
 
 inline Outcome run(const ScanParams& params, const std::vector<TestPoint>& points,

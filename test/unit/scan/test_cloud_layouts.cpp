@@ -94,8 +94,8 @@ TEST(CloudLayouts, RingsWithoutRingField) {
   EXPECT_NO_THROW(run(params, view));
   params.rings = *parse_rings("4");
   auto converter = CloudToScan::make(params);
-  PlanarScan scan;
-  const auto refused = converter->convert(view, Pose::Identity(), scan);
+  PlanarScans scans;
+  const auto refused = converter->convert(view, {{0, Pose::Identity()}}, {}, scans);
   ASSERT_FALSE(refused);
   EXPECT_EQ(refused.error().code, ErrorCode::kNotFound);
   EXPECT_NE(refused.error().message.find("ring"), std::string::npos) << refused.error().message;
@@ -105,7 +105,7 @@ TEST(CloudLayouts, DamagedOnesAreRefused) {
   const CloudBuilder cloud(kPoints);
   const auto good = cloud.view();
   ASSERT_TRUE(validate(good));
-  std::vector<CloudView> damaged(9, good);
+  std::vector<CloudView> damaged(10, good);
   damaged[0].bytes -= 1;
   damaged[1].width += 1;
   damaged[2].height = 2;
@@ -115,13 +115,14 @@ TEST(CloudLayouts, DamagedOnesAreRefused) {
   damaged[6].row_step = 1;
   damaged[7].height = std::numeric_limits<std::size_t>::max() / 2;
   damaged[8].width = std::numeric_limits<std::size_t>::max() / 4;
+  damaged[9].time->field.offset = CloudBuilder::kStep - 3;
   for (std::size_t i = 0; i < damaged.size(); ++i) {
     const auto refused = validate(damaged[i]);
     ASSERT_FALSE(refused) << i;
     EXPECT_EQ(refused.error().code, ErrorCode::kCorrupt);
     auto converter = CloudToScan::make(open_params());
-    PlanarScan scan;
-    EXPECT_FALSE(converter->convert(damaged[i], Pose::Identity(), scan)) << i;
+    PlanarScans scans;
+    EXPECT_FALSE(converter->convert(damaged[i], {{0, Pose::Identity()}}, {}, scans)) << i;
   }
 }
 

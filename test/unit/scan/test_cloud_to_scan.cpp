@@ -32,7 +32,7 @@ TEST(CloudToScan, WallAtThreeMetres) {
     const float range = scan.ranges[ray_at(scan, degree * kDegree)];
     EXPECT_NEAR(range, 3.0 / std::cos(nearest_edge), 0.01) << degree;
   }
-  EXPECT_EQ(scan.ranges[ray_at(scan, 90 * kDegree)], kInf);
+  EXPECT_TRUE(std::isnan(scan.ranges[ray_at(scan, 90 * kDegree)])) << "nobody looked there";
 }
 
 TEST(CloudToScan, FullTurnHasNoRayTwice) {
@@ -61,7 +61,7 @@ TEST(CloudToScan, ARayStandsInTheMiddleOfItsBin) {
     EXPECT_FLOAT_EQ(inside.scan.ranges[ray_at(inside.scan, degree * kDegree)], 5.0F) << degree;
     EXPECT_EQ(hits(inside.scan), 1U) << degree;
     const auto beside = run(open_params(), {at(degree - 0.51, 5), at(degree + 0.51, 6)});
-    EXPECT_EQ(beside.scan.ranges[ray_at(beside.scan, degree * kDegree)], kInf) << degree;
+    EXPECT_TRUE(std::isnan(beside.scan.ranges[ray_at(beside.scan, degree * kDegree)])) << degree;
     EXPECT_EQ(hits(beside.scan), 2U) << degree;
   }
 }
@@ -98,15 +98,43 @@ TEST(CloudToScan, RangeLimitsAreInclusive) {
   EXPECT_EQ(hits(scan), 3U);
 }
 
-TEST(CloudToScan, WithoutInfinityNothingIsBeyondTheRange) {
+TEST(CloudToScan, FreeIsOnlyWhereABeamWentOn) {
+  auto params = open_params();
+  params.range_min = 0.5;
+  params.range_max = 8;
+  params.min_height = -0.2;
+  params.max_height = 0.6;
+  const std::vector<TestPoint> points{
+      at(0, 7, 0.1),      at(20, 9, 0.1),  // ends in the air, beyond range_max
+      at(40, 16, 1.1),                     // 0.55 m high at range_max
+      at(60, 16, 1.3),                     // 0.65 m: above the band there
+      at(80, 16, -0.5),                    // -0.25 m: below it
+      at(100, 7.99, 0.1), at(20, 3, 5)};   // what hangs above says nothing
+  for (const bool use_inf : {true, false}) {
+    params.use_inf = use_inf;
+    params.inf_epsilon = 0.5;
+    const float free = use_inf ? kInf : 8.5F;
+    const auto both = run_both(params, points);
+    const auto& scan = both.scans.nearest;
+    EXPECT_FLOAT_EQ(scan.ranges[ray_at(scan, 0)], 7.0F);
+    for (const int degree : {20, 40}) EXPECT_EQ(scan.ranges[ray_at(scan, degree * kDegree)], free) << degree;
+    for (const int degree : {60, 80, 120})
+      EXPECT_TRUE(std::isnan(scan.ranges[ray_at(scan, degree * kDegree)])) << degree;
+    EXPECT_EQ(std::count(scan.ranges.begin(), scan.ranges.end(), free), 2);
+    EXPECT_EQ(both.statistics.rays_free, 2U);
+    EXPECT_EQ(both.statistics.rays_met, 2U);
+    EXPECT_EQ(both.statistics.rays_unknown, 360U - 4U);
+    EXPECT_EQ(both.scans.supported.ranges[ray_at(scan, 20 * kDegree)], free);
+  }
+}
+
+TEST(CloudToScan, ABeamIsFollowedFromTheSensorNotFromTheOrigin) {
   auto params = open_params();
   params.range_max = 8;
-  params.use_inf = false;
-  params.inf_epsilon = 0.5;
-  const auto [scan, statistics] = run(params, {at(0, 7)});
-  EXPECT_FLOAT_EQ(scan.ranges[ray_at(scan, 0)], 7.0F);
-  EXPECT_FLOAT_EQ(scan.ranges[ray_at(scan, kDegree)], 8.5F);
-  EXPECT_EQ(std::count(scan.ranges.begin(), scan.ranges.end(), 8.5F), 359);
+  // The sensor stands 1 m to the left: its beam straight ahead meets the circle at asin(1 / 8).
+  const auto [scan, statistics] = run(params, {{20, 0, 0}}, make_pose({0, 1, 0}));
+  EXPECT_EQ(statistics.rays_free, 1U);
+  EXPECT_EQ(scan.ranges[ray_at(scan, std::asin(1.0 / 8))], kInf);
 }
 
 TEST(CloudToScan, PointsThatAreNoNumbersDoNotCount) {
@@ -117,7 +145,8 @@ TEST(CloudToScan, PointsThatAreNoNumbersDoNotCount) {
     points.push_back({1, 1, bad});
     points.push_back({bad, bad, bad});
   }
-  for (const auto method : {GroundMethod::kNone, GroundMethod::kHeight, GroundMethod::kPlane}) {
+  for (const auto method :
+       {GroundMethod::kNone, GroundMethod::kHeight, GroundMethod::kPlane, GroundMethod::kSlope}) {
     auto params = open_params();
     params.ground.method = method;
     const auto [scan, statistics] = run(params, points);
@@ -128,7 +157,8 @@ TEST(CloudToScan, PointsThatAreNoNumbersDoNotCount) {
 }
 
 TEST(CloudToScan, AnEmptyCloudMeetsNothing) {
-  for (const auto method : {GroundMethod::kNone, GroundMethod::kHeight, GroundMethod::kPlane}) {
+  for (const auto method :
+       {GroundMethod::kNone, GroundMethod::kHeight, GroundMethod::kPlane, GroundMethod::kSlope}) {
     auto params = open_params();
     params.ground.method = method;
     const auto [scan, statistics] = run(params, CloudView{});
@@ -187,15 +217,16 @@ TEST(CloudToScan, HeightsAndRangesAreThoseOfTheTargetFrame) {
 TEST(CloudToScan, MemoryOfOneCloudDoesNotReachTheNext) {
   auto converter = CloudToScan::make(open_params());
   ASSERT_TRUE(converter);
-  PlanarScan scan;
+  PlanarScans scans;
   const CloudBuilder many({at(0, 3), at(10, 3), at(20, 3)});
   const CloudBuilder one({at(40, 2)});
-  ASSERT_TRUE(converter->convert(many.view(), Pose::Identity(), scan));
-  const auto statistics = converter->convert(one.view(), Pose::Identity(), scan);
+  ASSERT_TRUE(converter->convert(many.view(), {{0, Pose::Identity()}}, {}, scans));
+  const auto statistics = converter->convert(one.view(), {{0, Pose::Identity()}}, {}, scans);
   ASSERT_TRUE(statistics);
   EXPECT_EQ(statistics->used, 1U);
-  EXPECT_EQ(hits(scan), 1U);
-  EXPECT_FLOAT_EQ(scan.ranges[ray_at(scan, 40 * kDegree)], 2.0F);
+  EXPECT_EQ(hits(scans.nearest), 1U);
+  EXPECT_EQ(hits(scans.supported), 0U);
+  EXPECT_FLOAT_EQ(scans.nearest.ranges[ray_at(scans.nearest, 40 * kDegree)], 2.0F);
 }
 
 /// A random point that is not within rounding of a limit, so that both sides must decide alike.
@@ -238,7 +269,11 @@ TEST(CloudToScanProperty, EveryRangeIsTheMinimumOfItsBin) {
       smallest = std::min(smallest, range);
     }
     for (std::size_t i = 0; i < expected.size(); ++i)
-      ASSERT_FLOAT_EQ(scan.ranges[i], static_cast<float>(expected[i])) << "seed " << seed << ", ray " << i;
+      if (std::isfinite(expected[i])) {
+        ASSERT_FLOAT_EQ(scan.ranges[i], static_cast<float>(expected[i])) << "seed " << seed << ", ray " << i;
+      } else {
+        ASSERT_FALSE(std::isfinite(scan.ranges[i])) << "seed " << seed << ", ray " << i;
+      }
   }
 }
 

@@ -24,6 +24,9 @@ TEST(ScanParams, WhatCannotWorkIsNamed) {
       {"range_min", [](auto& p) { p.range_min = -1; }},
       {"range_min", [](auto& p) { p.range_min = 5, p.range_max = 4; }},
       {"inf_epsilon", [](auto& p) { p.inf_epsilon = -0.1; }},
+      {"support_m", [](auto& p) { p.support_m = 0; }},
+      {"no_return_range", [](auto& p) { p.no_return_range = -1; }},
+      {"scan_time", [](auto& p) { p.scan_time = 0, p.azimuth_times = AzimuthTimes::kStampAtEnd; }},
       {"ground_clearance_m", [](auto& p) { p.ground.clearance_m = -0.1; }},
       {"ground_max_slope_rad", [](auto& p) { p.ground.max_slope_rad = 0; }},
       {"ground_max_iterations", [](auto& p) { p.ground.max_iterations = 0; }},
@@ -56,13 +59,16 @@ TEST(ScanParams, NumberOfRays) {
 }
 
 TEST(ScanParams, NamesGoBothWays) {
-  for (const auto method : {GroundMethod::kNone, GroundMethod::kHeight, GroundMethod::kPlane})
+  for (const auto method :
+       {GroundMethod::kNone, GroundMethod::kHeight, GroundMethod::kPlane, GroundMethod::kSlope})
     EXPECT_EQ(ground_method_from_name(to_string(method)), method);
   for (const auto intensity : {IntensityOf::kNone, IntensityOf::kNearest, IntensityOf::kMaximum})
     EXPECT_EQ(intensity_from_name(to_string(intensity)), intensity);
+  for (const auto times : {AzimuthTimes::kNone, AzimuthTimes::kStampAtEnd, AzimuthTimes::kStampAtStart})
+    EXPECT_EQ(azimuth_times_from_name(to_string(times)), times);
   const auto unknown = ground_method_from_name("ransac");
   ASSERT_FALSE(unknown);
-  EXPECT_NE(unknown.error().message.find("none, height, plane"), std::string::npos)
+  EXPECT_NE(unknown.error().message.find("none, height, plane, slope"), std::string::npos)
       << unknown.error().message;
 }
 

@@ -1,0 +1,24 @@
+#pragma once
+
+#include <optional>
+#include <vector>
+
+#include "scan/columns.hpp"
+
+namespace extperfc::scan {
+
+/// A surface of one column.
+struct Surface {
+  float range{0};          ///< mean of its points [m]
+  std::uint32_t index{0};  ///< of its nearest point
+  bool two_rings{false};   ///< at least two rings agree on it
+};
+
+/// The nearest surface of `middle` that is no speckle: see PlanarScans::supported. `left` and `right` are the
+/// neighbouring columns (or `middle` again at the end of a sector); `level` tells rings apart, by the points'
+/// index; points within `support_m` belong together.
+[[nodiscard]] std::optional<Surface> supported_surface(const Column& middle, const Column& left,
+                                                       const Column& right, const std::vector<float>& level,
+                                                       float support_m);
+
+}  // namespace extperfc::scan

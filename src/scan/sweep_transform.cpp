@@ -1,0 +1,68 @@
+#include "scan/sweep_transform.hpp"
+
+#include <algorithm>
+
+namespace extperfc::scan {
+
+SweepTransform::Matrix SweepTransform::matrix(const Pose& pose) {
+  Matrix m{};
+  for (int row = 0; row < 3; ++row)
+    for (int column = 0; column < 4; ++column)
+      m[static_cast<std::size_t>(4 * row + column)] = static_cast<float>(pose.matrix()(row, column));
+  return m;
+}
+
+SweepTransform::SweepTransform(const SensorTrack& track)
+    : moves_(track.size() > 1 && track.back().time_s > track.front().time_s),
+      first_s_(static_cast<float>(track.front().time_s)),
+      at_stamp_(matrix(pose_at(track, 0))) {
+  if (!moves_) return;
+  const double duration_s = track.back().time_s - track.front().time_s;
+  parts_per_s_ = static_cast<float>(kParts / duration_s);
+  for (std::size_t i = 0; i <= kParts; ++i) {
+    const double time_s = track.front().time_s + duration_s * static_cast<double>(i) / kParts;
+    const Matrix m = matrix(pose_at(track, time_s));
+    if (i < kParts) parts_[i].start = m;
+    if (i > 0)
+      for (std::size_t k = 0; k < m.size(); ++k) parts_[i - 1].change[k] = m[k] - parts_[i - 1].start[k];
+  }
+}
+
+Eigen::Vector3f SweepTransform::map(float time_s, const Eigen::Vector3f& p) const {
+  Matrix m = at_stamp_;
+  if (moves_) {
+    const float since = (time_s == time_s ? time_s : 0.0F) - first_s_;
+    const float part = std::clamp(since * parts_per_s_, 0.0F, static_cast<float>(kParts));
+    const auto index = std::min(static_cast<std::size_t>(part), kParts - 1);
+    const float share = part - static_cast<float>(index);
+    const Part& from = parts_[index];
+    for (std::size_t k = 0; k < m.size(); ++k) m[k] = from.start[k] + share * from.change[k];
+  }
+  return {m[0] * p.x() + m[1] * p.y() + m[2] * p.z() + m[3],
+          m[4] * p.x() + m[5] * p.y() + m[6] * p.z() + m[7],
+          m[8] * p.x() + m[9] * p.y() + m[10] * p.z() + m[11]};
+}
+
+void SweepTransform::apply(CloudPoints& points) const {
+  if (!moves_ || points.time_s.empty()) return apply_one(at_stamp_, points);
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    const Eigen::Vector3f p =
+        map(points.time_s[i], {points.sensor_x[i], points.sensor_y[i], points.sensor_z[i]});
+    points.x[i] = p.x();
+    points.y[i] = p.y();
+    points.z[i] = p.z();
+  }
+}
+
+void SweepTransform::apply_one(const Matrix& m, CloudPoints& points) const {
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    const float x = points.sensor_x[i];
+    const float y = points.sensor_y[i];
+    const float z = points.sensor_z[i];
+    points.x[i] = m[0] * x + m[1] * y + m[2] * z + m[3];
+    points.y[i] = m[4] * x + m[5] * y + m[6] * z + m[7];
+    points.z[i] = m[8] * x + m[9] * y + m[10] * z + m[11];
+  }
+}
+
+}  // namespace extperfc::scan
