@@ -1,0 +1,29 @@
+#pragma once
+
+#include <cstddef>
+#include <vector>
+
+namespace extperfc::localize {
+
+/// Particles as a structure of arrays. Positions are metres from the map's lower left corner along its own
+/// axes and headings are against its x axis [rad], so that single precision keeps micrometres whatever the
+/// origin.
+struct ParticleSet {
+  std::vector<float> x;
+  std::vector<float> y;
+  std::vector<float> yaw;
+  std::vector<float> weight;
+
+  [[nodiscard]] std::size_t size() const { return x.size(); }
+  void resize(std::size_t count) {
+    for (auto* values : {&x, &y, &yaw, &weight}) values->resize(count);
+  }
+  void set(std::size_t i, float x_m, float y_m, float yaw_rad) {
+    x[i] = x_m;
+    y[i] = y_m;
+    yaw[i] = yaw_rad;
+  }
+  void make_weights_equal() { weight.assign(size(), 1.0F / static_cast<float>(size())); }
+};
+
+}  // namespace extperfc::localize

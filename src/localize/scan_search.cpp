@@ -1,0 +1,68 @@
+#include "localize/scan_search.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "localize/weights.hpp"
+
+namespace extperfc::localize {
+
+namespace {
+
+constexpr std::size_t kFirstBeams = 30;  // for the first choice
+constexpr std::size_t kKeptOf = 5;       // the first choice keeps one of so many
+constexpr double kShake_m = 0.1;         // about the distance of neighbours among the kept
+constexpr double kShake_rad = 0.06;
+
+/// As many as `count` of the particles, chosen by how well they fit.
+ParticleSet choose(const ParticleSet& particles, const std::vector<float>& logs, std::size_t beams,
+                   std::size_t count, Rng& rng) {
+  std::vector<float> weights = particles.weight;
+  const double least = static_cast<double>(std::min(count, particles.size())) / 4;
+  reweigh(weights, logs, bearable_sharpness(weights, logs, static_cast<double>(beams), least));
+  return pick(particles, sample_systematic(weights, count, rng));
+}
+
+}  // namespace
+
+ParticleSet draw_uniform(const FreeSpace& free_space, std::size_t count, Rng& rng) {
+  ParticleSet particles;
+  particles.resize(count);
+  particles.make_weights_equal();
+  for (std::size_t i = 0; i < count; ++i) {
+    const auto point = free_space.draw(rng);
+    particles.set(i, point.x_m, point.y_m, static_cast<float>(rng.uniform(-M_PI, M_PI)));
+  }
+  return particles;
+}
+
+ParticleSet pick(const ParticleSet& from, const std::vector<std::uint32_t>& numbers) {
+  ParticleSet picked;
+  picked.resize(numbers.size());
+  picked.make_weights_equal();
+  for (std::size_t i = 0; i < numbers.size(); ++i)
+    picked.set(i, from.x[numbers[i]], from.y[numbers[i]], from.yaw[numbers[i]]);
+  return picked;
+}
+
+void shake(ParticleSet& particles, double sigma_m, double sigma_rad, Rng& rng) {
+  for (std::size_t i = 0; i < particles.size(); ++i)
+    particles.set(i, static_cast<float>(particles.x[i] + rng.normal(0, 1) * sigma_m),
+                  static_cast<float>(particles.y[i] + rng.normal(0, 1) * sigma_m),
+                  static_cast<float>(wrap_angle(particles.yaw[i] + rng.normal(0, 1) * sigma_rad)));
+}
+
+ParticleSet search_scan(const Place& place, const Beams& beams, std::size_t tries, std::size_t count,
+                        Rng& rng) {
+  if (beams.ends() == 0) return draw_uniform(place.free_space, count, rng);
+  ParticleSet poses = draw_uniform(place.free_space, tries, rng);
+  std::vector<float> logs;
+  const std::size_t every = std::max<std::size_t>(1, beams.ends() / kFirstBeams);
+  place.wide.mean_logs(place.field, beams, poses, logs, every);
+  poses = choose(poses, logs, std::min(beams.ends(), kFirstBeams), std::max(count, tries / kKeptOf), rng);
+  shake(poses, kShake_m, kShake_rad, rng);
+  place.exact.mean_logs(place.field, beams, poses, logs);
+  return choose(poses, logs, beams.ends(), count, rng);
+}
+
+}  // namespace extperfc::localize

@@ -1,0 +1,138 @@
+#pragma once
+
+#include <atomic>
+#include <memory>
+#include <mutex>
+#include <optional>
+#include <string>
+#include <thread>
+
+#include <diagnostic_updater/diagnostic_updater.h>
+#include <geometry_msgs/PoseWithCovarianceStamped.h>
+#include <nav_msgs/SetMap.h>
+#include <ros/node_handle.h>
+#include <sensor_msgs/LaserScan.h>
+#include <std_srvs/Empty.h>
+#include <tf2_ros/buffer.h>
+#include <tf2_ros/transform_broadcaster.h>
+#include <tf2_ros/transform_listener.h>
+
+#include "ros/health/stream_health.hpp"
+#include "ros/localize/localizer_engine.hpp"
+#include "ros/localize/map_source.hpp"
+#include "ros/params/localizer_params.hpp"
+
+namespace extperfc::localizer {
+
+/// Monte Carlo localization in a known map, with amcl's topics, services and parameters: a launch file for
+/// amcl works after a change of package, type and name.
+///
+/// Subscribes:
+///   scan           sensor_msgs/LaserScan; several scanners may share the topic
+///   initialpose    geometry_msgs/PoseWithCovarianceStamped in global_frame_id
+///   map            nav_msgs/OccupancyGrid, when use_map_topic is true and map_file empty
+///   /tf, /tf_static
+/// Publishes:
+///   amcl_pose      geometry_msgs/PoseWithCovarianceStamped, latched, after every update
+///   particlecloud  geometry_msgs/PoseArray, latched, made only while somebody listens
+///   /tf            global_frame_id -> odom_frame_id with every scan, dated transform_tolerance ahead of it
+///   diagnostics    diagnostic_msgs/DiagnosticArray
+/// Services:
+///   global_localization     std_srvs/Empty: it may be anywhere on the map
+///   request_nomotion_update std_srvs/Empty: update with the next scan, though the robot stands
+///   set_map                 nav_msgs/SetMap: another map and the pose in it
+/// Calls: static_map (nav_msgs/GetMap) until it answers, when use_map_topic is false and map_file empty
+/// Parameters (private; unknown keys are refused): amcl's, with units and ranges in config/localizer.yaml.
+///   Defaults that differ: min_particles 500, laser_max_beams 60, update_min_a 0.2 rad, odom_model_type
+///   diff-corrected. Not in amcl:
+///   map_file               YAML file of map_server's format, loaded at the start    "": none
+///   tf_timeout_s           wait for a transform at the scan's stamp [s]             0.5, [0, 5]
+///   idle_update_period_s   longest time between updates while standing; 0: none [s] 1, [0, 3600]
+///   lost_fit               share of fitting beams below which the robot is lost     0.4, [0, 1]
+///   timeout_s              silence of the lidar after which diagnostics warn [s]    5, [0.1, 3600]
+///   seed                   of the random numbers                                    1
+/// Frames: needs scan frame -> base_frame_id -> odom_frame_id at the scan's stamp.
+/// Diagnostics: particles, pose, its standard deviations, weight of its cluster, fit, rates, latency, drops.
+///   WARN without a map or scans, while lost, ambiguous or uncertain; ERROR while scans cannot be used.
+/// Threads: callbacks store; one worker waits for transforms and computes. The newest scan replaces one that
+///   waits.
+class LocalizerNode {
+ public:
+  /// Errors: every bad parameter at once, a map_file that cannot be read.
+  [[nodiscard]] static Result<std::unique_ptr<LocalizerNode>> make(const ros::NodeHandle& handle,
+                                                                   const ros::NodeHandle& private_handle,
+                                                                   const std::string& name);
+  /// Stores the last pose, if it shall be stored.
+  ~LocalizerNode();
+  LocalizerNode(const LocalizerNode&) = delete;
+  LocalizerNode& operator=(const LocalizerNode&) = delete;
+
+ private:
+  using ScanEvent = ros::MessageEvent<const sensor_msgs::LaserScan>;
+  using PoseMessage = geometry_msgs::PoseWithCovarianceStamped;
+
+  LocalizerNode(const ros::NodeHandle& handle, const ros::NodeHandle& private_handle,
+                const ros_params::LocalizerNodeParams& params, const std::string& name);
+  Result<void> start();
+  void advertise();
+  void on_scan(const ScanEvent& event);
+  void on_initial_pose(const PoseMessage::ConstPtr& message);
+  bool on_global_localization(std_srvs::Empty::Request&, std_srvs::Empty::Response&);
+  bool on_nomotion_update(std_srvs::Empty::Request&, std_srvs::Empty::Response&);
+  bool on_set_map(nav_msgs::SetMap::Request& request, nav_msgs::SetMap::Response& response);
+  [[nodiscard]] Result<GivenPose> to_given_pose(const PoseMessage& message) const;
+  [[nodiscard]] bool time_ran_back(const ros::Time& stamp);
+
+  void work_off(const Work& work);
+  void publish(const Located& located);
+  void publish_pose(const Located& located);
+  void publish_cloud(const ros::Time& stamp);
+  void broadcast(const Located& located);
+  void store_pose();
+  void update_diagnostics();
+  void report(diagnostic_updater::DiagnosticStatusWrapper& status);
+  void report_estimate(diagnostic_updater::DiagnosticStatusWrapper& status, const Located& located) const;
+
+  ros::NodeHandle handle_;
+  ros::NodeHandle private_handle_;
+  const ros_params::LocalizerNodeParams params_;
+  tf2_ros::Buffer tf_buffer_;
+  tf2_ros::TransformListener tf_listener_{tf_buffer_};
+  tf2_ros::TransformBroadcaster tf_broadcaster_;
+  LocalizerInbox inbox_;
+  LocalizerEngine engine_;  ///< of the worker
+  MapSource map_source_;
+  health::InputHealth scan_health_{"scan"};
+  health::WorkHealth work_health_;
+
+  ros::Publisher pose_publisher_;
+  ros::Publisher cloud_publisher_;
+  std::atomic<bool> cloud_wanted_{false};  ///< somebody began to listen
+  ros::Time last_cloud_;                   ///< of the worker
+  ros::Time last_now_;                     ///< of the scan callback
+  ros::Time last_stamp_;                   ///< of the scan callback
+
+  struct State {
+    std::optional<Located> located;  ///< the latest
+    std::size_t particles{0};
+    std::uint64_t updates{0};
+    std::uint64_t time_jumps{0};
+    bool has_map{false};
+    std::string map_error;
+  };
+  mutable std::mutex state_mutex_;
+  State state_;
+
+  diagnostic_updater::Updater updater_;
+  ros::WallTime last_report_;
+  ros::WallTimer diagnostics_timer_;
+  ros::WallTimer store_timer_;
+  ros::Subscriber scan_subscriber_;
+  ros::Subscriber pose_subscriber_;
+  ros::ServiceServer global_service_;
+  ros::ServiceServer nomotion_service_;
+  ros::ServiceServer map_service_;
+  std::thread worker_;
+};
+
+}  // namespace extperfc::localizer

@@ -1,0 +1,129 @@
+#include <algorithm>
+#include <cmath>
+
+#include <mrpt/maps/COccupancyGridMap2D.h>
+#include <mrpt/obs/CActionCollection.h>
+#include <mrpt/obs/CActionRobotMovement2D.h>
+#include <mrpt/obs/CObservation2DRangeScan.h>
+#include <mrpt/obs/CSensoryFrame.h>
+#include <mrpt/random/RandomGenerators.h>
+#include <mrpt/slam/CMonteCarloLocalization2D.h>
+
+#include "localize/peer.hpp"
+
+namespace extperfc::benchmark {
+namespace {
+
+using mrpt::bayes::CParticleFilter;
+using mrpt::maps::COccupancyGridMap2D;
+using mrpt::obs::CActionRobotMovement2D;
+
+constexpr float kNoise = 0.3F;  // standard deviation per metre or radian
+
+COccupancyGridMap2D::Ptr convert(const OccupancyGrid& map, std::size_t rays_per_beam) {
+  const double right = map.origin.x + static_cast<double>(map.width) * map.resolution_m;
+  const double top = map.origin.y + static_cast<double>(map.height) * map.resolution_m;
+  auto grid = COccupancyGridMap2D::Create(static_cast<float>(map.origin.x), static_cast<float>(right),
+                                          static_cast<float>(map.origin.y), static_cast<float>(top),
+                                          static_cast<float>(map.resolution_m));
+  for (std::size_t row = 0; row < map.height; ++row)
+    for (std::size_t column = 0; column < map.width; ++column) {
+      const auto cell = map.at(column, row);
+      grid->setCell(static_cast<int>(column), static_cast<int>(row),
+                    cell < 0 ? 0.5F : 1.0F - static_cast<float>(cell) / 100);
+    }
+  auto& options = grid->likelihoodOptions;
+  options.likelihoodMethod = COccupancyGridMap2D::lmLikelihoodField_Thrun;
+  options.LF_stdHit = 0.2F;
+  options.LF_zHit = 0.95F;
+  options.LF_zRandom = 0.05F;
+  options.LF_maxRange = 80;
+  options.LF_maxCorrsDistance = 0.6F;  // three sigma
+  options.LF_decimation = static_cast<uint32_t>(rays_per_beam);
+  return grid;
+}
+
+class MrptPeer : public Peer {
+ public:
+  MrptPeer(const OccupancyGrid& map, int least, int most, std::size_t rays_per_beam)
+      : most_(static_cast<std::size_t>(most)), grid_(convert(map, rays_per_beam)) {
+    pdf_.options.metricMap = grid_;
+    pdf_.options.KLD_params.KLD_minSampleSize = static_cast<unsigned>(least);
+    pdf_.options.KLD_params.KLD_maxSampleSize = static_cast<unsigned>(most);
+    pdf_.options.KLD_params.KLD_binSize_XY = 0.5;
+    filter_.m_options.PF_algorithm = CParticleFilter::pfStandardProposal;
+    filter_.m_options.adaptiveSampleSize = least < most;
+    filter_.m_options.resamplingMethod =
+        least < most ? CParticleFilter::prMultinomial : CParticleFilter::prSystematic;
+    filter_.m_options.sampleSize = static_cast<unsigned>(most);
+    mrpt::random::getRandomGenerator().randomize(1);
+  }
+
+  void begin_at(const Pose2& pose, double sigma_m, double sigma_rad) override {
+    auto& random = mrpt::random::getRandomGenerator();
+    pdf_.resetDeterministic({pose.x, pose.y, pose.yaw}, most_);
+    for (auto& particle : pdf_.m_particles) {
+      particle.d.x += random.drawGaussian1D(0, sigma_m);
+      particle.d.y += random.drawGaussian1D(0, sigma_m);
+      particle.d.phi += random.drawGaussian1D(0, sigma_rad);
+    }
+  }
+
+  void scatter() override { pdf_.resetUniformFreeSpace(grid_.get(), 0.7, static_cast<int>(most_)); }
+
+  void update(const LaserScan& scan, const Pose2& motion) override {
+    CActionRobotMovement2D moved;
+    CActionRobotMovement2D::TMotionModelOptions model;
+    model.modelSelection = CActionRobotMovement2D::mmThrun;
+    // About as much noise as ours by default.
+    model.thrunModel.alfa1_rot_rot = kNoise;
+    model.thrunModel.alfa2_rot_trans = kNoise;
+    model.thrunModel.alfa3_trans_trans = kNoise;
+    model.thrunModel.alfa4_trans_rot = kNoise;
+    moved.computeFromOdometry({motion.x, motion.y, motion.yaw}, model);
+    mrpt::obs::CActionCollection actions;
+    actions.insert(moved);
+    mrpt::obs::CSensoryFrame frame;
+    frame.insert(convert_scan(scan));
+    filter_.executeOn(pdf_, &actions, &frame);
+  }
+
+  [[nodiscard]] Pose2 pose() const override {
+    const auto mean = pdf_.getMeanVal();
+    return {mean.x(), mean.y(), mean.phi()};
+  }
+
+ private:
+  static mrpt::obs::CObservation2DRangeScan::Ptr convert_scan(const LaserScan& scan) {
+    auto observation = mrpt::obs::CObservation2DRangeScan::Create();
+    const std::size_t rays = scan.ranges.size();
+    observation->resizeScan(rays);
+    observation->aperture =
+        static_cast<float>(std::abs(scan.angle_increment) * static_cast<double>(rays - 1));
+    observation->rightToLeft = true;
+    observation->maxRange = static_cast<float>(scan.range_max);
+    const double middle = scan.angle_min + scan.angle_increment * static_cast<double>(rays - 1) / 2;
+    observation->sensorPose = mrpt::poses::CPose3D(scan.base_T_sensor.x, scan.base_T_sensor.y, 0,
+                                                   scan.base_T_sensor.yaw + middle, 0, 0);
+    for (std::size_t i = 0; i < rays; ++i) {
+      const float range = scan.ranges[i];
+      const bool good = range > scan.range_min && range < scan.range_max;
+      observation->setScanRange(i, good ? range : 0);
+      observation->setScanRangeValidity(i, good);
+    }
+    return observation;
+  }
+
+  std::size_t most_;
+  COccupancyGridMap2D::Ptr grid_;
+  mrpt::slam::CMonteCarloLocalization2D pdf_;
+  CParticleFilter filter_;
+};
+
+}  // namespace
+
+std::unique_ptr<Peer> Peer::make(const OccupancyGrid& map, int least, int most, std::size_t rays_per_beam) {
+  return std::make_unique<MrptPeer>(map, least, most, rays_per_beam);
+}
+
+}  // namespace extperfc::benchmark
