@@ -4,7 +4,7 @@ find_package(catkin REQUIRED COMPONENTS
   message_filters message_generation nav_msgs nodelet pluginlib roscpp rosgraph_msgs roslib sensor_msgs std_msgs std_srvs
   tf2 tf2_eigen tf2_ros trajectory_msgs vision_msgs visualization_msgs)
 
-add_service_files(FILES MoveBody.srv SetFault.srv SetRealTimeFactor.srv StepSimulation.srv)
+add_service_files(FILES LoadSession.srv MoveBody.srv SaveMap.srv SetFault.srv SetRealTimeFactor.srv StepSimulation.srv)
 generate_messages(DEPENDENCIES geometry_msgs std_msgs)
 
 catkin_package(
@@ -12,7 +12,8 @@ catkin_package(
   LIBRARIES extperfc_base extperfc_world extperfc_detect extperfc_depth extperfc_sources extperfc_scan
     extperfc_simulate_model extperfc_simulate_worlds extperfc_simulate_render extperfc_simulate_bodies
     extperfc_simulate_control extperfc_simulate_trajectory extperfc_translate_schema extperfc_translate_plan
-    extperfc_translate_peer extperfc_translate_bridge
+    extperfc_translate_peer extperfc_translate_bridge extperfc_mapping extperfc_localize
+    extperfc_sources_scan extperfc_offline
   CATKIN_DEPENDS roscpp nodelet message_runtime sensor_msgs vision_msgs)
 
 add_library(extperfc_catkin INTERFACE)

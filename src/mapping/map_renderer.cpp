@@ -101,7 +101,14 @@ std::size_t MapRenderer::draw_ray(const Eigen::Vector2d& from, const Eigen::Vect
 MapRenderer::Tile& MapRenderer::tile(int tile_column, int tile_row) {
   if (last_tile_ && tile_column == last_tile_column_ && tile_row == last_tile_row_) return *last_tile_;
   auto& entry = tiles_[key_of(tile_column, tile_row)];
-  if (!entry) entry = std::make_unique<Tile>();
+  if (!entry) {
+    entry = std::make_unique<Tile>();
+    const bool first = tiles_.size() == 1;
+    left_tile_ = first ? tile_column : std::min(left_tile_, tile_column);
+    right_tile_ = first ? tile_column : std::max(right_tile_, tile_column);
+    bottom_tile_ = first ? tile_row : std::min(bottom_tile_, tile_row);
+    top_tile_ = first ? tile_row : std::max(top_tile_, tile_row);
+  }
   last_tile_ = entry.get();
   last_tile_column_ = tile_column;
   last_tile_row_ = tile_row;
@@ -121,43 +128,45 @@ std::int8_t MapRenderer::value(const Count& count) const {
   return count.hits > occupied_threshold_ * seen ? OccupancyGrid::kOccupied : OccupancyGrid::kFree;
 }
 
-std::shared_ptr<const OccupancyGrid> MapRenderer::map() {
+std::shared_ptr<const OccupancyGrid> MapRenderer::map(std::size_t most_tiles) {
   last_tile_ = nullptr;  // so that the next drawing marks its tile again
   fit_grid();
+  std::size_t copied = 0;
+  complete_ = true;
   for (const auto& [key, tile] : tiles_) {
     if (!tile->changed) continue;
+    if (copied == most_tiles) {
+      complete_ = false;
+      break;
+    }
     copy_tile(static_cast<int>(static_cast<std::int32_t>(key >> 32U)),
               static_cast<int>(static_cast<std::int32_t>(key & 0xFFFFFFFFU)), *tile);
     tile->changed = false;
+    ++copied;
   }
   return std::make_shared<const OccupancyGrid>(grid_);
 }
 
-/// Makes the grid cover all tiles; when it has to grow, everything is copied into it anew.
+/// Makes the grid cover all tiles; what it held moves with it.
 void MapRenderer::fit_grid() {
   if (tiles_.empty()) return;
-  int left = std::numeric_limits<int>::max();
-  int bottom = left;
-  int right = std::numeric_limits<int>::min();
-  int top = right;
-  for (const auto& [key, tile] : tiles_) {
-    left = std::min(left, static_cast<int>(static_cast<std::int32_t>(key >> 32U)));
-    right = std::max(right, static_cast<int>(static_cast<std::int32_t>(key >> 32U)));
-    bottom = std::min(bottom, static_cast<int>(static_cast<std::int32_t>(key & 0xFFFFFFFFU)));
-    top = std::max(top, static_cast<int>(static_cast<std::int32_t>(key & 0xFFFFFFFFU)));
-  }
-  const auto width = static_cast<std::size_t>(right - left + 1) << kTileBits;
-  const auto height = static_cast<std::size_t>(top - bottom + 1) << kTileBits;
-  if (width == grid_.width && height == grid_.height && left == first_tile_column_ &&
-      bottom == first_tile_row_)
+  const auto width = static_cast<std::size_t>(right_tile_ - left_tile_ + 1) << kTileBits;
+  const auto height = static_cast<std::size_t>(top_tile_ - bottom_tile_ + 1) << kTileBits;
+  if (width == grid_.width && height == grid_.height && left_tile_ == first_tile_column_ &&
+      bottom_tile_ == first_tile_row_)
     return;
-  first_tile_column_ = left;
-  first_tile_row_ = bottom;
+  std::vector<std::int8_t> wider(width * height, OccupancyGrid::kUnknown);
+  const auto right = static_cast<std::size_t>(first_tile_column_ - left_tile_) << kTileBits;
+  const auto up = static_cast<std::size_t>(first_tile_row_ - bottom_tile_) << kTileBits;
+  for (std::size_t row = 0; row < grid_.height; ++row)
+    std::copy_n(grid_.cells.begin() + static_cast<std::ptrdiff_t>(row * grid_.width), grid_.width,
+                wider.begin() + static_cast<std::ptrdiff_t>((row + up) * width + right));
+  first_tile_column_ = left_tile_;
+  first_tile_row_ = bottom_tile_;
   grid_.width = width;
   grid_.height = height;
-  grid_.origin = {left * kTileCells * resolution_m_, bottom * kTileCells * resolution_m_, 0};
-  grid_.cells.assign(width * height, OccupancyGrid::kUnknown);
-  for (const auto& [key, tile] : tiles_) tile->changed = true;
+  grid_.origin = {left_tile_ * kTileCells * resolution_m_, bottom_tile_ * kTileCells * resolution_m_, 0};
+  grid_.cells = std::move(wider);
 }
 
 void MapRenderer::copy_tile(int tile_column, int tile_row, const Tile& from) {

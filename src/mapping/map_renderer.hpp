@@ -3,6 +3,7 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <limits>
 #include <memory>
 #include <unordered_map>
 #include <vector>
@@ -25,8 +26,11 @@ class MapRenderer {
   /// everything stands where it belongs.
   bool update(const std::vector<KeyFrame>& frames, const std::vector<Pose2>& poses, std::size_t most_cells);
 
-  /// The map as it was drawn so far. O(cells), most of it copying.
-  [[nodiscard]] std::shared_ptr<const OccupancyGrid> map();
+  /// The map as it was drawn so far, with at most `most_tiles` tiles brought up to date: the rest follows
+  /// with the next calls, until complete(). O(cells), most of it copying.
+  [[nodiscard]] std::shared_ptr<const OccupancyGrid> map(
+      std::size_t most_tiles = std::numeric_limits<std::size_t>::max());
+  [[nodiscard]] bool complete() const { return complete_; }
 
  private:
   static constexpr int kTileBits = 6;
@@ -57,8 +61,13 @@ class MapRenderer {
   int last_tile_column_{0};
   int last_tile_row_{0};
   OccupancyGrid grid_;
-  int first_tile_column_{0};
+  int first_tile_column_{0};  ///< of the grid
   int first_tile_row_{0};
+  int left_tile_{0};  ///< of all tiles
+  int right_tile_{0};
+  int bottom_tile_{0};
+  int top_tile_{0};
+  bool complete_{true};
 };
 
 }  // namespace extperfc::mapping

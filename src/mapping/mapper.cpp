@@ -17,9 +17,8 @@ namespace extperfc::mapping {
 namespace {
 
 constexpr std::size_t kCellsPerMapCall = 1'500'000;  // drawn at most in one call of map()
+constexpr std::size_t kTilesPerMapCall = 600;        // brought up to date at most: 2.4 million cells
 constexpr double kSmallestCovariance = 1e-8;
-// Of a step over which odometry alone was heard: 0.1 m and 0.1 rad.
-const Eigen::Matrix3d kBlindInformation = Eigen::Vector3d(100, 100, 100).asDiagonal();
 
 bool is_finite(const Pose2& pose) {
   return std::isfinite(pose.x) && std::isfinite(pose.y) && std::isfinite(pose.yaw);
@@ -57,7 +56,7 @@ class Mapper::Impl {
   void finish();
   [[nodiscard]] Result<void> save(const std::filesystem::path& file) const;
   void go_on_from(Session session);
-  [[nodiscard]] bool settled() const { return settled_; }
+  [[nodiscard]] bool settled() const { return settled_ && renderer_.complete(); }
   [[nodiscard]] std::uint64_t map_version() const { return map_version_; }
 
  private:
@@ -74,8 +73,8 @@ class Mapper::Impl {
   Pose2 key_pose_;  ///< tracked pose of the newest key frame
   double key_way_m_{0};
   double key_stamp_s_{0};
-  bool blind_{false};  ///< a scan since the newest key frame was not matched
   bool settled_{true};
+  bool settle_at_once_{false};  ///< the recording is over, time does not matter
   std::uint64_t map_version_{0};
 };
 
@@ -90,7 +89,7 @@ MapperUpdate Mapper::Impl::add(const LaserScan& scan, const std::optional<Pose2>
   update.fit = tracked.fit;
   update.matched = tracked.matched;
   update.odometry_contradicted = tracked.odometry_contradicted;
-  blind_ = blind_ || !tracked.matched;
+  settle_at_once_ = false;
   scans_.push_back({scan.stamp_s, tracked.pose, 0});
   if (points.surface.size() < Tracker::kFewestPoints) {
     update.fate = ScanFate::kUnusable;
@@ -125,13 +124,12 @@ bool Mapper::Impl::add_key_frame(const ScanPoints& points, const Tracked& tracke
   } else {
     const Eigen::Matrix3d turn = turn_by(-key_pose_.yaw);
     const TrackedStep tracked_step{between(key_pose_, tracked.pose),
-                                   blind_ ? kBlindInformation : turn * tracked.information * turn.transpose(),
+                                   turn * tracked.information * turn.transpose(),
                                    statistics_.path_m - key_way_m_};
     step = filter_.add(tracked_step, std::move(frame));
   }
   key_pose_ = tracked.pose;
   key_way_m_ = statistics_.path_m;
-  blind_ = false;
   settled_ = false;
   ++map_version_;
   return step.bent;
@@ -200,10 +198,14 @@ std::shared_ptr<const OccupancyGrid> Mapper::Impl::map() {
     settled_ = renderer_.update(filter_.frames(), filter_.poses(), kCellsPerMapCall);
     if (!settled_) ++map_version_;
   }
-  return renderer_.map();
+  const bool was_complete = renderer_.complete();
+  auto map = renderer_.map(settle_at_once_ ? std::numeric_limits<std::size_t>::max() : kTilesPerMapCall);
+  if (!renderer_.complete() || !was_complete) ++map_version_;
+  return map;
 }
 
 void Mapper::Impl::finish() {
+  settle_at_once_ = true;
   filter_.finish();
   settled_ = renderer_.update(filter_.frames(), filter_.poses(), std::numeric_limits<std::size_t>::max());
   ++map_version_;

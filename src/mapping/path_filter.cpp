@@ -54,6 +54,7 @@ constexpr double kBendPerStep = 4.0;     // mean chi-square of tracked steps tha
 constexpr std::size_t kWindow = 60;         // key frames that a small commit moves
 constexpr std::size_t kRelaxAllEvery = 60;  // small commits
 constexpr double kLargeMoveM = 0.1;
+constexpr double kContradictionM = 0.35;  // a correction that casts doubt on what was seen before
 // Wide searches.
 constexpr double kFarAfterM = 8.0;    // way since the last commit
 constexpr std::size_t kFarEvery = 3;  // key frames
@@ -399,9 +400,15 @@ PathFilter::Step PathFilter::commit(std::size_t best) {
   const double moved = distance(leader.pose, graph_.poses().back());
   const auto poses_before = graph_.poses();
   const std::size_t relations_before = graph_.relations().size();
-  for (const Sighting& sighting : leader.sightings) graph_.add(sighting.relation);
-  const bool good = relax_commit(moved);
+  const auto kept_relations = moved > kContradictionM ? graph_.relations() : std::vector<Relation>{};
+  for (const Sighting& sighting : leader.sightings) {
+    graph_.add(sighting.relation);
+    graph_.relations().back().fit = sighting.fit;
+  }
+  bool good = relax_commit(moved);
+  if (good && moved > kContradictionM) good = review(relations_before);
   if (!good) {
+    if (!kept_relations.empty()) graph_.relations() = kept_relations;
     graph_.relations().resize(relations_before);
     graph_.set_poses(poses_before);
     for (Particle& particle : particles_)
@@ -459,22 +466,78 @@ Eigen::Matrix3d PathFilter::covariance() const {
   return covariance;
 }
 
-/// Matches a sighting anew from where the relaxed path puts it; what does not fit any more is let go.
-void PathFilter::look_again(Relation& relation) {
+/// Matches a sighting anew from where the relaxed path puts it. False when it does not fit there: it has no
+/// say then.
+bool PathFilter::look_again(Relation& relation) {
   const Pose2 start = between(graph_.poses()[relation.from], graph_.poses()[relation.to]);
   Place& place = places_.at(relation.from, std::min(relation.to, frames_.size()), frames_, graph_.poses());
-  const auto seen = match(place.map, frames_[relation.to].points, start,
-                          {start, kSightSigmaM, kSightSigmaRad}, kSightReachM);
-  if (seen.fit < kGoodFit || !near(seen.pose, start, kFarthestPullM, kFarthestPullRad)) {
+  const ScanPoints& points = frames_[relation.to].points;
+  const auto seen = match(place.map, points, start, {start, kSightSigmaM, kSightSigmaRad}, kSightReachM);
+  const double fit =
+      seen.fit - kContradictionCost * contradictions(place, points, RangeProfile(points), seen.pose);
+  if (fit < kGoodFit || !near(seen.pose, start, kFarthestPullM, kFarthestPullRad)) {
     relation.information.setZero();
-    return;
+    relation.fit = 0;
+    return false;
   }
   relation.from_T_to = seen.pose;
+  relation.fit = fit;
+  return true;
+}
+
+/// A correction far beyond the drift since the last commit says that one of the two was wrong. What was seen
+/// since the last correction that stood is let go, the path relaxed without it, and all of it matched anew
+/// from there. False when the old story explains more than the new one.
+bool PathFilter::review(std::size_t relations_before) {
+  constexpr std::size_t kMostSuspects = 300;
+  std::vector<std::size_t> suspects;
+  for (std::size_t i = trusted_relations_; i < relations_before; ++i)
+    if (graph_.relations()[i].sighting && graph_.relations()[i].fit > 0) suspects.push_back(i);
+  if (suspects.size() > kMostSuspects) suspects.erase(suspects.begin(), suspects.end() - kMostSuspects);
+  std::vector<Eigen::Matrix3d> information;
+  double old_story = 0;
+  for (const std::size_t i : suspects) {
+    Relation& relation = graph_.relations()[i];
+    old_story += relation.fit;
+    information.push_back(relation.information);
+    relation.information.setZero();
+  }
+  if (!graph_.relax(0, 8)) return false;
+  double new_story = 0;
+  for (std::size_t i = relations_before; i < graph_.relations().size(); ++i)
+    new_story += graph_.relations()[i].fit;
+  for (std::size_t k = 0; k < suspects.size(); ++k) {
+    Relation& relation = graph_.relations()[suspects[k]];
+    relation.information = information[k];
+    if (look_again(relation)) new_story += relation.fit;
+  }
+  if (new_story < old_story) return false;
+  trusted_relations_ = relations_before;  // this correction may be doubted by the next one
+  return graph_.relax(0, 8);
+}
+
+/// What most particles agree on and saw well at the end of a recording counts, though a robot that drove on
+/// would have had to see more.
+void PathFilter::commit_rest() {
+  constexpr double kMostAgree = 0.6;
+  constexpr std::size_t kFewest = 4;
+  if (particles_.empty() || frames_.empty()) return;
+  const auto share = weights();
+  const auto best = static_cast<std::size_t>(std::max_element(share.begin(), share.end()) - share.begin());
+  const Particle& leader = particles_[best];
+  if (leader.sightings.size() < kFewest || !determined(leader)) return;
+  if (distance(leader.pose, graph_.poses().back()) > farthest_offset_m(leader.sightings.back().relation.from))
+    return;
+  double agreeing = 0;
+  for (std::size_t i = 0; i < particles_.size(); ++i)
+    if (near(particles_[i].pose, leader.pose, kSameClusterM, kSameClusterRad)) agreeing += share[i];
+  if (agreeing >= kMostAgree) commit(best);
 }
 
 void PathFilter::finish() {
   constexpr double kContradicted = 12.0;  // chi-square: one in a hundred
   constexpr int kRounds = 3;
+  commit_rest();
   graph_.relax(0, 10);
   for (int round = 0; round < kRounds; ++round) {
     for (Relation& relation : graph_.relations())
@@ -488,6 +551,7 @@ void PathFilter::restore(std::vector<KeyFrame> frames, PoseGraph graph) {
   frames_ = std::move(frames);
   graph_ = std::move(graph);
   committed_at_m_ = frames_.empty() ? 0 : frames_.back().travelled_m;
+  trusted_relations_ = graph_.relations().size();
   collapse();
 }
 

@@ -99,11 +99,13 @@ class PathFilter {
   [[nodiscard]] bool determined(const Particle& particle) const;
   [[nodiscard]] bool convincing(std::size_t best) const;
   Step commit(std::size_t best);
+  void commit_rest();
   bool relax_commit(double moved_m);
   void collapse();
   [[nodiscard]] double expected_drift_m() const;
   [[nodiscard]] double farthest_offset_m(std::size_t place) const;
-  void look_again(Relation& relation);
+  bool look_again(Relation& relation);
+  bool review(std::size_t relations_before);
 
   PathFilterParams params_;
   Rng rng_;
@@ -113,9 +115,10 @@ class PathFilter {
   std::optional<RangeProfile> profile_;  ///< of the newest key frame
   std::vector<Particle> particles_;
   double effective_{0};
-  double committed_at_m_{0};      ///< way at the last commit
-  std::size_t since_relaxed_{0};  ///< commits since everything was relaxed
-  std::size_t next_far_{0};       ///< which old place a wide search looks at next
+  double committed_at_m_{0};          ///< way at the last commit
+  std::size_t trusted_relations_{0};  ///< the last correction began after these
+  std::size_t since_relaxed_{0};      ///< commits since everything was relaxed
+  std::size_t next_far_{0};           ///< which old place a wide search looks at next
   std::size_t loops_{0};
   std::size_t resamplings_{0};
 };

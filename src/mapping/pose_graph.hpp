@@ -16,6 +16,7 @@ struct Relation {
   Pose2 from_T_to;
   Eigen::Matrix3d information{Eigen::Matrix3d::Zero()};  ///< of x, y, yaw in the frame of `from`
   bool sighting{false};  ///< of an old place: may be wrong, so it pulls less the more it disagrees
+  double fit{0};         ///< of a sighting: share of the scan that the place explains
 };
 
 /// Key frames and the relations between them; relaxing finds the poses that agree with all of them best

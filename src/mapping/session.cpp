@@ -135,6 +135,7 @@ void put(Writer& out, const Relation& relation) {
   out.put(relation.from_T_to);
   for (Eigen::Index i = 0; i < 9; ++i) out.put(relation.information(i / 3, i % 3));
   out.put(static_cast<std::uint8_t>(relation.sighting ? 1 : 0));
+  out.put(relation.fit);
 }
 
 Relation get_relation(Reader& in) {
@@ -144,13 +145,14 @@ Relation get_relation(Reader& in) {
   relation.from_T_to = in.pose();
   for (Eigen::Index i = 0; i < 9; ++i) relation.information(i / 3, i % 3) = in.get<double>();
   relation.sighting = in.get<std::uint8_t>() != 0;
+  relation.fit = in.get<double>();
   return relation;
 }
 
 Session get_session(Reader& in, bool& consistent) {
   Session session;
   constexpr std::size_t kLeastFrameBytes = 8 + 8 + 8 + 8 + 8 + 24;
-  constexpr std::size_t kRelationBytes = 8 + 8 + 24 + 72 + 1;
+  constexpr std::size_t kRelationBytes = 8 + 8 + 24 + 72 + 1 + 8;
   constexpr std::size_t kScanBytes = 8 + 24 + 4;
   const std::size_t frames = in.size(kLeastFrameBytes);
   for (std::size_t i = 0; i < frames && in.good(); ++i) {

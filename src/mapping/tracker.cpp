@@ -11,8 +11,6 @@ constexpr std::size_t kRemembered = 25;  // scans that the map holds at least, t
 constexpr double kRememberEveryM = 0.15;
 constexpr double kRememberEveryRad = 0.12;
 constexpr double kReachM = 0.25;  // a point looks so far for its surface
-constexpr double kNeverStillM = 1e-4;
-constexpr double kNeverStillRad = 1e-4;
 // A match this many standard deviations from what odometry said contradicts it.
 constexpr double kContradiction = 6.0;
 // No robot moves so far from scan to scan: its odometry was set anew.
@@ -54,15 +52,13 @@ Tracked Tracker::add(const ScanPoints& points, const std::optional<Pose2>& odom_
   const bool has_odometry = odom_T_base && last_odometry_ && !jump;
   const Pose2 step = expected_step(odom_T_base);
   const bool enough = points.surface.size() >= kFewestPoints;
-  const bool stands = has_odometry && std::hypot(step.x, step.y) < kNeverStillM &&
-                      std::abs(step.yaw) < kNeverStillRad && enough && fits_where_it_stands(points);
   const PosePrior before = prior(step, has_odometry);
   Tracked tracked;
   tracked.pose = before.mean;
-  if (stands || (map_.empty() && enough)) {
+  if (map_.empty() && enough) {
     tracked.matched = true;
     tracked.fit = 1.0;
-  } else if (!map_.empty() && enough) {
+  } else if (enough) {
     match_scan(points, before, tracked);
   }
   const double per_m2 = 1 / (before.sigma_m * before.sigma_m);
@@ -78,11 +74,6 @@ Tracked Tracker::add(const ScanPoints& points, const std::optional<Pose2>& odom_
   last_odometry_ = odom_T_base;
   if (enough) remember(points, pose_);
   return tracked;
-}
-
-/// Odometry that stands still is believed only while the scan agrees: an encoder may be dead, a robot pushed.
-bool Tracker::fits_where_it_stands(const ScanPoints& points) const {
-  return !map_.empty() && evaluate(map_, points, pose_).fit >= minimum_fit_ + 2 * kComfortableFit;
 }
 
 void Tracker::match_scan(const ScanPoints& points, const PosePrior& prior, Tracked& tracked) const {

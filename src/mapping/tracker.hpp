@@ -50,7 +50,6 @@ class Tracker {
   };
 
   [[nodiscard]] bool jumps(const std::optional<Pose2>& odom_T_base) const;
-  [[nodiscard]] bool fits_where_it_stands(const ScanPoints& points) const;
   [[nodiscard]] Pose2 expected_step(const std::optional<Pose2>& odom_T_base) const;
   [[nodiscard]] PosePrior prior(const Pose2& step, bool has_odometry) const;
   void match_scan(const ScanPoints& points, const PosePrior& prior, Tracked& tracked) const;

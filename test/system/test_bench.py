@@ -35,7 +35,26 @@ class Bench(unittest.TestCase):
 
     def test_scan(self):
         rows = self.bench("scan")
-        self.assertEqual({"ground: none", "ground: height", "ground: plane"}, {row["case"] for row in rows})
+        cases = {row["case"] for row in rows}
+        self.assertLessEqual({"ground: none", "ground: height", "ground: plane", "ground: slope"}, cases)
+        self.assertLessEqual({"full sweep, everything, ground: plane", "full sweep, everything, ground: slope"}, cases)
+        self.assertTrue(all(row["goal"] == 3.0 for row in rows), rows)
+
+    def test_map(self):
+        rows = self.bench("map", "--quick")
+        cases = " ".join(row["case"] for row in rows)
+        for particles in (1, 10, 30, 100):
+            self.assertIn(f" {particles} particles", cases)
+        metrics = {row["metric"] for row in rows}
+        self.assertTrue({"translational error", "CPU per scan, p99", "peak memory", "map(), worst call"} <= metrics)
+        measured = [row for row in rows if row["metric"] == "translational error"]
+        self.assertTrue(all(0 < row["ours"] < 0.2 for row in measured), measured)
+
+    @unittest.skipUnless((REPO / "../shared/data/slam/intel.clf.bz2").exists(), "no recording beside the package")
+    def test_localize(self):
+        rows = self.bench("localize", "--quick")
+        memory = [row for row in rows if row["metric"] == "peak memory"]
+        self.assertEqual([True], [row["met"] for row in memory])
 
     def test_translate(self):
         rows = self.bench("translate", "--samples", "20", "--seconds", "1", "--topics", "20", "--rate", "500")

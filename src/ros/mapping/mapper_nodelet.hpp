@@ -1,0 +1,159 @@
+#pragma once
+
+#include <atomic>
+#include <cstdint>
+#include <memory>
+#include <mutex>
+#include <optional>
+#include <string>
+#include <thread>
+
+#include <diagnostic_updater/diagnostic_updater.h>
+#include <nodelet/nodelet.h>
+#include <sensor_msgs/Imu.h>
+#include <sensor_msgs/LaserScan.h>
+#include <sensor_msgs/MultiEchoLaserScan.h>
+
+#include "ros/health/stream_health.hpp"
+#include "ros/mapping/frame_publisher.hpp"
+#include "ros/mapping/imu_yaw.hpp"
+#include "ros/mapping/map_publisher.hpp"
+#include "ros/mapping/mapper_services.hpp"
+#include "ros/mapping/mapping_health.hpp"
+#include "ros/mapping/odometry_chain.hpp"
+#include "ros/mapping/pose_publisher.hpp"
+#include "ros/mapping/robot_frames.hpp"
+#include "ros/mapping/scan_queue.hpp"
+#include "ros/mapping/shared_mapper.hpp"
+#include "ros/params/mapper_params.hpp"
+
+namespace extperfc {
+
+/// Maps a floor from planar scans and odometry, and says where the robot is in the map (SLAM by a
+/// Rao-Blackwellised particle filter). Names as in gmapping's slam_gmapping where they mean the same.
+///
+/// Subscribes:
+///   scan   sensor_msgs/LaserScan, or sensor_msgs/MultiEchoLaserScan with multi_echo (its strongest echoes)
+///   imu    sensor_msgs/Imu, with use_imu
+/// Publishes:
+///   map, map_metadata   nav_msgs/OccupancyGrid, MapMetaData: latched, when changed, every
+///   map_update_interval pose                geometry_msgs/PoseWithCovarianceStamped of base_frame in
+///   map_frame, for every used scan particlecloud       geometry_msgs/PoseArray, after key frames, while
+///   somebody listens trajectory          nav_msgs/Path of at most 10,000 poses, while somebody listens
+///   ~entropy            std_msgs/Float64 of the particles' weights [nat], after key frames
+///   diagnostics         diagnostic_msgs/DiagnosticArray
+/// Services:
+///   dynamic_map         nav_msgs/GetMap
+///   ~save_map           extperfc/SaveMap: PGM and YAML as map_server has them, and a session to go on from
+///   ~load_session       extperfc/LoadSession
+///   ~pause, ~resume     std_srvs/Trigger: scans are skipped meanwhile, tf goes on
+///   ~reset              std_srvs/Trigger: a new map
+/// Parameters (private; unknown keys are refused; those of GMapping's own matcher are accepted without
+/// effect, and a warning names them):
+///   base_frame, odom_frame, map_frame                                             base_link, odom, map
+///   odometry                  auto | tf | none, see ros_params::OdometrySource     auto
+///   use_imu                   turns by the IMU instead of odometry                 false
+///   multi_echo                the scan's type                                      false
+///   throttle_scans            one of so many scans is used                         1, [1, 1000]
+///   queue_size                scans that may wait; the oldest gives way            10, [1, 1000]
+///   map_update_interval       from map to map, at least [s of wall time]           5, [0, 3600]
+///   trajectory_interval_s     from trajectory to trajectory [s of wall time]       1, [0.05, 3600]
+///   transform_publish_period  of tf; 0: none [s]                                   0.05, [0, 60]
+///   tf_delay                  how far ahead tf is stamped [s]                      transform_publish_period,
+///   [0, 60] transform_timeout_s       wait for transforms at the scan's stamp [s of wall]  0.5, [0, 60]
+///   most_tilt_rad             of the scanner against the floor [rad]               0.1, [0, 0.8]
+///   odometry_max_speed_m_s    faster odometry has jumped [m/s]                     5, [0.1, 100]
+///   odometry_max_turn_rad_s   faster odometry has jumped [rad/s]                   10, [0.1, 100]
+///   session                   file of ~save_map to go on from                      "": a new map
+///   timeout_s                 silence after which diagnostics warn [s]             5, [0.1, 3600]
+///   diagnostic_period         [s of wall time]                                     1, [0.01, 60]
+///   particles, delta, maxRange, maxUrange, linearUpdate, angularUpdate, temporalUpdate, resampleThreshold,
+///   minimumScore, srr, srt, str, stt, occ_thresh, seed: see extperfc/mapping/mapper.hpp and
+///   config/mapper.yaml
+/// Frames: needs base_frame -> the scan's frame, and odom_frame -> base_frame unless odometry is none, at the
+///   scan's stamp. Publishes map_frame -> odom_frame from the first used scan on, whether scans come or not;
+///   without any odometry map_frame -> base_frame.
+/// Diagnostics: rates, latency, what became of every scan, effective particles and entropy; WARN while
+/// paused,
+///   while nothing comes, without odometry, after jumps and contradictions of odometry, after time ran back,
+///   while scans are dropped; ERROR while scans cannot be used, with the transform that is missing.
+/// Threads: callbacks only store; one worker adds scans; one thread builds and sends maps, one sends
+///   tf, one serves services, which hold the worker up only while the mapper itself saves.
+class MapperNodelet : public nodelet::Nodelet {
+ public:
+  ~MapperNodelet() override;
+
+ private:
+  static constexpr const char* kScanTopic = "scan";
+  static constexpr const char* kImuTopic = "imu";
+
+  /// A scan that waits for the worker; one of both messages.
+  struct Waiting {
+    sensor_msgs::LaserScanConstPtr scan;
+    sensor_msgs::MultiEchoLaserScanConstPtr echoes;
+    std::uint64_t epoch{0};  ///< how often time had run back when it came
+  };
+
+  void onInit() override;
+  [[nodiscard]] mapping::Mapper make_mapper() const;
+  void make_parts();
+  void start_diagnostics();
+  void subscribe();
+  void on_scan(const ros::MessageEvent<const sensor_msgs::LaserScan>& event);
+  void on_echoes(const ros::MessageEvent<const sensor_msgs::MultiEchoLaserScan>& event);
+  void accept(Waiting waiting, const std_msgs::Header& header);
+  void notice_time(const std_msgs::Header& header);
+
+  // The worker's.
+  void work();
+  void process(const Waiting& waiting);
+  void restart_odometry_if_needed(std::uint64_t epoch);
+  Result<void> add(const sensor_msgs::LaserScan& message, double timeout_s);
+  Result<std::optional<Pose2>> odometry_at(const ros::Time& stamp, double timeout_s);
+  std::optional<double> imu_yaw_at(const ros::Time& stamp, double timeout_s);
+  void publish(const mapping::MapperUpdate& update, const ros::Time& stamp,
+               const std::optional<Pose2>& odometry);
+  void complain(const Error& error);
+
+  void set_paused(bool paused);
+  void on_other_map();
+  void report(diagnostic_updater::DiagnosticStatusWrapper& status);
+  void report_map(diagnostic_updater::DiagnosticStatusWrapper& status) const;
+
+  ros_params::MapperNodeletParams params_;
+  std::unique_ptr<SharedMapper> mapper_;
+  std::unique_ptr<RobotFrames> frames_;
+  std::unique_ptr<FramePublisher> frame_publisher_;
+  std::unique_ptr<MapPublisher> maps_;
+  std::unique_ptr<PosePublisher> poses_;
+  std::unique_ptr<MapperServices> services_;
+  std::unique_ptr<ScanQueue<Waiting>> queue_;
+  std::unique_ptr<diagnostic_updater::Updater> updater_;
+  ros::WallTimer diagnostics_timer_;
+  ImuYaw imu_;
+  health::InputHealth scan_health_{"scan"};
+  health::WorkHealth work_health_;
+  std::unique_ptr<MappingHealth> health_;
+
+  std::atomic<bool> paused_{false};
+  std::atomic<bool> closing_{false};
+  std::atomic<std::uint64_t> epoch_{0};         ///< how often time ran back
+  std::atomic<bool> odometry_is_stale_{false};  ///< the map is another one: odometry begins anew
+
+  std::mutex intake_mutex_;  ///< of what follows
+  ros::Time newest_stamp_;
+  std::uint64_t throttle_count_{0};
+
+  // The worker's.
+  std::optional<OdometryChain> chain_;
+  std::uint64_t worked_epoch_{0};
+  bool had_odometry_{false};
+  bool odometry_is_missed_{false};
+  ros::WallTime last_complaint_;
+
+  ros::Subscriber scan_subscriber_;
+  ros::Subscriber imu_subscriber_;
+  std::thread worker_;
+};
+
+}  // namespace extperfc

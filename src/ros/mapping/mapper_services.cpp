@@ -1,0 +1,127 @@
+#include "ros/mapping/mapper_services.hpp"
+
+#include <filesystem>
+#include <system_error>
+#include <utility>
+
+#include <ros/console.h>
+
+#include "extperfc/world/map_file.hpp"
+
+namespace extperfc {
+
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr double kSettlingPatienceS = 10.0;
+constexpr const char* kSessionSuffix = ".session";
+
+template <typename Response>
+void answer(const Result<std::string>& result, Response& response) {
+  response.success = static_cast<unsigned char>(result.has_value());
+  response.message = result ? *result : result.error().message;
+}
+
+/// Moves a finished file to its place, so that nobody ever meets half of one.
+Result<void> put_in_place(const fs::path& from, const fs::path& to) {
+  std::error_code error;
+  fs::rename(from, to, error);
+  if (!error) return {};
+  std::error_code ignored;
+  fs::remove(from, ignored);
+  return fail(ErrorCode::kFailed, "cannot write " + to.string() + ": " + error.message());
+}
+
+}  // namespace
+
+MapperServices::MapperServices(ros::NodeHandle handle, ros::NodeHandle private_handle,
+                               const mapping::MapperParams& params, SharedMapper& mapper, MapPublisher& maps,
+                               Hooks hooks)
+    : params_(params), mapper_(mapper), maps_(maps), hooks_(std::move(hooks)) {
+  handle.setCallbackQueue(&queue_);
+  private_handle.setCallbackQueue(&queue_);
+  servers_.push_back(handle.advertiseService("dynamic_map", &MapperServices::dynamic_map, this));
+  servers_.push_back(private_handle.advertiseService("save_map", &MapperServices::save_map, this));
+  servers_.push_back(private_handle.advertiseService("load_session", &MapperServices::load_session, this));
+  servers_.push_back(private_handle.advertiseService("pause", &MapperServices::pause, this));
+  servers_.push_back(private_handle.advertiseService("resume", &MapperServices::resume, this));
+  servers_.push_back(private_handle.advertiseService("reset", &MapperServices::reset, this));
+  spinner_.start();
+}
+
+void MapperServices::stop() {
+  for (auto& server : servers_) server.shutdown();
+  spinner_.stop();
+}
+
+bool MapperServices::dynamic_map(nav_msgs::GetMap::Request& /*request*/,
+                                 nav_msgs::GetMap::Response& response) {
+  if (maps_.current(response.map)) return true;
+  ROS_WARN("dynamic_map was called before there is a map: no scan was used yet");
+  return false;
+}
+
+bool MapperServices::save_map(SaveMap::Request& request, SaveMap::Response& response) {
+  answer(save(request.path), response);
+  return true;
+}
+
+Result<std::string> MapperServices::save(const std::string& path) {
+  if (path.empty() || fs::path(path).filename().empty())
+    return fail(
+        ErrorCode::kInvalidArgument,
+        "path must name a file without its suffix, /home/robot/maps/office for instance, not '" + path + "'");
+  std::error_code error;
+  const fs::path stem = fs::absolute(path, error);
+  const auto map = maps_.settled_map(kSettlingPatienceS);
+  if (!map) return fail(ErrorCode::kNotFound, "there is no map yet: no scan was used");
+  if (const auto saved = extperfc::save_map(*map, stem); !saved) return tl::unexpected(saved.error());
+  const fs::path session = stem.string() + kSessionSuffix;
+  const fs::path unfinished = session.string() + ".part";
+  const auto saved = mapper_.with([&](const mapping::Mapper& mapper) { return mapper.save(unfinished); });
+  if (!saved) return tl::unexpected(saved.error());
+  if (const auto placed = put_in_place(unfinished, session); !placed) return tl::unexpected(placed.error());
+  return "wrote " + stem.string() + ".pgm, .yaml and " + kSessionSuffix;
+}
+
+bool MapperServices::load_session(LoadSession::Request& request, LoadSession::Response& response) {
+  auto loaded = request.path.empty()
+                    ? Result<mapping::Mapper>(
+                          fail(ErrorCode::kInvalidArgument, "path must name a session that save_map wrote"))
+                    : mapping::Mapper::load(request.path, params_);
+  if (!loaded) {
+    answer(tl::unexpected(loaded.error()), response);
+    return true;
+  }
+  mapper_.replace(std::move(*loaded));
+  hooks_.restarted();
+  answer("goes on with " + request.path, response);
+  return true;
+}
+
+bool MapperServices::pause(Trigger::Request& /*request*/, Trigger::Response& response) {
+  hooks_.pause(true);
+  answer(std::string("paused: scans are skipped"), response);
+  return true;
+}
+
+bool MapperServices::resume(Trigger::Request& /*request*/, Trigger::Response& response) {
+  hooks_.pause(false);
+  answer(std::string("mapping"), response);
+  return true;
+}
+
+bool MapperServices::reset(Trigger::Request& /*request*/, Trigger::Response& response) {
+  auto fresh = mapping::Mapper::make(params_);
+  if (!fresh) {
+    answer(tl::unexpected(fresh.error()), response);
+    return true;
+  }
+  mapper_.replace(std::move(*fresh));
+  hooks_.restarted();
+  answer(std::string("a new map begins with the next scan"), response);
+  return true;
+}
+
+}  // namespace extperfc

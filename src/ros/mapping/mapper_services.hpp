@@ -1,0 +1,60 @@
+#pragma once
+
+#include <functional>
+#include <string>
+#include <vector>
+
+#include <nav_msgs/GetMap.h>
+#include <ros/callback_queue.h>
+#include <ros/node_handle.h>
+#include <ros/spinner.h>
+#include <std_srvs/Trigger.h>
+
+#include "extperfc/LoadSession.h"
+#include "extperfc/SaveMap.h"
+
+#include "ros/mapping/map_publisher.hpp"
+#include "ros/mapping/shared_mapper.hpp"
+
+namespace extperfc {
+
+/// dynamic_map, ~save_map, ~load_session, ~pause, ~resume and ~reset. Their answers name what was wrong.
+class MapperServices {
+ public:
+  struct Hooks {
+    std::function<void(bool)> pause;
+    std::function<void()> restarted;  ///< the mapper is another one
+  };
+
+  /// Calls run in a thread of their own: saving takes its time. Not in the nodelet manager's, whose second
+  /// queue may be gone before a nodelet that is unloaded while one of its callbacks runs.
+  MapperServices(ros::NodeHandle handle, ros::NodeHandle private_handle, const mapping::MapperParams& params,
+                 SharedMapper& mapper, MapPublisher& maps, Hooks hooks);
+  ~MapperServices() { stop(); }
+  MapperServices(const MapperServices&) = delete;
+  MapperServices& operator=(const MapperServices&) = delete;
+
+  /// No call begins afterwards. Harmless twice.
+  void stop();
+
+ private:
+  using Trigger = std_srvs::Trigger;
+
+  bool dynamic_map(nav_msgs::GetMap::Request& request, nav_msgs::GetMap::Response& response);
+  bool save_map(SaveMap::Request& request, SaveMap::Response& response);
+  bool load_session(LoadSession::Request& request, LoadSession::Response& response);
+  bool pause(Trigger::Request& request, Trigger::Response& response);
+  bool resume(Trigger::Request& request, Trigger::Response& response);
+  bool reset(Trigger::Request& request, Trigger::Response& response);
+  Result<std::string> save(const std::string& path);
+
+  const mapping::MapperParams params_;
+  SharedMapper& mapper_;
+  MapPublisher& maps_;
+  const Hooks hooks_;
+  ros::CallbackQueue queue_;
+  std::vector<ros::ServiceServer> servers_;
+  ros::AsyncSpinner spinner_{1, &queue_};
+};
+
+}  // namespace extperfc

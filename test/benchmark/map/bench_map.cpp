@@ -1,0 +1,106 @@
+// What mapping costs, and how good the map is. Run with --help.
+
+#include <cstdio>
+#include <filesystem>
+#include <functional>
+#include <iostream>
+#include <string>
+#include <vector>
+
+#include "extperfc/base/stopwatch.hpp"
+
+#include "map/log_part.hpp"
+#include "map/options.hpp"
+#include "map/rows.hpp"
+#include "report.hpp"
+#include "temporary_folder.hpp"
+
+namespace extperfc::benchmark {
+namespace {
+
+constexpr double kStandInS = 300;  // of driving: once around and into some rooms
+
+constexpr char kExplanation[] =
+    "errors: mean over the relations of the metric of Kuemmerle et al. 2009, absolute values. CPU: of all "
+    "threads; of the log:\n"
+    "reading and mapping; per scan: Mapper::add alone. Peak memory: of a process that does only this, the "
+    "map "
+    "drawn. Each run is\n"
+    "a process of its own.\n";
+
+int complain(const std::string& message, int code) {
+  std::cerr << "bench_map: " << message << "\n";
+  return code;
+}
+
+/// The log beside the repository, or a generated one in `folder`.
+Result<Subject> find_subject(const std::filesystem::path& folder) {
+  // The dots are for the system to follow: the folder may be a link.
+  const auto data = std::filesystem::path(EXTPERFC_SOURCE_DIR) / "../shared/data/slam";
+  const Recording intel{data / "intel.clf.bz2", data / "intel.relations"};
+  if (std::filesystem::exists(intel.log) && std::filesystem::exists(intel.relations))
+    return Subject{"Intel", true, intel};
+  std::cout << intel.log.string() << " is not there: a generated building stands in for it, and the goals of "
+            << "that log are left out\n";
+  auto office = record_office({360, 10, kStandInS}, folder);
+  if (!office) return tl::unexpected(office.error());
+  return Subject{"office", false, *std::move(office)};
+}
+
+Result<std::vector<Row>> measure(const MapOptions& options) {
+  const TemporaryFolder folder;
+  const auto subject = find_subject(folder.path());
+  if (!subject) return tl::unexpected(subject.error());
+  struct Part {
+    const char* name;
+    std::function<Result<std::vector<Row>>()> rows;
+  };
+  const std::vector<Part> parts{{"log", [&] { return log_rows(*subject, options); }},
+                                {"peer", [&] { return peer_rows(*subject, options); }},
+                                {"rates", [&] { return rate_rows(options); }},
+                                {"hall", [&] { return map_call_rows(*subject, options); }}};
+  std::vector<Row> rows;
+  for (const auto& part : parts) {
+    if (!options.only.empty() && options.only != part.name) continue;
+    const auto more = part.rows();
+    if (!more && std::string(part.name) == "peer" && more.error().code == ErrorCode::kNotFound) {
+      std::cout << "no comparison: " << more.error().message << "\n";
+      continue;
+    }
+    if (!more) return more;
+    rows.insert(rows.end(), more->begin(), more->end());
+  }
+  return rows;
+}
+
+int run(const MapOptions& options) {
+  const Stopwatch watch;
+  const auto rows = measure(options);
+  if (!rows) return complain(rows.error().message, 1);
+  std::cout << machine_description() << "\n" << kExplanation << "\n";
+  print_table(std::cout, *rows);
+  std::cout << "\n" << watch.seconds() << " s\n";
+  if (options.json.empty() || write_json(options.json, "map", *rows)) return 0;
+  return complain("cannot write " + options.json, 1);
+}
+
+}  // namespace
+}  // namespace extperfc::benchmark
+
+int main(int argc, char** argv) {
+  using namespace extperfc::benchmark;  // NOLINT
+  const std::vector<std::string> words(argv + 1, argv + argc);
+  try {
+    if (words.size() > 2 && words[0] == "--part" && words[1] == "log")
+      return run_log_part({words.begin() + 2, words.end()});
+    const auto options = parse_map_options(words);
+    if (!options) return complain(options.error().message, 2);
+    if (options->help) {
+      print_map_help(std::cout);
+      return 0;
+    }
+    return run(*options);
+  } catch (const std::exception& error) {
+    return complain(error.what(), 1);
+  }
+}

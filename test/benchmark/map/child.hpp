@@ -1,0 +1,32 @@
+#pragma once
+
+#include <filesystem>
+#include <map>
+#include <string>
+#include <vector>
+
+#include "extperfc/base/error.hpp"
+
+namespace extperfc::benchmark {
+
+/// Named numbers, which a part of this program prints as lines `name value`. Names hold no blanks.
+using Figures = std::map<std::string, double>;
+
+/// What became of a program that has ended.
+struct ChildRun {
+  double cpu_s{0};           ///< of all its threads
+  double peak_memory_mb{0};  ///< its largest resident memory [10^6 bytes], not below this program's own
+};
+
+/// Runs a program to its end; both its outputs go to a file. Errors: it cannot be started, or it failed: then
+/// with the end of what it said.
+[[nodiscard]] Result<ChildRun> run_program(const std::vector<std::string>& words,
+                                           const std::filesystem::path& output);
+
+/// Runs this program again as `--part words...`, alone in a process of its own, and reads its figures.
+[[nodiscard]] Result<Figures> run_part(const std::vector<std::string>& words);
+
+/// The file of a program that was built beside this one.
+[[nodiscard]] std::filesystem::path beside_this_program(const std::string& name);
+
+}  // namespace extperfc::benchmark

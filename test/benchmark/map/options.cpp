@@ -1,0 +1,60 @@
+#include "map/options.hpp"
+
+#include <set>
+
+#include "extperfc/base/arguments.hpp"
+
+namespace extperfc::benchmark {
+namespace {
+
+const std::set<std::string> kParts{"log", "peer", "rates", "hall"};
+constexpr int kMostSeeds = 100;
+
+MapOptions quick_options() {
+  MapOptions options;
+  options.quick = true;
+  options.seeds = 1;
+  options.scans = 2'500;
+  options.peer_scans = 1'000;
+  options.drive_s = 60;
+  return options;
+}
+
+}  // namespace
+
+Result<MapOptions> parse_map_options(const std::vector<std::string>& words) {
+  const auto arguments =
+      Arguments::read(words, {0, 0, {"--json", "--seeds", "--peer-scans", "--only"}, {"--quick", "--help"}});
+  if (!arguments) return tl::unexpected(arguments.error());
+  MapOptions options = arguments->has("--quick") ? quick_options() : MapOptions{};
+  options.help = arguments->has("--help");
+  options.json = arguments->last("--json").value_or("");
+  options.only = arguments->last("--only").value_or("");
+  if (!options.only.empty() && kParts.count(options.only) == 0)
+    return fail(ErrorCode::kInvalidArgument,
+                "--only needs log, peer, rates or hall, not '" + options.only + "'");
+  const auto seeds = arguments->number("--seeds", 1, kMostSeeds);
+  if (!seeds) return tl::unexpected(seeds.error());
+  if (*seeds) options.seeds = static_cast<int>(**seeds);
+  const auto peer_scans = arguments->number("--peer-scans", 0, static_cast<double>(kWholeLog));
+  if (!peer_scans) return tl::unexpected(peer_scans.error());
+  if (*peer_scans)
+    options.peer_scans = **peer_scans == 0 ? kWholeLog : static_cast<std::size_t>(**peer_scans);
+  return options;
+}
+
+void print_map_help(std::ostream& out) {
+  out << "usage: tools/bench map [--quick] [--seeds N] [--peer-scans N] [--only PART] [--json FILE]\n\n"
+         "Accuracy, CPU time and memory of the mapper on the Intel Research Lab's log (../shared/data/slam; "
+         "where it is\n"
+         "absent, on a generated building), against MRPT's rbpf-slam in the same run; what particles, the "
+         "map's size and\n"
+         "the scans' rate cost; the time of map().\n\n"
+         "  --quick       parts of everything, in less than a minute\n"
+         "  --seeds       with 30 particles (default 3); at most 3 with other numbers\n"
+         "  --peer-scans  of the log, for rbpf-slam (default 4000; 0: all, which takes minutes)\n"
+         "  --only        log, peer, rates or hall (default: all four)\n"
+         "  --json        write the results too\n";
+}
+
+}  // namespace extperfc::benchmark

@@ -1,0 +1,29 @@
+#pragma once
+
+#include <cstddef>
+#include <ostream>
+#include <string>
+#include <vector>
+
+#include "extperfc/base/error.hpp"
+
+namespace extperfc::benchmark {
+
+constexpr std::size_t kWholeLog = 1'000'000'000;
+
+struct MapOptions {
+  int seeds{3};                   ///< with 30 particles; with other numbers at most three
+  std::size_t scans{kWholeLog};   ///< of the log
+  std::size_t peer_scans{4'000};  ///< of the log, for the comparison with rbpf-slam
+  double drive_s{400};            ///< length of the drives in generated buildings [s], at most
+  bool quick{false};              ///< parts of everything
+  std::string only;               ///< "log", "peer", "rates", "hall", or empty: all
+  std::string json;
+  bool help{false};
+};
+
+/// The options of `words`, which do not hold the program's name.
+[[nodiscard]] Result<MapOptions> parse_map_options(const std::vector<std::string>& words);
+void print_map_help(std::ostream& out);
+
+}  // namespace extperfc::benchmark

@@ -1,0 +1,209 @@
+// A simulated robot in a room, followed from scan to scan.
+#include <gtest/gtest.h>
+
+#include "mapping/tracker.hpp"
+#include "planar_world.hpp"
+
+namespace extperfc::mapping {
+namespace {
+
+constexpr double kMinimumFit = 0.4;
+
+const std::vector<Eigen::Vector2d>& corners() {
+  static const std::vector<Eigen::Vector2d> kCorners{{-3, -1.5}, {2, -1.5}, {3, 1},
+                                                     {0, 1.2},   {-2, 0},   {-3, -1.5}};
+  return kCorners;
+}
+
+/// Drives once around the room; where odometry comes from is the test's business.
+class Drive {
+ public:
+  explicit Drive(std::uint64_t seed, double step_m = 0.1, double step_rad = 0.1)
+      : rng_(seed), truth_(planar_drive(corners(), step_m, step_rad)) {}
+
+  [[nodiscard]] std::size_t size() const { return truth_.size(); }
+  [[nodiscard]] Pose2 truth(std::size_t i) const { return between(truth_.front(), truth_[i]); }
+  [[nodiscard]] Pose2 step(std::size_t i) const {
+    return i == 0 ? Pose2{} : between(truth_[i - 1], truth_[i]);
+  }
+  ScanPoints points(std::size_t i) { return scan_points(scanner_.scan(world_, truth_[i], rng_), {}); }
+  Rng& rng() { return rng_; }
+  [[nodiscard]] double error_m(const Pose2& pose, std::size_t i) const {
+    const Pose2 off = between(truth(i), pose);
+    return std::hypot(off.x, off.y);
+  }
+  [[nodiscard]] double error_rad(const Pose2& pose, std::size_t i) const {
+    return std::abs(between(truth(i), pose).yaw);
+  }
+
+ private:
+  Rng rng_;
+  std::vector<Pose2> truth_;
+  PlanarWorld world_{planar_room()};
+  PlanarScanner scanner_;
+};
+
+// Ranges are off by 1 cm and some hundred of them bear on each pose: a few millimetres a pose, and as the map
+// of the room stays in memory for 25 to 50 scans, drift over 15 m stays within some centimetres.
+constexpr double kRoomErrorM = 0.06;
+constexpr double kRoomErrorRad = 0.02;
+
+TEST(Tracker, FollowsNoisyOdometry) {
+  for (const std::uint64_t seed : {1U, 2U, 3U}) {
+    SCOPED_TRACE(seed);
+    Drive drive(seed);
+    PlanarOdometry odometry;
+    Tracker tracker({}, kMinimumFit);
+    for (std::size_t i = 0; i < drive.size(); ++i) {
+      const auto tracked = tracker.add(drive.points(i), odometry.move(drive.step(i), drive.rng()));
+      EXPECT_TRUE(tracked.matched) << i;
+      EXPECT_FALSE(tracked.odometry_contradicted) << i;
+      EXPECT_GT(tracked.fit, 0.8) << i;
+      ASSERT_LT(drive.error_m(tracked.pose, i), kRoomErrorM) << i;
+      ASSERT_LT(drive.error_rad(tracked.pose, i), kRoomErrorRad) << i;
+    }
+    EXPECT_GT(drive.error_m(odometry.pose, drive.size() - 1), 0.2) << "odometry alone would not do";
+  }
+}
+
+TEST(Tracker, FollowsWithoutOdometry) {
+  for (const std::uint64_t seed : {4U, 5U}) {
+    SCOPED_TRACE(seed);
+    Drive drive(seed, 0.07, 0.07);
+    Tracker tracker({}, kMinimumFit);
+    for (std::size_t i = 0; i < drive.size(); ++i) {
+      const auto tracked = tracker.add(drive.points(i), std::nullopt);
+      EXPECT_FALSE(tracked.odometry_contradicted) << i;
+      ASSERT_LT(drive.error_m(tracked.pose, i), kRoomErrorM) << i;
+      ASSERT_LT(drive.error_rad(tracked.pose, i), kRoomErrorRad) << i;
+    }
+  }
+}
+
+TEST(Tracker, OdometryMayComeAndGo) {
+  Drive drive(6, 0.07, 0.07);
+  PlanarOdometry odometry;
+  Tracker tracker({}, kMinimumFit);
+  for (std::size_t i = 0; i < drive.size(); ++i) {
+    const Pose2 wheels = odometry.move(drive.step(i), drive.rng());
+    const bool there = (i / 15) % 2 == 0;
+    const auto tracked = tracker.add(drive.points(i), there ? std::optional<Pose2>(wheels) : std::nullopt);
+    ASSERT_LT(drive.error_m(tracked.pose, i), kRoomErrorM) << i;
+  }
+}
+
+TEST(Tracker, SlippingWheels) {
+  for (const double slip_m : {0.3, -0.3}) {
+    SCOPED_TRACE(slip_m);
+    Drive drive(7);
+    PlanarOdometry odometry;
+    Tracker tracker({}, kMinimumFit);
+    std::size_t contradicted = 0;
+    for (std::size_t i = 0; i < drive.size(); ++i) {
+      odometry.move(drive.step(i), drive.rng());
+      if (i == 30) odometry.pose = compose(odometry.pose, {slip_m, 0, 0});
+      const auto tracked = tracker.add(drive.points(i), odometry.pose);
+      if (tracked.odometry_contradicted) ++contradicted;
+      ASSERT_LT(drive.error_m(tracked.pose, i), kRoomErrorM) << i;
+    }
+    EXPECT_LE(contradicted, 1U);
+  }
+}
+
+TEST(Tracker, JumpOfOdometry) {
+  for (const Pose2& jump : {Pose2{5, -2, 1.0}, Pose2{0, 0, 2.5}, Pose2{-300, 200, 0}}) {
+    SCOPED_TRACE(jump.x);
+    Drive drive(8);
+    PlanarOdometry odometry;
+    Tracker tracker({}, kMinimumFit);
+    for (std::size_t i = 0; i < drive.size(); ++i) {
+      odometry.move(drive.step(i), drive.rng());
+      if (i == 40) odometry.pose = compose(jump, odometry.pose);
+      const auto tracked = tracker.add(drive.points(i), odometry.pose);
+      if (i == 40) {
+        EXPECT_TRUE(tracked.odometry_contradicted);
+      }
+      ASSERT_LT(drive.error_m(tracked.pose, i), kRoomErrorM) << i;
+    }
+  }
+}
+
+TEST(Tracker, OdometryThatNeverMoves) {
+  constexpr double kLagM = 0.2;  // a scan that is less than a decimetre off still fits where the robot stood
+  Drive drive(9, 0.07, 0.07);
+  Tracker tracker({}, kMinimumFit);
+  for (std::size_t i = 0; i < drive.size(); ++i) {
+    const auto tracked = tracker.add(drive.points(i), Pose2{1, 2, 3});
+    ASSERT_LT(drive.error_m(tracked.pose, i), kLagM) << i;
+  }
+}
+
+TEST(Tracker, StandingStillDoesNotDrift) {
+  Drive drive(10);
+  Tracker tracker({}, kMinimumFit);
+  for (int i = 0; i < 200; ++i) {
+    const auto tracked = tracker.add(drive.points(0), Pose2{1, 2, 0.5});
+    ASSERT_LT(drive.error_m(tracked.pose, 0), 0.005) << i;
+    ASSERT_LT(drive.error_rad(tracked.pose, 0), 0.003) << i;
+  }
+}
+
+TEST(Tracker, EmptyScansCoastOnOdometry) {
+  Drive drive(11);
+  PlanarOdometry odometry;
+  Tracker tracker({}, kMinimumFit);
+  Pose2 before;
+  for (std::size_t i = 0; i < drive.size(); ++i) {
+    const Pose2 earlier = odometry.pose;
+    const Pose2 wheels = odometry.move(drive.step(i), drive.rng());
+    const bool blind = i >= 20 && i < 26;
+    const auto tracked = tracker.add(blind ? ScanPoints{} : drive.points(i), wheels);
+    EXPECT_EQ(tracked.matched, !blind) << i;
+    if (blind) {
+      const Pose2 expected = compose(before, between(earlier, wheels));
+      EXPECT_NEAR(tracked.pose.x, expected.x, 1e-12);
+      EXPECT_NEAR(tracked.pose.y, expected.y, 1e-12);
+      EXPECT_NEAR(tracked.pose.yaw, expected.yaw, 1e-12);
+      EXPECT_EQ(tracked.fit, 0.0);
+    } else {
+      ASSERT_LT(drive.error_m(tracked.pose, i), kRoomErrorM) << i;
+    }
+    before = tracked.pose;
+  }
+}
+
+TEST(Tracker, InformationIsSymmetricAndPositive) {
+  Drive drive(12);
+  PlanarOdometry odometry;
+  Tracker tracker({}, kMinimumFit);
+  for (std::size_t i = 0; i < 60; ++i) {
+    const auto tracked =
+        tracker.add(i % 7 == 3 ? ScanPoints{} : drive.points(i), odometry.move(drive.step(i), drive.rng()));
+    EXPECT_LT((tracked.information - tracked.information.transpose()).cwiseAbs().maxCoeff(),
+              1e-9 * tracked.information.cwiseAbs().maxCoeff());
+    EXPECT_GT(tracked.information(0, 0), 0);
+    EXPECT_GT((tracked.information.topLeftCorner<2, 2>().determinant()), 0);
+    EXPECT_GT(tracked.information.determinant(), 0);
+  }
+}
+
+TEST(Tracker, GoesOnAStepAway) {
+  Drive drive(13);
+  std::vector<KeyFrame> frames;
+  std::vector<Pose2> poses;
+  for (std::size_t i = 0; i < 50; i += 3) {
+    frames.push_back({i, 0.1 * static_cast<double>(i), drive.points(i)});
+    poses.push_back(drive.truth(i));
+  }
+  Tracker tracker({}, kMinimumFit);
+  tracker.go_on_from(frames, poses, drive.truth(50));
+  EXPECT_EQ(tracker.pose().x, drive.truth(50).x);
+  constexpr std::size_t kAway = 55;  // 0.7 m on
+  for (std::size_t i = kAway; i < drive.size(); ++i) {
+    const auto tracked = tracker.add(drive.points(i), compose({40, -7, 2}, drive.truth(i)));
+    ASSERT_LT(drive.error_m(tracked.pose, i), kRoomErrorM) << i;
+  }
+}
+
+}  // namespace
+}  // namespace extperfc::mapping
