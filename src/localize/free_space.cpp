@@ -35,8 +35,9 @@ FreeSpace::Point FreeSpace::draw(Rng& rng) const {
   } else {
     cell = list_[below(list_.size())];
   }
+  const std::size_t whole_rows = cell / map_->width;
   const double column = static_cast<double>(cell % map_->width) + rng.uniform(0, 1);
-  const double row = static_cast<double>(cell / map_->width) + rng.uniform(0, 1);
+  const double row = static_cast<double>(whole_rows) + rng.uniform(0, 1);
   return {static_cast<float>(column * map_->resolution_m), static_cast<float>(row * map_->resolution_m)};
 }
 

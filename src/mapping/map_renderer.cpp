@@ -119,7 +119,8 @@ MapRenderer::Tile& MapRenderer::tile(int tile_column, int tile_row) {
 MapRenderer::Count& MapRenderer::cell(int column, int row) {
   constexpr int kMask = kTileCells - 1;
   Tile& holder = tile(column >> kTileBits, row >> kTileBits);
-  return holder.counts[static_cast<std::size_t>((row & kMask) * kTileCells + (column & kMask))];
+  const int index = (row & kMask) * kTileCells + (column & kMask);
+  return holder.counts[static_cast<std::size_t>(index)];
 }
 
 std::int8_t MapRenderer::value(const Count& count) const {

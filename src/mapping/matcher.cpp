@@ -182,7 +182,10 @@ ScanMatch match_along(const SurfaceMap& map, const ScanPoints& points, const Sca
   if (!std::all_of(scores.begin(), scores.end(), [](double value) { return std::isfinite(value); }))
     return first;
   const double good = *std::max_element(scores.begin(), scores.end()) - kAsGood;
-  const auto is_good = [&](int i) { return scores[static_cast<std::size_t>(i + reach)] >= good; };
+  const auto is_good = [&](int i) {
+    const int index = i + reach;
+    return scores[static_cast<std::size_t>(index)] >= good;
+  };
   // Where nothing tells places apart, the one that was expected stands.
   int chosen = 0;
   while (!is_good(chosen)) chosen = chosen > 0 ? -chosen : 1 - chosen;  // 0, 1, -1, 2, -2, ...

@@ -54,15 +54,16 @@ Eigen::Vector2f line_normal(const Returns& returns, std::size_t middle, float re
   const float half_trace = (spread(0, 0) + spread(1, 1)) / 2;
   if (half_trace - half_spread > straight * (half_trace + half_spread)) return Eigen::Vector2f::Zero();
   const float direction = 0.5F * std::atan2(2 * spread(0, 1), difference);
-  const Eigen::Vector2f normal(-std::sin(direction), std::cos(direction));
-  return normal.dot(centre) > 0 ? Eigen::Vector2f(-normal) : normal;
+  Eigen::Vector2f normal(-std::sin(direction), std::cos(direction));
+  if (normal.dot(centre) > 0) normal = -normal;
+  return normal;
 }
 
 /// The normal from near neighbours, or, where a wall is seen at a grazing angle and returns are far apart,
 /// from more distant ones that stand in line very closely.
 Eigen::Vector2f surface_normal(const Returns& returns, std::size_t middle, float ray_spacing_rad) {
   const float reach = std::max(kSurfaceReachM, kReachInSpacings * returns.range[middle] * ray_spacing_rad);
-  const Eigen::Vector2f normal = line_normal(returns, middle, reach, kReach, 3, kStraight);
+  Eigen::Vector2f normal = line_normal(returns, middle, reach, kReach, 3, kStraight);
   if (normal.squaredNorm() > 0) return normal;
   constexpr float kGrazingReachM = 4.0F;
   constexpr int kGrazingRays = 2;

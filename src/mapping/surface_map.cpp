@@ -90,18 +90,20 @@ const SurfaceMap::Surface* SurfaceMap::find(int column, int row) const {
   const int tile_column = (column >> kTileBits) - first_column_;
   const int tile_row = (row >> kTileBits) - first_row_;
   if (tile_column < 0 || tile_row < 0 || tile_column >= columns_ || tile_row >= rows_) return nullptr;
-  const std::int32_t tile = directory_[static_cast<std::size_t>(tile_row * columns_ + tile_column)];
+  const int entry = tile_row * columns_ + tile_column;
+  const std::int32_t tile = directory_[static_cast<std::size_t>(entry)];
   if (tile < 0) return nullptr;
   constexpr int kMask = kTileCells - 1;
-  return &tiles_[static_cast<std::size_t>(tile)]
-                [static_cast<std::size_t>((row & kMask) * kTileCells + (column & kMask))];
+  const int cell = (row & kMask) * kTileCells + (column & kMask);
+  return &tiles_[static_cast<std::size_t>(tile)][static_cast<std::size_t>(cell)];
 }
 
 SurfaceMap::Surface* SurfaceMap::make(int column, int row) {
   widen(column >> kTileBits, row >> kTileBits);
   const int tile_column = (column >> kTileBits) - first_column_;
   const int tile_row = (row >> kTileBits) - first_row_;
-  std::int32_t& tile = directory_[static_cast<std::size_t>(tile_row * columns_ + tile_column)];
+  const int entry = tile_row * columns_ + tile_column;
+  std::int32_t& tile = directory_[static_cast<std::size_t>(entry)];
   if (tile < 0) {
     tile = static_cast<std::int32_t>(tiles_.size());
     tiles_.emplace_back();

@@ -13,7 +13,7 @@ constexpr float kPi = 3.14159265F;
 std::size_t bin_of(const Eigen::Vector2f& ray, std::size_t bins) {
   // Whole degrees, where the rays of many scanners lie, are the middles of bins.
   const float turn = (std::atan2(ray.y(), ray.x()) + kPi) / (2 * kPi);
-  return static_cast<std::size_t>(std::max(0.0F, turn) * static_cast<float>(bins) + 0.5F) % bins;
+  return static_cast<std::size_t>(std::lround(std::max(0.0F, turn) * static_cast<float>(bins))) % bins;
 }
 
 struct Transform {

@@ -8,7 +8,8 @@ SweepTransform::Matrix SweepTransform::matrix(const Pose& pose) {
   Matrix m{};
   for (int row = 0; row < 3; ++row)
     for (int column = 0; column < 4; ++column)
-      m[static_cast<std::size_t>(4 * row + column)] = static_cast<float>(pose.matrix()(row, column));
+      m[4 * static_cast<std::size_t>(row) + static_cast<std::size_t>(column)] =
+          static_cast<float>(pose.matrix()(row, column));
   return m;
 }
 
