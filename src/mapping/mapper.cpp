@@ -34,7 +34,7 @@ Eigen::Matrix3d turn_by(double yaw) {
 }
 
 PathFilterParams filter_params(const MapperParams& params) {
-  return {params.particles, params.resample_threshold, params.minimum_score, params.seed};
+  return {params.particles, params.resample_threshold, params.seed};
 }
 
 }  // namespace

@@ -92,6 +92,11 @@ double pull_cost(const Pose2& from, const Pose2& to, bool first) {
   return -0.5 * (m * m + rad * rad);
 }
 
+void keep_newest(std::vector<Sighting>& sightings) {
+  if (sightings.size() > kMostSightings)
+    sightings.erase(sightings.begin(), sightings.end() - static_cast<std::ptrdiff_t>(kMostSightings));
+}
+
 double turn_between(const Pose2& a, const Pose2& b) {
   return std::abs(wrap_angle(a.yaw - b.yaw));
 }
@@ -218,9 +223,7 @@ void PathFilter::sight_one(Particle& particle) {
     }
     if (seen->sighting.fit >= kGoodFit) particle.sightings.push_back(seen->sighting);
   }
-  if (particle.sightings.size() > kMostSightings)
-    particle.sightings.erase(particle.sightings.begin(),
-                             particle.sightings.end() - static_cast<std::ptrdiff_t>(kMostSightings));
+  keep_newest(particle.sightings);
   particle.log_weight += kWeightGain * (best_fit - 0.5) + pull_cost(predicted, particle.pose, first);
 }
 
@@ -255,9 +258,7 @@ void PathFilter::sight() {
         particle.sightings.back().relation.to == newest && particle.sightings.size() <= kPlacesPerSight;
     particle.log_weight += kWeightGain * (best_fit - 0.5) + pull_cost(particle.pose, example.pose, first);
     particle.pose = example.pose;
-    if (particle.sightings.size() > kMostSightings)
-      particle.sightings.erase(particle.sightings.begin(),
-                               particle.sightings.end() - static_cast<std::ptrdiff_t>(kMostSightings));
+    keep_newest(particle.sightings);
   }
 }
 
@@ -411,11 +412,6 @@ PathFilter::Step PathFilter::commit(std::size_t best) {
     if (!kept_relations.empty()) graph_.relations() = kept_relations;
     graph_.relations().resize(relations_before);
     graph_.set_poses(poses_before);
-    for (Particle& particle : particles_)
-      if (near(particle.pose, leader.pose, kSameClusterM, kSameClusterRad)) {
-        particle.log_weight -= 5;
-        particle.sightings.clear();
-      }
     collapse();
     return {};
   }

@@ -19,7 +19,6 @@ namespace extperfc::mapping {
 struct PathFilterParams {
   int particles{30};
   double resample_threshold{0.5};
-  double minimum_fit{0.4};
   std::uint64_t seed{1};
 };
 
