@@ -52,7 +52,7 @@ double error_m(const Pose2& truth, const Pose2& pose) {
 
 TEST(PathFilter, BeginsWhereItIsTold) {
   const auto driven = drive(1, 1);
-  PathFilter filter({7, 0.5, 0.4, 1});
+  PathFilter filter({7, 0.5, 1});
   filter.begin({1, 2, 0.5}, driven.frames[0]);
   ASSERT_EQ(filter.poses().size(), 1U);
   EXPECT_EQ(filter.poses()[0].x, 1);
@@ -64,7 +64,7 @@ TEST(PathFilter, BeginsWhereItIsTold) {
 
 TEST(PathFilter, FollowsTheStepsWhereNothingIsOld) {
   const auto driven = drive(1, 2);
-  PathFilter filter({50, 0.5, 0.4, 1});
+  PathFilter filter({50, 0.5, 1});
   filter.begin({}, driven.frames[0]);
   Pose2 expected;
   for (std::size_t i = 1; i < 12; ++i) {
@@ -84,7 +84,7 @@ TEST(PathFilter, RoundsDoNotDriftApart) {
   for (const std::uint64_t seed : {1U, 2U, 3U}) {
     SCOPED_TRACE(seed);
     const auto driven = drive(4, seed);
-    PathFilter filter({30, 0.5, 0.4, seed});
+    PathFilter filter({30, 0.5, seed});
     filter.begin({}, driven.frames[0]);
     Pose2 dead_reckoned;
     std::size_t commits = 0;
@@ -108,8 +108,8 @@ TEST(PathFilter, RoundsDoNotDriftApart) {
 
 TEST(PathFilter, SameSeedSamePath) {
   const auto driven = drive(2, 4);
-  PathFilter first({20, 0.5, 0.4, 9});
-  PathFilter second({20, 0.5, 0.4, 9});
+  PathFilter first({20, 0.5, 9});
+  PathFilter second({20, 0.5, 9});
   first.begin({}, driven.frames[0]);
   second.begin({}, driven.frames[0]);
   for (std::size_t i = 1; i < driven.steps.size(); ++i) {
@@ -123,10 +123,10 @@ TEST(PathFilter, SameSeedSamePath) {
 TEST(PathFilter, GoesOnAfterRestore) {
   const auto driven = drive(3, 5);
   const std::size_t half = driven.steps.size() / 2;
-  PathFilter filter({30, 0.5, 0.4, 1});
+  PathFilter filter({30, 0.5, 1});
   filter.begin({}, driven.frames[0]);
   for (std::size_t i = 1; i < half; ++i) (void)filter.add(driven.steps[i], driven.frames[i]);
-  PathFilter restored({30, 0.5, 0.4, 1});
+  PathFilter restored({30, 0.5, 1});
   restored.restore(filter.frames(), filter.graph());
   EXPECT_EQ(restored.poses().size(), filter.poses().size());
   EXPECT_EQ(restored.poses().back().x, filter.poses().back().x);
