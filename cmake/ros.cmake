@@ -10,7 +10,7 @@ generate_messages(DEPENDENCIES geometry_msgs std_msgs)
 catkin_package(
   INCLUDE_DIRS include
   LIBRARIES extperfc_base extperfc_world extperfc_detect extperfc_depth extperfc_sources extperfc_scan
-    extperfc_simulate_model extperfc_simulate_worlds extperfc_simulate_render extperfc_simulate_bodies
+    extperfc_robot_model extperfc_simulate_worlds extperfc_simulate_render extperfc_simulate_bodies
     extperfc_simulate_control extperfc_simulate_trajectory extperfc_translate_schema extperfc_translate_plan
     extperfc_translate_peer extperfc_translate_bridge extperfc_mapping extperfc_localize
     extperfc_sources_scan extperfc_offline

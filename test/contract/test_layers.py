@@ -21,7 +21,7 @@ OWNERS = {
     r"openssl/": {"base"},
     r"(btBullet|Bullet)": {"simulate"},
     r"embree\d?/": {"simulate"},
-    r"urdf": {"simulate"},
+    r"urdf": {"world"},
     r"pcl/": {"scan"},
     r"boost/iostreams": {"sources"},
     r"png\.h": {"offline"},

@@ -7,7 +7,7 @@
 #include <Eigen/Core>
 
 #include "extperfc/base/error.hpp"
-#include "extperfc/simulate/robot_model.hpp"
+#include "extperfc/world/robot_model.hpp"
 #include "extperfc/simulate/world_spec.hpp"
 #include "extperfc/world/pose.hpp"
 

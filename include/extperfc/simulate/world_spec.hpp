@@ -8,7 +8,7 @@
 #include <Eigen/Core>
 
 #include "extperfc/base/error.hpp"
-#include "extperfc/simulate/shape.hpp"
+#include "extperfc/world/shape.hpp"
 #include "extperfc/world/pose.hpp"
 
 namespace extperfc::simulate {

@@ -12,7 +12,7 @@ using simulate::TrajectoryEnd;
 
 namespace {
 
-std::vector<simulate::FollowedJoint> followed_joints(const simulate::RobotModel& robot, simulate::Side side) {
+std::vector<simulate::FollowedJoint> followed_joints(const RobotModel& robot, simulate::Side side) {
   std::vector<simulate::FollowedJoint> joints;
   for (int i = 0; i < simulate::kArmJoints; ++i) {
     simulate::FollowedJoint joint{robot_names::joint(side, i)};

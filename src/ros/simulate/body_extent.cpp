@@ -8,17 +8,17 @@ namespace extperfc {
 namespace {
 
 /// Half lengths of the box around a shape, in the shape's own frame.
-Eigen::Vector3d half_size(const simulate::Geometry& geometry) {
+Eigen::Vector3d half_size(const Geometry& geometry) {
   return std::visit(
       [](const auto& shape) -> Eigen::Vector3d {
         using Shape = std::decay_t<decltype(shape)>;
-        if constexpr (std::is_same_v<Shape, simulate::Box>) {
+        if constexpr (std::is_same_v<Shape, Box>) {
           return 0.5 * shape.size_m;
-        } else if constexpr (std::is_same_v<Shape, simulate::Cylinder>) {
+        } else if constexpr (std::is_same_v<Shape, Cylinder>) {
           return {shape.radius_m, shape.radius_m, 0.5 * shape.length_m};
-        } else if constexpr (std::is_same_v<Shape, simulate::Sphere>) {
+        } else if constexpr (std::is_same_v<Shape, Sphere>) {
           return Eigen::Vector3d::Constant(shape.radius_m);
-        } else if constexpr (std::is_same_v<Shape, simulate::Cone>) {
+        } else if constexpr (std::is_same_v<Shape, Cone>) {
           return {shape.radius_m, shape.radius_m, 0.5 * shape.height_m};
         } else {
           return 0.5 * shape.scale;

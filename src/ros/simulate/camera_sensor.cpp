@@ -49,7 +49,7 @@ std::string place_of(const sensor_msgs::ImageConstPtr& image) {
 
 Result<std::unique_ptr<CameraSensor>> CameraSensor::make(const ros::NodeHandle& handle,
                                                          const ros_params::CameraInterfaceParams& params,
-                                                         const simulate::RobotModel& robot,
+                                                         const RobotModel& robot,
                                                          std::uint64_t seed, const TruthClasses& classes) {
   const auto link = robot.link(frames::kCamera);
   if (!link)

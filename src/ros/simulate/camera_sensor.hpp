@@ -30,7 +30,7 @@ class CameraSensor : public Sensor {
   /// Errors: the robot has no camera frame.
   [[nodiscard]] static Result<std::unique_ptr<CameraSensor>> make(
       const ros::NodeHandle& handle, const ros_params::CameraInterfaceParams& params,
-      const simulate::RobotModel& robot, std::uint64_t seed, const TruthClasses& classes);
+      const RobotModel& robot, std::uint64_t seed, const TruthClasses& classes);
 
   [[nodiscard]] const char* name() const override { return "camera"; }
   [[nodiscard]] double rate_hz() const override { return params_.rate_hz; }

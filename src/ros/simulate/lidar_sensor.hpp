@@ -22,7 +22,7 @@ class LidarSensor : public Sensor {
   /// Errors: the robot has no lidar frame.
   [[nodiscard]] static Result<std::unique_ptr<LidarSensor>> make(
       ros::NodeHandle handle, const ros_params::LidarInterfaceParams& params,
-      const simulate::RobotModel& robot, std::uint64_t seed);
+      const RobotModel& robot, std::uint64_t seed);
 
   [[nodiscard]] const char* name() const override { return "lidar"; }
   [[nodiscard]] double rate_hz() const override { return params_.lidar.rotation_hz; }

@@ -25,7 +25,7 @@ constexpr double kSonarRingM = 0.10;  ///< radius of the ring that the sonars si
 constexpr double kSonarMaxM = 10.0;
 constexpr double kSonarHalfAngleRad = 0.2;
 
-Result<int> link_of(const simulate::RobotModel& robot, const std::string& name) {
+Result<int> link_of(const RobotModel& robot, const std::string& name) {
   if (const auto link = robot.link(name)) return *link;
   return fail(ErrorCode::kNotFound,
               "the robot has no link " + name + ": add it to the URDF, or set range/enabled to false");
@@ -35,7 +35,7 @@ Result<int> link_of(const simulate::RobotModel& robot, const std::string& name) 
 
 Result<std::unique_ptr<HandRangeSensor>> HandRangeSensor::make(ros::NodeHandle handle, double rate_hz,
                                                                simulate::Side side,
-                                                               const simulate::RobotModel& robot) {
+                                                               const RobotModel& robot) {
   const std::string name = std::string(simulate::to_string(side)) + "_hand_range";
   const auto link = link_of(robot, name);
   if (!link) return tl::unexpected(link.error());
@@ -64,7 +64,7 @@ bool HandRangeSensor::measure(simulate::SensorRig& rig, const SensorJob& job) {
 }
 
 Result<std::unique_ptr<SonarSensor>> SonarSensor::make(ros::NodeHandle handle, double rate_hz,
-                                                       const simulate::RobotModel& robot) {
+                                                       const RobotModel& robot) {
   const auto link = link_of(robot, frames::kSonar);
   if (!link) return tl::unexpected(link.error());
   return std::unique_ptr<SonarSensor>(new SonarSensor(handle, rate_hz, *link));

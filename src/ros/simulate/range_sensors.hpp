@@ -21,7 +21,7 @@ class HandRangeSensor : public Sensor {
   /// Errors: the robot has no such frame.
   [[nodiscard]] static Result<std::unique_ptr<HandRangeSensor>> make(ros::NodeHandle handle, double rate_hz,
                                                                      simulate::Side side,
-                                                                     const simulate::RobotModel& robot);
+                                                                     const RobotModel& robot);
 
   [[nodiscard]] const char* name() const override { return name_.c_str(); }
   [[nodiscard]] double rate_hz() const override { return rate_hz_; }
@@ -45,7 +45,7 @@ class SonarSensor : public Sensor {
  public:
   /// Errors: the robot has no such frame.
   [[nodiscard]] static Result<std::unique_ptr<SonarSensor>> make(ros::NodeHandle handle, double rate_hz,
-                                                                 const simulate::RobotModel& robot);
+                                                                 const RobotModel& robot);
 
   [[nodiscard]] const char* name() const override { return "head_sonar"; }
   [[nodiscard]] double rate_hz() const override { return rate_hz_; }

@@ -1,7 +1,7 @@
 #include "ros/simulate/simulation.hpp"
 
 #include "extperfc/simulate/random_world.hpp"
-#include "extperfc/simulate/robot_model.hpp"
+#include "extperfc/world/robot_model.hpp"
 #include "extperfc/simulate/world_spec.hpp"
 
 #include "ros/simulate/camera_sensor.hpp"
@@ -27,7 +27,7 @@ void add(Sensors& sensors, Result<std::unique_ptr<T>> made, std::string& problem
 }
 
 Result<Sensors> make_sensors(const ros::NodeHandle& handle, const SimulatorNodeletParams& params,
-                             const simulate::RobotModel& robot, const TruthClasses& classes) {
+                             const RobotModel& robot, const TruthClasses& classes) {
   Sensors sensors;
   std::string problems;
   const auto seed = params.simulator.seed;
@@ -70,7 +70,7 @@ std::string describe(const simulate::Simulator& simulator, const simulate::Senso
 Result<std::unique_ptr<Simulation>> Simulation::make(const ros::NodeHandle& handle,
                                                      const ros::NodeHandle& private_handle,
                                                      const SimulatorNodeletParams& params) {
-  auto robot = simulate::RobotModel::from_file(params.urdf, params.urdf.parent_path().parent_path());
+  auto robot = RobotModel::from_file(params.urdf, params.urdf.parent_path().parent_path());
   if (!robot) return tl::unexpected(robot.error());
   auto world = make_world(params);
   if (!world) return tl::unexpected(world.error());

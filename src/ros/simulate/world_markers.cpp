@@ -33,7 +33,7 @@ std_msgs::ColorRGBA to_color(const Eigen::Vector3f& rgb) {
 }
 
 /// rviz has no cone: its side and its bottom as triangles.
-void fill_cone(Marker& marker, const simulate::Cone& cone) {
+void fill_cone(Marker& marker, const Cone& cone) {
   constexpr int kSides = 24;
   const auto rim = [&](int i) {
     const double angle = 2 * kPi * i / kSides;
@@ -49,20 +49,20 @@ void fill_cone(Marker& marker, const simulate::Cone& cone) {
   set_scale(marker, 1, 1, 1);
 }
 
-void fill_geometry(Marker& marker, const simulate::Geometry& geometry) {
+void fill_geometry(Marker& marker, const Geometry& geometry) {
   std::visit(
       [&](const auto& shape) {
         using Shape = std::decay_t<decltype(shape)>;
-        if constexpr (std::is_same_v<Shape, simulate::Box>) {
+        if constexpr (std::is_same_v<Shape, Box>) {
           marker.type = Marker::CUBE;
           set_scale(marker, shape.size_m.x(), shape.size_m.y(), shape.size_m.z());
-        } else if constexpr (std::is_same_v<Shape, simulate::Cylinder>) {
+        } else if constexpr (std::is_same_v<Shape, Cylinder>) {
           marker.type = Marker::CYLINDER;
           set_scale(marker, 2 * shape.radius_m, 2 * shape.radius_m, shape.length_m);
-        } else if constexpr (std::is_same_v<Shape, simulate::Sphere>) {
+        } else if constexpr (std::is_same_v<Shape, Sphere>) {
           marker.type = Marker::SPHERE;
           set_scale(marker, 2 * shape.radius_m, 2 * shape.radius_m, 2 * shape.radius_m);
-        } else if constexpr (std::is_same_v<Shape, simulate::Cone>) {
+        } else if constexpr (std::is_same_v<Shape, Cone>) {
           fill_cone(marker, shape);
         } else {
           marker.type = Marker::MESH_RESOURCE;
@@ -73,7 +73,7 @@ void fill_geometry(Marker& marker, const simulate::Geometry& geometry) {
       geometry);
 }
 
-Marker solid(const simulate::Geometry& geometry, const Eigen::Vector3f& rgb) {
+Marker solid(const Geometry& geometry, const Eigen::Vector3f& rgb) {
   Marker marker;
   fill_geometry(marker, geometry);
   marker.color = to_color(rgb);
@@ -107,12 +107,12 @@ void WorldMarkers::add_person(const simulate::PersonSpec& person) {
   const Eigen::Vector3f skin(0.85F, 0.68F, 0.55F);
   const Eigen::Vector3f trousers(0.18F, 0.18F, 0.22F);
   Carrier carrier;
-  const auto add = [&](const simulate::Geometry& geometry, const Eigen::Vector3f& rgb, double y, double z) {
+  const auto add = [&](const Geometry& geometry, const Eigen::Vector3f& rgb, double y, double z) {
     add_part(carrier, solid(geometry, rgb), make_pose({0, y, z}), person.name);
   };
-  for (const double side : {-1.0, 1.0}) add(simulate::Cylinder{0.08, 0.85}, trousers, 0.1 * side, 0.425);
-  add(simulate::Cylinder{0.2, 0.65}, person.colour, 0, 1.17);
-  add(simulate::Sphere{0.12}, skin, 0, 1.63);
+  for (const double side : {-1.0, 1.0}) add(Cylinder{0.08, 0.85}, trousers, 0.1 * side, 0.425);
+  add(Cylinder{0.2, 0.65}, person.colour, 0, 1.17);
+  add(Sphere{0.12}, skin, 0, 1.63);
   carriers_.push_back(std::move(carrier));
 }
 

@@ -8,7 +8,7 @@
 #include <BulletCollision/CollisionShapes/btShapeHull.h>
 
 #include "simulate/bodies/bullet_conversions.hpp"
-#include "simulate/model/stl.hpp"
+#include "extperfc/world/stl.hpp"
 
 namespace extperfc::simulate {
 namespace {

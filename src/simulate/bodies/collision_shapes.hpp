@@ -7,7 +7,7 @@
 #include <btBulletCollisionCommon.h>
 
 #include "extperfc/base/error.hpp"
-#include "extperfc/simulate/shape.hpp"
+#include "extperfc/world/shape.hpp"
 
 #include "simulate/bodies/mass_properties.hpp"
 

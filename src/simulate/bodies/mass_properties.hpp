@@ -4,7 +4,7 @@
 
 #include <Eigen/Core>
 
-#include "extperfc/simulate/robot_model.hpp"
+#include "extperfc/world/robot_model.hpp"
 #include "extperfc/world/pose.hpp"
 
 namespace extperfc::simulate {

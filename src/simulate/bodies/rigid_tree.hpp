@@ -2,7 +2,7 @@
 
 #include <vector>
 
-#include "extperfc/simulate/robot_model.hpp"
+#include "extperfc/world/robot_model.hpp"
 
 #include "simulate/bodies/mass_properties.hpp"
 

@@ -4,7 +4,7 @@
 
 #include "extperfc/base/error.hpp"
 #include "extperfc/simulate/robot_io.hpp"
-#include "extperfc/simulate/robot_model.hpp"
+#include "extperfc/world/robot_model.hpp"
 
 namespace extperfc::simulate {
 

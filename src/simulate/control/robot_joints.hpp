@@ -6,7 +6,7 @@
 
 #include "extperfc/base/error.hpp"
 #include "extperfc/simulate/robot_io.hpp"
-#include "extperfc/simulate/robot_model.hpp"
+#include "extperfc/world/robot_model.hpp"
 
 #include "simulate/control/set_point.hpp"
 

@@ -8,7 +8,7 @@
 #include <Eigen/Geometry>
 
 #include "extperfc/base/error.hpp"
-#include "extperfc/simulate/shape.hpp"
+#include "extperfc/world/shape.hpp"
 
 namespace extperfc::simulate::render {
 

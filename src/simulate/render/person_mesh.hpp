@@ -3,7 +3,7 @@
 #include <array>
 #include <cstdint>
 
-#include "extperfc/simulate/shape.hpp"
+#include "extperfc/world/shape.hpp"
 
 #include "simulate/render/mesh.hpp"
 

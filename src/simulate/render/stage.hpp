@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "extperfc/base/error.hpp"
-#include "extperfc/simulate/robot_model.hpp"
+#include "extperfc/world/robot_model.hpp"
 #include "extperfc/simulate/sensor_rig.hpp"
 #include "extperfc/simulate/world_spec.hpp"
 

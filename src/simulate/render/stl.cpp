@@ -4,7 +4,7 @@
 #include <map>
 #include <vector>
 
-#include "simulate/model/stl.hpp"
+#include "extperfc/world/stl.hpp"
 
 namespace extperfc::simulate::render {
 

@@ -3,7 +3,7 @@
 #include <cstdint>
 
 #include "extperfc/base/error.hpp"
-#include "extperfc/simulate/shape.hpp"
+#include "extperfc/world/shape.hpp"
 
 #include "simulate/render/mesh.hpp"
 

@@ -3,7 +3,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "extperfc/simulate/shape.hpp"
+#include "extperfc/world/shape.hpp"
 
 namespace extperfc::simulate::render {
 

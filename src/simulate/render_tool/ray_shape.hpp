@@ -2,7 +2,7 @@
 
 #include <Eigen/Core>
 
-#include "extperfc/simulate/shape.hpp"
+#include "extperfc/world/shape.hpp"
 
 namespace extperfc::simulate::render_tool {
 

@@ -3,7 +3,7 @@
 #include <map>
 #include <string>
 
-#include "extperfc/simulate/shape.hpp"
+#include "extperfc/world/shape.hpp"
 
 #include "simulate/worlds/yaml_map.hpp"
 

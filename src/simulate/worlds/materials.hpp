@@ -7,7 +7,7 @@
 
 #include <Eigen/Core>
 
-#include "extperfc/simulate/shape.hpp"
+#include "extperfc/world/shape.hpp"
 
 namespace extperfc::simulate::worlds {
 

@@ -1,7 +1,7 @@
 #pragma once
 
 #include "extperfc/base/rng.hpp"
-#include "extperfc/simulate/shape.hpp"
+#include "extperfc/world/shape.hpp"
 #include "extperfc/simulate/world_spec.hpp"
 
 /// What random things look like.

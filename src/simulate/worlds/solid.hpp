@@ -6,7 +6,7 @@
 #include <Eigen/Core>
 #include <Eigen/Geometry>
 
-#include "extperfc/simulate/shape.hpp"
+#include "extperfc/world/shape.hpp"
 
 /// Volumes, extents and outlines of shapes. Meshes count as the box that `scale` spans about their origin,
 /// which worlds do not use.

@@ -120,7 +120,7 @@ std::vector<Row> lidar_rows(const Stage& stage, simulate::SensorRig& rig,
 
 Result<Stage> load_stage(const std::string& package_folder, const std::string& world) {
   const std::filesystem::path root = package_folder;
-  auto robot = simulate::RobotModel::from_file(root / "urdf" / "mobile_baxter.urdf", root);
+  auto robot = RobotModel::from_file(root / "urdf" / "mobile_baxter.urdf", root);
   if (!robot) return tl::unexpected(robot.error());
   const bool is_file = world.find('/') != std::string::npos || world.find(".yaml") != std::string::npos;
   auto spec = simulate::load_world(is_file ? std::filesystem::path(world)

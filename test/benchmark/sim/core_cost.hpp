@@ -4,7 +4,7 @@
 #include <vector>
 
 #include "extperfc/base/error.hpp"
-#include "extperfc/simulate/robot_model.hpp"
+#include "extperfc/world/robot_model.hpp"
 #include "extperfc/simulate/world_spec.hpp"
 
 #include "report.hpp"
@@ -13,7 +13,7 @@ namespace extperfc::benchmark {
 
 /// What the simulator is made of.
 struct Stage {
-  simulate::RobotModel robot;
+  RobotModel robot;
   simulate::WorldSpec world;
 };
 

@@ -15,7 +15,7 @@ simulate::WorldSpec room_with_a_cube() {
   cube.name = "cube";
   cube.mobility = simulate::Mobility::kLoose;
   cube.world_T_body.translation() = Eigen::Vector3d(4, 4, 1);
-  cube.shapes.push_back({simulate::Box{{0.03, 0.03, 0.03}}, Pose::Identity(), {}});
+  cube.shapes.push_back({Box{{0.03, 0.03, 0.03}}, Pose::Identity(), {}});
   cube.mass_kg = 0.05;
   world.bodies.push_back(cube);
   return world;
@@ -24,7 +24,7 @@ simulate::WorldSpec room_with_a_cube() {
 std::unique_ptr<simulate::Simulator> make_simulator(bool dynamic) {
   static const auto kRobot = [] {
     const auto package = ros::package::getPath("extperfc");
-    return simulate::RobotModel::from_file(package + "/urdf/mobile_baxter.urdf", package);
+    return RobotModel::from_file(package + "/urdf/mobile_baxter.urdf", package);
   }();
   if (!kRobot) throw std::runtime_error(kRobot.error().message);
   simulate::SimulatorParams params;

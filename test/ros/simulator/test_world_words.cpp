@@ -11,7 +11,6 @@ namespace extperfc {
 namespace {
 
 using simulate::BodySpec;
-using simulate::Shape;
 using simulate::WorldSpec;
 using visualization_msgs::Marker;
 
@@ -25,7 +24,7 @@ BodySpec body(const std::string& name, const std::string& label, const std::vect
   return spec;
 }
 
-Shape shape(const simulate::Geometry& geometry, const Pose& pose = Pose::Identity()) {
+Shape shape(const Geometry& geometry, const Pose& pose = Pose::Identity()) {
   return {geometry, pose, {}};
 }
 
@@ -43,13 +42,13 @@ TEST(TruthClasses, TheModelsClassesComeFirst) {
 
 TEST(BodyExtent, EnclosesEveryShapeWhereItIs) {
   const auto box = extent_of(
-      body("b", "", {shape(simulate::Box{{1, 2, 3}}), shape(simulate::Sphere{0.5}, make_pose({2, 0, 0}))}));
+      body("b", "", {shape(Box{{1, 2, 3}}), shape(Sphere{0.5}, make_pose({2, 0, 0}))}));
   EXPECT_TRUE(box.min().isApprox(Eigen::Vector3d(-0.5, -1, -1.5)));
   EXPECT_TRUE(box.max().isApprox(Eigen::Vector3d(2.5, 1, 1.5)));
 }
 
 TEST(BodyExtent, TurnsWithItsShape) {
-  const auto lying = shape(simulate::Cylinder{0.1, 2.0}, make_pose({0, 0, 0}, {0, kPi / 2, 0}));
+  const auto lying = shape(Cylinder{0.1, 2.0}, make_pose({0, 0, 0}, {0, kPi / 2, 0}));
   const auto box = extent_of(body("b", "", {lying}));
   EXPECT_NEAR(box.sizes().x(), 2.0, 1e-9);
   EXPECT_NEAR(box.sizes().y(), 0.2, 1e-9);
@@ -63,8 +62,8 @@ TEST(BodyExtent, NoShapesIsEmpty) {
 class WorldMarkersTest : public testing::Test {
  protected:
   WorldMarkersTest() {
-    world_.bodies = {body("box", "", {shape(simulate::Box{{1, 2, 3}}, make_pose({0, 0, 1.5}))}),
-                     body("cone", "cone", {shape(simulate::Cone{0.1, 0.3}), shape(simulate::Sphere{0.2})})};
+    world_.bodies = {body("box", "", {shape(Box{{1, 2, 3}}, make_pose({0, 0, 1.5}))}),
+                     body("cone", "cone", {shape(Cone{0.1, 0.3}), shape(Sphere{0.2})})};
     world_.people.push_back({"ann", {{0, 0}}, 0.8, false, {}});
     snapshot_.world_T_body = {Pose::Identity(), Pose::Identity()};
     snapshot_.world_T_person = {{0, 0, 0}};

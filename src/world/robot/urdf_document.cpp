@@ -1,4 +1,4 @@
-#include "simulate/model/urdf_document.hpp"
+#include "world/robot/urdf_document.hpp"
 
 #include <clocale>
 #include <exception>
@@ -9,7 +9,7 @@
 #include <console_bridge/console.h>
 #include <urdf_parser/urdf_parser.h>
 
-namespace extperfc::simulate {
+namespace extperfc {
 
 namespace {
 
@@ -83,4 +83,4 @@ Result<urdf::ModelInterfaceSharedPtr> parse_urdf(const std::string& xml) {
                                        " (check_urdf tells more)");
 }
 
-}  // namespace extperfc::simulate
+}  // namespace extperfc

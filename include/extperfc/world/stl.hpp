@@ -8,7 +8,7 @@
 
 #include "extperfc/base/error.hpp"
 
-namespace extperfc::simulate {
+namespace extperfc {
 
 /// Corners of a triangle, counter-clockwise seen from outside [the file's unit].
 using StlTriangle = std::array<Eigen::Vector3f, 3>;
@@ -17,4 +17,4 @@ using StlTriangle = std::array<Eigen::Vector3f, 3>;
 /// number of triangles, none or more than two million of them, a corner that is not finite.
 [[nodiscard]] Result<std::vector<StlTriangle>> read_stl_triangles(const std::filesystem::path& path);
 
-}  // namespace extperfc::simulate
+}  // namespace extperfc

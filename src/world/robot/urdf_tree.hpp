@@ -6,9 +6,9 @@
 #include <urdf_model/model.h>
 
 #include "extperfc/base/error.hpp"
-#include "extperfc/simulate/robot_model.hpp"
+#include "extperfc/world/robot_model.hpp"
 
-namespace extperfc::simulate {
+namespace extperfc {
 
 /// Links and joints from the root, depth first; the child of joint i is link i + 1.
 struct LinkTree {
@@ -21,4 +21,4 @@ struct LinkTree {
 [[nodiscard]] Result<LinkTree> to_link_tree(const urdf::ModelInterface& model,
                                             const std::filesystem::path& resource_root);
 
-}  // namespace extperfc::simulate
+}  // namespace extperfc

@@ -6,9 +6,9 @@
 #include <urdf_model/link.h>
 
 #include "extperfc/base/error.hpp"
-#include "extperfc/simulate/robot_model.hpp"
+#include "extperfc/world/robot_model.hpp"
 
-namespace extperfc::simulate {
+namespace extperfc {
 
 /// A link with its shapes, without its place in the tree. Errors: a shape without size, an unknown mesh, a
 /// mass or an inertia that no body has.
@@ -18,4 +18,4 @@ namespace extperfc::simulate {
 /// limit of velocity or effort.
 [[nodiscard]] Result<Joint> to_joint(const urdf::Joint& joint);
 
-}  // namespace extperfc::simulate
+}  // namespace extperfc

@@ -4,12 +4,12 @@
 
 #include <gtest/gtest.h>
 
-#include "extperfc/simulate/robot_model.hpp"
+#include "extperfc/world/robot_model.hpp"
 
 #include "robot_text.hpp"
 #include "temporary_folder.hpp"
 
-namespace extperfc::simulate {
+namespace extperfc {
 namespace {
 
 /// What is wrong with a description, and what the error must say.
@@ -222,4 +222,4 @@ TEST(BadUrdfFile, IsNamed) {
 }
 
 }  // namespace
-}  // namespace extperfc::simulate
+}  // namespace extperfc

@@ -6,9 +6,9 @@
 #include <Eigen/Eigenvalues>
 #include <gtest/gtest.h>
 
-#include "extperfc/simulate/robot_model.hpp"
+#include "extperfc/world/robot_model.hpp"
 
-namespace extperfc::simulate {
+namespace extperfc {
 namespace {
 
 constexpr std::array<const char*, 7> kJoints{"s0", "s1", "e0", "e1", "w0", "w1", "w2"};
@@ -279,4 +279,4 @@ TEST(MobileBaxter, CollisionShapesArePrimitives) {
 }
 
 }  // namespace
-}  // namespace extperfc::simulate
+}  // namespace extperfc

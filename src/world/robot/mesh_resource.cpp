@@ -1,4 +1,4 @@
-#include "simulate/model/mesh_resource.hpp"
+#include "world/robot/mesh_resource.hpp"
 
 #include <algorithm>
 #include <array>
@@ -6,7 +6,7 @@
 #include <fstream>
 #include <system_error>
 
-namespace extperfc::simulate {
+namespace extperfc {
 
 namespace {
 
@@ -54,4 +54,4 @@ Result<fs::path> find_mesh(const std::string& uri, const fs::path& resource_root
   return file;
 }
 
-}  // namespace extperfc::simulate
+}  // namespace extperfc

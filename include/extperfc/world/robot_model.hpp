@@ -8,10 +8,10 @@
 #include <Eigen/Core>
 
 #include "extperfc/base/error.hpp"
-#include "extperfc/simulate/shape.hpp"
+#include "extperfc/world/shape.hpp"
 #include "extperfc/world/pose.hpp"
 
-namespace extperfc::simulate {
+namespace extperfc {
 
 /// Mass and inertia of a link.
 struct Inertial {
@@ -81,4 +81,4 @@ class RobotModel {
   std::vector<Joint> joints_;
 };
 
-}  // namespace extperfc::simulate
+}  // namespace extperfc

@@ -1,4 +1,4 @@
-#include "simulate/model/urdf_tree.hpp"
+#include "world/robot/urdf_tree.hpp"
 
 #include <algorithm>
 #include <map>
@@ -6,9 +6,9 @@
 #include <string>
 #include <utility>
 
-#include "simulate/model/urdf_convert.hpp"
+#include "world/robot/urdf_convert.hpp"
 
-namespace extperfc::simulate {
+namespace extperfc {
 
 namespace {
 
@@ -91,4 +91,4 @@ Result<LinkTree> to_link_tree(const urdf::ModelInterface& model, const std::file
   return tree;
 }
 
-}  // namespace extperfc::simulate
+}  // namespace extperfc

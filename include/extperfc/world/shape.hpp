@@ -10,7 +10,7 @@
 
 #include "extperfc/world/pose.hpp"
 
-namespace extperfc::simulate {
+namespace extperfc {
 
 /// Shapes are centred on their origin; cylinder and cone stand along z (a cone's tip at +height/2), as in
 /// URDF.
@@ -59,4 +59,4 @@ struct Shape {
   Material material;
 };
 
-}  // namespace extperfc::simulate
+}  // namespace extperfc

@@ -1,8 +1,8 @@
 #include <gtest/gtest.h>
 
-#include "extperfc/simulate/shape.hpp"
+#include "extperfc/world/shape.hpp"
 
-namespace extperfc::simulate {
+namespace extperfc {
 namespace {
 
 TEST(TextureName, GoesThereAndBack) {
@@ -25,4 +25,4 @@ TEST(TextureName, UnknownNamesAreNothing) {
 }
 
 }  // namespace
-}  // namespace extperfc::simulate
+}  // namespace extperfc

@@ -2,7 +2,7 @@
 
 #include <string>
 
-namespace extperfc::simulate {
+namespace extperfc {
 
 /// A robot of three links: base -- slide (prismatic along y) --> carriage -- turn (revolute about z) -->
 /// tool. Each part may be replaced, so that a test can break one.
@@ -29,4 +29,4 @@ struct RobotText {
   }
 };
 
-}  // namespace extperfc::simulate
+}  // namespace extperfc

@@ -1,10 +1,10 @@
-#include "extperfc/simulate/shape.hpp"
+#include "extperfc/world/shape.hpp"
 
 #include <algorithm>
 #include <array>
 #include <utility>
 
-namespace extperfc::simulate {
+namespace extperfc {
 
 namespace {
 
@@ -33,4 +33,4 @@ std::optional<Texture> texture_from(std::string_view name) {
   return found->first;
 }
 
-}  // namespace extperfc::simulate
+}  // namespace extperfc

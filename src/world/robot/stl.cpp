@@ -1,4 +1,4 @@
-#include "simulate/model/stl.hpp"
+#include "extperfc/world/stl.hpp"
 
 #include <cstdint>
 #include <cstring>
@@ -6,7 +6,7 @@
 #include <iterator>
 #include <string>
 
-namespace extperfc::simulate {
+namespace extperfc {
 namespace {
 
 // 80 bytes of text, the number of triangles, and for each its normal, three corners and two bytes more.
@@ -64,4 +64,4 @@ Result<std::vector<StlTriangle>> read_stl_triangles(const std::filesystem::path&
   return triangles;
 }
 
-}  // namespace extperfc::simulate
+}  // namespace extperfc

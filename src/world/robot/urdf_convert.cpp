@@ -1,13 +1,13 @@
-#include "simulate/model/urdf_convert.hpp"
+#include "world/robot/urdf_convert.hpp"
 
 #include <cmath>
 #include <limits>
 #include <string>
 #include <utility>
 
-#include "simulate/model/mesh_resource.hpp"
+#include "world/robot/mesh_resource.hpp"
 
-namespace extperfc::simulate {
+namespace extperfc {
 
 namespace {
 
@@ -177,4 +177,4 @@ Result<Joint> to_joint(const urdf::Joint& joint) {
   return result;
 }
 
-}  // namespace extperfc::simulate
+}  // namespace extperfc

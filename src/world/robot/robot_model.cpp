@@ -1,14 +1,14 @@
-#include "extperfc/simulate/robot_model.hpp"
+#include "extperfc/world/robot_model.hpp"
 
 #include <algorithm>
 #include <fstream>
 #include <sstream>
 #include <utility>
 
-#include "simulate/model/urdf_document.hpp"
-#include "simulate/model/urdf_tree.hpp"
+#include "world/robot/urdf_document.hpp"
+#include "world/robot/urdf_tree.hpp"
 
-namespace extperfc::simulate {
+namespace extperfc {
 
 namespace {
 
@@ -80,4 +80,4 @@ std::vector<Pose> RobotModel::link_poses(const std::vector<double>& positions) c
   return poses;
 }
 
-}  // namespace extperfc::simulate
+}  // namespace extperfc

@@ -5,12 +5,12 @@
 
 #include <gtest/gtest.h>
 
-#include "extperfc/simulate/robot_model.hpp"
+#include "extperfc/world/robot_model.hpp"
 
 #include "robot_text.hpp"
 #include "temporary_folder.hpp"
 
-namespace extperfc::simulate {
+namespace extperfc {
 namespace {
 
 RobotModel model(const std::string& xml, const std::filesystem::path& root = ".") {
@@ -158,4 +158,4 @@ TEST(RobotModel, IsReadByManyThreadsAtOnce) {
 }
 
 }  // namespace
-}  // namespace extperfc::simulate
+}  // namespace extperfc
