@@ -5,10 +5,10 @@ import re
 import unittest
 
 REPO = pathlib.Path(__file__).resolve().parents[2]
-ROOMS = ("detect", "depth", "sources", "simulate", "scan", "translate", "mapping", "localize", "offline")
+ROOMS = ("detect", "depth", "sources", "simulate", "scan", "translate", "mapping", "localize", "offline", "arm")
 BELOW = {"base": set(), "world": {"base"}, **{room: {"base", "world"} for room in ROOMS}}
 BELOW["offline"] |= {"mapping", "sources"}  # programs that join rooms: a recording goes in, a map comes out
-ROS_HEADER = re.compile(r'#include\s*[<"](ros/(?!params|convert|health|detect|depth|sources|simulate|scan|translate|mapping|localize|offline)|tf2|nodelet/|pluginlib/|'
+ROS_HEADER = re.compile(r'#include\s*[<"](ros/(?!params|convert|health|detect|depth|sources|simulate|scan|translate|mapping|localize|offline|arm)|tf2|nodelet/|pluginlib/|'
                         r'cv_bridge/|image_transport/|diagnostic_updater/|message_filters/|rosbag/|XmlRpc|[a-z_]+_msgs/)')
 PARAMETER_READ = re.compile(r'(?<!")' r"\b(getParam|getParamCached|param\s*<|ros::param::get)\b|\.param\s*\(")
 OWN_HEADER = re.compile(r'#include\s*[<"](?:extperfc/)?(\w+)/[\w/]+\.hpp[>"]')
@@ -19,7 +19,9 @@ OWNERS = {
     r"yaml-cpp/": {"world", "detect", "sources", "simulate", "translate"},
     r"mrpt/": {"sources"},
     r"openssl/": {"base"},
-    r"(btBullet|Bullet)": {"simulate"},
+    r"(btBullet|Bullet)": {"simulate", "arm"},
+    r"kdl/": {"arm"},
+    r"ompl/": {"arm"},
     r"embree\d?/": {"simulate"},
     r"urdf": {"world"},
     r"pcl/": {"scan"},
