@@ -9,7 +9,7 @@
 namespace extperfc::benchmark {
 
 /// MRPT's CMonteCarloLocalization2D, what its pf-localization runs: likelihood field of the same width, 60
-/// beams of 180, Thrun's odometry model. A build without MRPT's library for it has no peer.
+/// beams of 180, its default odometry model and noise. A build without MRPT's library for it has no peer.
 class Peer {
  public:
   /// Nothing where MRPT is missing. `least` < `most`: KLD-sampling.

@@ -18,8 +18,6 @@ using mrpt::bayes::CParticleFilter;
 using mrpt::maps::COccupancyGridMap2D;
 using mrpt::obs::CActionRobotMovement2D;
 
-constexpr float kNoise = 0.3F;  // standard deviation per metre or radian
-
 COccupancyGridMap2D::Ptr convert(const OccupancyGrid& map, std::size_t rays_per_beam) {
   const double right = map.origin.x + static_cast<double>(map.width) * map.resolution_m;
   const double top = map.origin.y + static_cast<double>(map.height) * map.resolution_m;
@@ -73,14 +71,9 @@ class MrptPeer : public Peer {
 
   void update(const LaserScan& scan, const Pose2& motion) override {
     CActionRobotMovement2D moved;
-    CActionRobotMovement2D::TMotionModelOptions model;
-    model.modelSelection = CActionRobotMovement2D::mmThrun;
-    // About as much noise as ours by default.
-    model.thrunModel.alfa1_rot_rot = kNoise;
-    model.thrunModel.alfa2_rot_trans = kNoise;
-    model.thrunModel.alfa3_trans_trans = kNoise;
-    model.thrunModel.alfa4_trans_rot = kNoise;
-    moved.computeFromOdometry({motion.x, motion.y, motion.yaw}, model);
+    // MRPT's own noise. Its other model (Thrun's) splits a turn on the spot, or a way backwards, into two
+    // turns of up to pi and makes noise of both: with as much of it as ours by default, it loses the robot.
+    moved.computeFromOdometry({motion.x, motion.y, motion.yaw}, {});
     mrpt::obs::CActionCollection actions;
     actions.insert(moved);
     mrpt::obs::CSensoryFrame frame;
