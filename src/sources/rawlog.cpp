@@ -9,6 +9,7 @@
 
 #include "extperfc/sources/recording.hpp"
 
+#include "sources/mrpt_words.hpp"
 #include "sources/rawlog_reader.hpp"
 #include "sources/rawlog_scan.hpp"
 
@@ -18,14 +19,6 @@ namespace {
 
 namespace fs = std::filesystem;
 using Scan = RawlogReader::Scan;
-
-/// The sentence inside MRPT's multi-line exception text.
-std::string sentence_of(const std::exception& error) {
-  std::string text = error.what();
-  if (const auto start = text.find("Message:"); start != std::string::npos) text.erase(0, start + 8);
-  text.erase(0, text.find_first_not_of(" \t\n"));
-  return text.substr(0, text.find('\n'));
-}
 
 /// Where MRPT's programs put pictures that they store beside a rawlog.
 fs::path image_folder(const fs::path& rawlog) {

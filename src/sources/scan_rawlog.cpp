@@ -18,6 +18,8 @@
 
 #include "extperfc/sources/scan_pairing.hpp"
 
+#include "sources/mrpt_words.hpp"
+
 namespace extperfc::sources {
 
 namespace {
@@ -28,14 +30,6 @@ using mrpt::obs::CObservationOdometry;
 
 constexpr std::size_t kMostComplaints = 10;
 constexpr double kMostTiltRad = 0.1;
-
-/// The sentence inside MRPT's multi-line exception text.
-std::string sentence_of(const std::exception& error) {
-  std::string text = error.what();
-  if (const auto start = text.find("Message:"); start != std::string::npos) text.erase(0, start + 8);
-  text.erase(0, text.find_first_not_of(" \t\n"));
-  return text.substr(0, text.find('\n'));
-}
 
 Pose2 pose_of(const mrpt::poses::CPose2D& pose) {
   return {pose.x(), pose.y(), wrap_angle(pose.phi())};

@@ -2,21 +2,24 @@
 
 import bz2
 import gzip
-import itertools
+import io
 import json
 import math
 import os
 import pathlib
 import pty
-import random
 import re
+import shutil
 import signal
 import struct
 import subprocess
 import tempfile
 import unittest
 
+import cv2
 import numpy
+
+from drawn_room import DRIVE, between, compose, read_pgm, read_tum, write_bag
 
 REPO = pathlib.Path(__file__).resolve().parents[2]
 MAP = REPO / "tools" / "extperfc-map"
@@ -25,112 +28,9 @@ SLAM_DATA = REPO.parent / "shared" / "data" / "slam"
 MRPT_DATA = pathlib.Path("/usr/share/mrpt/datasets")
 FILES = ["map.pgm", "map.png", "map.session", "map.yaml", "report.json", "report.txt", "trajectory.tum"]
 
-RAYS = 180
-ANGLES = numpy.radians(numpy.arange(RAYS) - 90.0)
-# A room of 12 m x 9 m with a niche and three pillars: walls as x0 y0 x1 y1 [m].
-WALLS = numpy.array([
-    (-4, -3, 8, -3), (8, -3, 8, 2), (8, 2, 6, 2), (6, 2, 6, 4), (6, 4, 8, 4), (8, 4, 8, 6), (8, 6, -4, 6),
-    (-4, 6, -4, -3),
-    *((x + s * a, y + s * b, x + s * c, y + s * d) for x, y, s in ((0, 3, .3), (3, 1.2, .4), (5, -1.5, .25))
-      for a, b, c, d in ((-1, -1, 1, -1), (1, -1, 1, 1), (1, 1, -1, 1), (-1, 1, -1, -1)))], dtype=float)
-
-
-def compose(a, b):
-    c, s = math.cos(a[2]), math.sin(a[2])
-    return (a[0] + c * b[0] - s * b[1], a[1] + s * b[0] + c * b[1], math.remainder(a[2] + b[2], 2 * math.pi))
-
-
-def between(a, b):
-    c, s = math.cos(a[2]), math.sin(a[2])
-    dx, dy = b[0] - a[0], b[1] - a[1]
-    return (c * dx + s * dy, -s * dx + c * dy, math.remainder(b[2] - a[2], 2 * math.pi))
-
-
-def ranges_from(pose):
-    """Distances to the nearest wall along each ray."""
-    directions = numpy.stack([numpy.cos(ANGLES + pose[2]), numpy.sin(ANGLES + pose[2])], axis=1)[:, None, :]
-    start = WALLS[None, :, :2] - numpy.array(pose[:2])
-    along = (WALLS[:, 2:] - WALLS[:, :2])[None]
-    cross = directions[..., 0] * along[..., 1] - directions[..., 1] * along[..., 0]
-    with numpy.errstate(divide="ignore", invalid="ignore"):
-        distance = (start[..., 0] * along[..., 1] - start[..., 1] * along[..., 0]) / cross
-        share = (start[..., 0] * directions[..., 1] - start[..., 1] * directions[..., 0]) / cross
-    distance[~((distance > 0) & (share >= 0) & (share <= 1))] = numpy.inf
-    return distance.min(axis=1)
-
-
-def drive():
-    """True poses of two rounds about the pillars, a scan every 0.2 s: 0.08 m and up to 6 degrees apart."""
-    corners = [(-2, -1.5), (6.5, -2.2), (7, 0.8), (1.5, 4.5), (-2.5, 4.5)]
-    pose = (-2.0, -1.5, 0.0)
-    poses = [pose]
-    for x, y in itertools.islice(itertools.cycle(corners), 1, 2 * len(corners) + 1):
-        while math.hypot(x - pose[0], y - pose[1]) > 0.1:
-            turn = math.remainder(math.atan2(y - pose[1], x - pose[0]) - pose[2], 2 * math.pi)
-            step = 0.08 if abs(turn) < 0.5 else 0.0
-            pose = compose(pose, (step, 0, max(-0.1, min(0.1, turn))))
-            poses.append(pose)
-    return poses
-
-
-def odometry_of(poses, rng):
-    """What wheels that slip by 3 % and turn 3 % too far measure."""
-    seen = (0.0, 0.0, 0.0)
-    track = [seen]
-    for last, now in zip(poses, poses[1:]):
-        dx, dy, turn = between(last, now)
-        seen = compose(seen, (dx * rng.gauss(1.01, 0.03), dy, turn * rng.gauss(1.03, 0.03) + rng.gauss(0, 2e-4)))
-        track.append(seen)
-    return track
-
-
-class Drive:
-    """One simulated drive, made once."""
-    def __init__(self):
-        rng = random.Random(11)
-        self.truth = drive()
-        self.odometry = odometry_of(self.truth, rng)
-        self.scans = [[max(0.05, distance + rng.gauss(0, 0.01)) for distance in ranges_from(pose)]
-                      for pose in self.truth]
-        self.stamps = [1000 + 0.2 * i for i in range(len(self.truth))]
-
-    def carmen(self):
-        lines = ["# a simulated room", "PARAM robot_frontlaser_offset 0.0 nohost 0"]
-        for stamp, scan, odom in zip(self.stamps, self.scans, self.odometry):
-            ranges = " ".join(f"{distance:.2f}" for distance in scan)
-            pose = " ".join(f"{value:.6f}" for value in odom)
-            lines.append(f"FLASER {RAYS} {ranges} {pose} {pose} {stamp:.6f} nohost {stamp - 1000:.6f}")
-        return "\n".join(lines) + "\n"
-
-    def relations(self):
-        rng = random.Random(5)
-        count = len(self.truth)
-        pairs = [(i, i + 5) for i in range(0, count - 5, 7)]
-        pairs += [(i, i + rng.randrange(110, count - 110)) for i in range(0, 100, 4)]
-        lines = ["# i j x y z roll pitch yaw"]
-        for i, j in pairs:
-            x, y, yaw = between(self.truth[i], self.truth[j])
-            lines.append(f"{i} {j} {x:.6f} {y:.6f} 0 0 0 {yaw:.6f}")
-        return "\n".join(lines) + "\n"
-
-
-DRIVE = Drive()
-
 
 def call(tool, *arguments, **more):
     return subprocess.run([tool, *map(str, arguments)], capture_output=True, text=True, timeout=300, **more)
-
-
-def read_tum(file):
-    """(stamp, x, y, yaw) of each line."""
-    rows = [list(map(float, line.split())) for line in file.read_text().splitlines() if not line.startswith("#")]
-    return [(row[0], row[1], row[2], 2 * math.atan2(row[6], row[7])) for row in rows]
-
-
-def read_pgm(file):
-    match = re.match(rb"P5\n#[^\n]*\n(\d+) (\d+)\n255\n", data := file.read_bytes())
-    width, height = map(int, match.groups())
-    return numpy.frombuffer(data[match.end():], dtype=numpy.uint8).reshape(height, width)
 
 
 class MapTool(unittest.TestCase):
@@ -331,41 +231,9 @@ class MapTool(unittest.TestCase):
                 self.assertLessEqual(max(map(len, done.stdout.splitlines())), 120)
 
     def test_maps_a_bag(self):
-        import genpy
-        import rosbag
-        from geometry_msgs.msg import TransformStamped
-        from nav_msgs.msg import Odometry
-        from sensor_msgs.msg import LaserScan
-        from tf2_msgs.msg import TFMessage
-
-        def transform(parent, child, stamp, pose):
-            message = TransformStamped()
-            message.header.frame_id, message.child_frame_id, message.header.stamp = parent, child, stamp
-            message.transform.translation.x, message.transform.translation.y = pose[:2]
-            message.transform.rotation.z, message.transform.rotation.w = math.sin(pose[2] / 2), math.cos(pose[2] / 2)
-            return TFMessage([message])
-
         count = 150
         for kind in ("tf", "topic"):
-            with rosbag.Bag(str(self.folder / f"{kind}.bag"), "w") as bag:
-                start = genpy.Time.from_sec(DRIVE.stamps[0])
-                bag.write("/tf_static", transform("base_link", "laser", start, (0, 0, 0)), start)
-                for i in range(count):
-                    stamp = genpy.Time.from_sec(DRIVE.stamps[i])
-                    scan = LaserScan(angle_min=-math.pi / 2, angle_increment=math.pi / 180, range_min=0.02,
-                                     range_max=30, ranges=DRIVE.scans[i])
-                    scan.header.frame_id, scan.header.stamp = "laser", stamp
-                    bag.write("/scan", scan, stamp)
-                    if kind == "tf":
-                        bag.write("/tf", transform("odom", "base_link", stamp, DRIVE.odometry[i]), stamp)
-                    else:
-                        odometry = Odometry()
-                        odometry.header.stamp = stamp
-                        pose = odometry.pose.pose
-                        pose.position.x, pose.position.y = DRIVE.odometry[i][:2]
-                        pose.orientation.z = math.sin(DRIVE.odometry[i][2] / 2)
-                        pose.orientation.w = math.cos(DRIVE.odometry[i][2] / 2)
-                        bag.write("/odom", odometry, stamp)
+            write_bag(self.folder / f"{kind}.bag", DRIVE.stamps[:count], DRIVE.scans, DRIVE.odometry, kind)
             with self.subTest(kind=kind):
                 report, folder = self.mapped(self.folder / f"{kind}.bag", out=kind)
                 self.assertEqual((count, 0), (report["scans"], report["scans_without_odometry"]))
@@ -381,6 +249,42 @@ class MapTool(unittest.TestCase):
         done = call(MAP, cut, "--out", self.folder / "x")
         self.assertEqual(1, done.returncode)
         self.assertRegex(done.stderr, "^extperfc-map: .*cut.bag .*\n$")
+
+    def test_maps_for_mrpt(self):
+        """The file of poses and scans gives MRPT's own program the room; its grid has the walls of ours."""
+        grid, simple = self.folder / "room.gridmap.gz", self.folder / "room.simplemap"
+        done = call(MAP, self.log, "--out", self.folder / "out", "--quiet", "--gridmap", grid, "--simplemap", simple)
+        if done.returncode == 1 and "without MRPT" in done.stderr:
+            self.skipTest("this build has no maps of MRPT")
+        self.assertEqual(0, done.returncode, done.stderr)
+        self.assertIn(b"COccupancyGridMap2D", gzip.decompress(grid.read_bytes())[:60])
+        self.assertIn(b"CSimpleMap", simple.read_bytes()[:40])
+        if shutil.which("observations2map") is None:
+            self.skipTest("package mrpt-apps is not installed")
+        config = self.folder / "grid.ini"
+        config.write_text("[MappingApplication]\noccupancyGrid_count=1\n"
+                          "[MappingApplication_occupancyGrid_00_creationOpts]\nresolution=0.05\n")
+        made = subprocess.run(["observations2map", config, simple, self.folder / "mrpt"], capture_output=True, text=True,
+                              stdin=subprocess.DEVNULL, timeout=120)
+        self.assertEqual(0, made.returncode, made.stdout + made.stderr)
+        picture = cv2.imread(str(next(self.folder.glob("mrpt_*OccupancyGridMap2D_00.png"))), cv2.IMREAD_GRAYSCALE)
+        limits = next(self.folder.glob("mrpt_*_limits.txt")).read_text().replace("%", "#")
+        x_min, _, y_min, _ = numpy.loadtxt(io.StringIO(limits)).ravel()[:4]
+        self.assertGreater(self.walls_found_by_mrpt(picture, x_min, y_min), 0.95)
+
+    def walls_found_by_mrpt(self, picture, x_min, y_min):
+        """Share of our map's occupied cells that have an occupied one of MRPT's picture within a cell (0.05 m)."""
+        grid = read_pgm(self.folder / "out" / "map.pgm")[::-1]
+        origin = re.search(r"origin: \[(.*)\]", (self.folder / "out" / "map.yaml").read_text()).group(1).split(",")
+        rows, columns = numpy.nonzero(grid == 0)
+        near_walls = cv2.dilate((picture[::-1] < 100).astype(numpy.uint8), numpy.ones((3, 3), numpy.uint8))
+        columns = columns + round((float(origin[0]) - x_min) / 0.05)
+        rows = rows + round((float(origin[1]) - y_min) / 0.05)
+        inside = (rows >= 0) & (columns >= 0) & (rows < near_walls.shape[0]) & (columns < near_walls.shape[1])
+        found = near_walls[rows[inside], columns[inside]].sum() / len(rows)
+        # A picture that is dark everywhere would have every wall.
+        self.assertLess(near_walls.mean(), 0.1)
+        return found
 
     def test_maps_mrpts_recording(self):
         recording = MRPT_DATA / "2006-01ENE-21-SENA_Telecom Faculty_one_loop_only.rawlog"

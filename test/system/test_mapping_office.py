@@ -4,7 +4,6 @@ import math
 import os
 import pathlib
 import re
-import sys
 import tempfile
 import time
 import unittest
@@ -12,6 +11,7 @@ import unittest
 import cv2
 import numpy as np
 
+from generated_services import find_services
 from office_drive import ARRIVED_M, STEPS, Deadline, Plan, command
 from ros_session import RosSession
 
@@ -53,14 +53,6 @@ def inverse(a):
 def pose_of(message):
     return (message.position.x, message.position.y,
             2 * math.atan2(message.orientation.z, message.orientation.w))
-
-
-def find_services():
-    """The generated services, beside the package's own Python code that may hide them."""
-    import extperfc
-    for folder in map(pathlib.Path, sys.path):
-        if (folder / "extperfc" / "srv").is_dir() and str(folder / "extperfc") not in extperfc.__path__:
-            extperfc.__path__.append(str(folder / "extperfc"))
 
 
 class Newest(dict):

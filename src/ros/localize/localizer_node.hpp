@@ -45,7 +45,8 @@ namespace extperfc::localizer {
 /// Parameters (private; unknown keys are refused): amcl's, with units and ranges in config/localizer.yaml.
 ///   Defaults that differ: min_particles 500, laser_max_beams 60, update_min_a 0.2 rad, odom_model_type
 ///   diff-corrected. Not in amcl:
-///   map_file               YAML file of map_server's format, loaded at the start    "": none
+///   map_file               YAML file of map_server's format, or MRPT's .gridmap or
+///                          .gridmap.gz, loaded at the start                         "": none
 ///   tf_timeout_s           wait for a transform at the scan's stamp [s]             0.5, [0, 5]
 ///   idle_update_period_s   longest time between updates while standing; 0: none [s] 1, [0, 3600]
 ///   lost_fit               share of fitting beams below which the robot is lost     0.4, [0, 1]

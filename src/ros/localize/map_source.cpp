@@ -7,6 +7,7 @@
 #include <ros/console.h>
 #include <ros/service.h>
 
+#include "extperfc/sources/mrpt_map.hpp"
 #include "extperfc/world/map_file.hpp"
 
 #include "ros/convert/occupancy_grid.hpp"
@@ -34,7 +35,7 @@ MapSource::~MapSource() {
 
 Result<void> MapSource::start() {
   if (!file_.empty()) {
-    auto map = load_map(file_);
+    auto map = sources::names_gridmap(file_) ? sources::load_gridmap(file_) : load_map(file_);
     if (!map) return tl::unexpected(map.error());
     on_map_(std::make_shared<const OccupancyGrid>(std::move(*map)));
     return {};

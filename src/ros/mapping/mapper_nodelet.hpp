@@ -36,15 +36,18 @@ namespace extperfc {
 ///   scan   sensor_msgs/LaserScan, or sensor_msgs/MultiEchoLaserScan with multi_echo (its strongest echoes)
 ///   imu    sensor_msgs/Imu, with use_imu
 /// Publishes:
-///   map, map_metadata   nav_msgs/OccupancyGrid, MapMetaData: latched, when changed, every
-///   map_update_interval pose                geometry_msgs/PoseWithCovarianceStamped of base_frame in
-///   map_frame, for every used scan particlecloud       geometry_msgs/PoseArray, after key frames, while
-///   somebody listens trajectory          nav_msgs/Path of at most 10,000 poses, while somebody listens
+///   map, map_metadata   nav_msgs/OccupancyGrid, MapMetaData: latched, when changed, at most every
+///                       map_update_interval
+///   pose                geometry_msgs/PoseWithCovarianceStamped of base_frame in map_frame, for every
+///                       used scan
+///   particlecloud       geometry_msgs/PoseArray, after key frames, while somebody listens
+///   trajectory          nav_msgs/Path of at most 10,000 poses, while somebody listens
 ///   ~entropy            std_msgs/Float64 of the particles' weights [nat], after key frames
 ///   diagnostics         diagnostic_msgs/DiagnosticArray
 /// Services:
 ///   dynamic_map         nav_msgs/GetMap
-///   ~save_map           extperfc/SaveMap: PGM and YAML as map_server has them, and a session to go on from
+///   ~save_map           extperfc/SaveMap: PGM and YAML as map_server has them, and a session to go on
+///                       from; with the suffix .gridmap or .gridmap.gz MRPT's grid map alone
 ///   ~load_session       extperfc/LoadSession
 ///   ~pause, ~resume     std_srvs/Trigger: scans are skipped meanwhile, tf goes on
 ///   ~reset              std_srvs/Trigger: a new map
@@ -59,8 +62,8 @@ namespace extperfc {
 ///   map_update_interval       from map to map, at least [s of wall time]           5, [0, 3600]
 ///   trajectory_interval_s     from trajectory to trajectory [s of wall time]       1, [0.05, 3600]
 ///   transform_publish_period  of tf; 0: none [s]                                   0.05, [0, 60]
-///   tf_delay                  how far ahead tf is stamped [s]                      transform_publish_period,
-///   [0, 60] transform_timeout_s       wait for transforms at the scan's stamp [s of wall]  0.5, [0, 60]
+///   tf_delay                  how far ahead tf is stamped [s]          transform_publish_period, [0, 60]
+///   transform_timeout_s       wait for transforms at the scan's stamp [s of wall]  0.5, [0, 60]
 ///   most_tilt_rad             of the scanner against the floor [rad]               0.1, [0, 0.8]
 ///   odometry_max_speed_m_s    faster odometry has jumped [m/s]                     5, [0.1, 100]
 ///   odometry_max_turn_rad_s   faster odometry has jumped [rad/s]                   10, [0.1, 100]

@@ -6,6 +6,7 @@
 
 #include <ros/console.h>
 
+#include "extperfc/sources/mrpt_map.hpp"
 #include "extperfc/world/map_file.hpp"
 
 namespace extperfc {
@@ -76,6 +77,10 @@ Result<std::string> MapperServices::save(const std::string& path) {
   const fs::path stem = fs::absolute(path, error);
   const auto map = maps_.settled_map(kSettlingPatienceS);
   if (!map) return fail(ErrorCode::kNotFound, "there is no map yet: no scan was used");
+  if (sources::names_gridmap(stem)) {
+    const auto saved = sources::save_gridmap(*map, stem);
+    return saved ? Result<std::string>("wrote " + stem.string()) : tl::unexpected(saved.error());
+  }
   if (const auto saved = extperfc::save_map(*map, stem); !saved) return tl::unexpected(saved.error());
   const fs::path session = stem.string() + kSessionSuffix;
   const fs::path unfinished = session.string() + ".part";

@@ -24,7 +24,7 @@ struct LocalizerNodeParams {
   std::string odom_frame{"odom"};
   std::string base_frame{"base_link"};
   std::string global_frame{"map"};
-  std::string map_file;             ///< YAML file of a map; empty: from the topic or the service
+  std::string map_file;             ///< a map's YAML file, or .gridmap; empty: from the topic or the service
   bool use_map_topic{false};        ///< false: ask the service static_map
   bool first_map_only{false};       ///< maps of the topic after the first do not count
   bool tf_broadcast{true};          ///< publish global_frame -> odom_frame

@@ -10,6 +10,7 @@
 #include <ros/param.h>
 #include <std_srvs/Empty.h>
 
+#include "extperfc/sources/mrpt_map.hpp"
 #include "extperfc/world/map_file.hpp"
 
 #include "child_process.hpp"
@@ -25,6 +26,18 @@ TEST_F(LocalizerTest, TheMapComesFromAFile) {
   const TemporaryFolder folder;
   ASSERT_TRUE(save_map(room_, folder.path() / "room"));
   load_without_map({{"map_file", (folder.path() / "room.yaml").string()}, {"use_map_topic", false}});
+  const auto pose = drive_around();
+  ASSERT_TRUE(pose) << diagnostics_.latest().message();
+  expect_near(*pose);
+}
+
+TEST_F(LocalizerTest, TheMapComesFromAFileOfMrpts) {
+  const TemporaryFolder folder;
+  const auto file = folder.path() / "room.gridmap.gz";
+  const auto saved = sources::save_gridmap(room_, file);
+  if (!saved && saved.error().code == ErrorCode::kUnsupported) GTEST_SKIP() << saved.error().message;
+  ASSERT_TRUE(saved) << saved.error().message;
+  load_without_map({{"map_file", file.string()}, {"use_map_topic", false}});
   const auto pose = drive_around();
   ASSERT_TRUE(pose) << diagnostics_.latest().message();
   expect_near(*pose);

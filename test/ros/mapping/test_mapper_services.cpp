@@ -11,6 +11,7 @@
 
 #include "extperfc/LoadSession.h"
 #include "extperfc/SaveMap.h"
+#include "extperfc/sources/mrpt_map.hpp"
 #include "extperfc/world/map_file.hpp"
 
 #include "mapper_test.hpp"
@@ -83,6 +84,19 @@ TEST_F(MapperServicesTest, SavesWhatMapServerReads) {
   EXPECT_EQ(std::distance(fs::directory_iterator(folder_.path()), fs::directory_iterator()), 3)
       << "nothing unfinished stays";
   const auto loaded = load_map(stem().string() + ".yaml");
+  ASSERT_TRUE(loaded) << loaded.error().message;
+  EXPECT_GT(agreement(map_now(), *loaded), 0.99);
+}
+
+TEST_F(MapperServicesTest, SavesWhatMrptReads) {
+  load_and_drive();
+  const auto file = folder_.path() / "office.gridmap.gz";
+  const auto saved = save(file);
+  if (saved.message.find("without MRPT") != std::string::npos) GTEST_SKIP() << saved.message;
+  ASSERT_TRUE(saved.success) << saved.message;
+  EXPECT_EQ(std::distance(fs::directory_iterator(folder_.path()), fs::directory_iterator()), 1)
+      << "the grid map and nothing else";
+  const auto loaded = sources::load_gridmap(file);
   ASSERT_TRUE(loaded) << loaded.error().message;
   EXPECT_GT(agreement(map_now(), *loaded), 0.99);
 }

@@ -1,18 +1,9 @@
 // Time that runs back, stands still, or is simulated.
 #include "mapper_test.hpp"
+#include "simulated_time.hpp"
 
 namespace extperfc::ros_test {
 namespace {
-
-/// Time of the process as a clock would set it; real time again at the end.
-class SimulatedTime {
- public:
-  explicit SimulatedTime(double seconds) { set(seconds); }
-  ~SimulatedTime() { ros::Time::init(); }
-  SimulatedTime(const SimulatedTime&) = delete;
-  SimulatedTime& operator=(const SimulatedTime&) = delete;
-  static void set(double seconds) { ros::Time::setNow(ros::Time(seconds)); }
-};
 
 class MapperTimeTest : public MapperTest {};
 
