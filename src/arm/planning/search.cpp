@@ -1,0 +1,106 @@
+#include "arm/planning/search.hpp"
+
+#include <algorithm>
+#include <map>
+#include <numeric>
+
+#include "arm/collision/bodies.hpp"
+
+namespace extperfc::arm::planning {
+
+namespace {
+
+constexpr int kFirstSamples = 500;
+
+/// Indices of the goals, nearest first.
+std::vector<int> by_distance(const JointVector& start, const std::vector<JointVector>& goals) {
+  std::vector<int> order(goals.size());
+  std::iota(order.begin(), order.end(), 0);
+  std::sort(order.begin(), order.end(), [&](int a, int b) {
+    return (goals[a] - start).squaredNorm() < (goals[b] - start).squaredNorm();
+  });
+  return order;
+}
+
+}  // namespace
+
+std::vector<JointSet> branches(const CollisionModel& model) {
+  const auto& bodies = model.bodies().bodies;
+  std::vector<int> branch(bodies.size(), 0);
+  std::map<int, JointSet> joints;  // by the branch's first body
+  for (std::size_t b = 1; b < bodies.size(); ++b) {
+    branch[b] = bodies[b].parent == 0 ? static_cast<int>(b) : branch[bodies[b].parent];
+    auto& set = joints[branch[b]];
+    if (std::find(set.begin(), set.end(), bodies[b].joint) == set.end()) set.push_back(bodies[b].joint);
+  }
+  std::vector<JointSet> result;
+  for (auto& [first, set] : joints) {
+    std::sort(set.begin(), set.end());
+    result.push_back(set);
+  }
+  std::sort(result.begin(), result.end());
+  return result;
+}
+
+Search::Search(CollisionChecker& checker, const JointLimits& limits, const PlannerParams& params)
+    : checker_(checker),
+      limits_(limits),
+      params_(params),
+      branches_(branches(checker.model())),
+      rng_(params.seed) {}
+
+std::optional<Found> Search::straight(const JointVector& start, const std::vector<JointVector>& goals) {
+  for (const int goal : by_distance(start, goals))
+    if (checker_.motion_free(start, goals[goal])) return Found{{start, goals[goal]}, goal};
+  return std::nullopt;
+}
+
+std::optional<Found> Search::branch_after_branch(const JointVector& start, const JointVector& goal,
+                                                 const std::vector<JointSet>& order, int samples,
+                                                 const std::function<bool()>& stop) {
+  Found found{{start}, -1};
+  for (const auto& branch : order) {
+    const JointVector from = found.waypoints.back();
+    JointVector to = from;
+    for (const int j : branch) to[j] = goal[j];
+    if (to == from) continue;
+    if (!checker_.is_free(to)) return std::nullopt;
+    if (checker_.motion_free(from, to)) {
+      found.waypoints.push_back(to);
+      continue;
+    }
+    RrtConnect trees(checker_, limits_, params_, branch, from, {to});
+    const auto part = trees.grow(samples, rng_, stop);
+    states_ += trees.states();
+    if (!part) return std::nullopt;
+    found.waypoints.insert(found.waypoints.end(), part->waypoints.begin() + 1, part->waypoints.end());
+  }
+  return found;
+}
+
+std::optional<Found> Search::run(const JointVector& start, const std::vector<JointVector>& goals,
+                                 const std::function<bool()>& stop) {
+  if (auto found = straight(start, goals)) return found;
+  JointSet all(start.size());
+  std::iota(all.begin(), all.end(), 0);
+  RrtConnect whole(checker_, limits_, params_, all, start, goals);
+  const int nearest = by_distance(start, goals).front();
+  const auto turn = [&](int samples) -> std::optional<Found> {
+    auto order = branches_;
+    for (int i = 0; i < 2 && order.size() > 1; ++i, std::reverse(order.begin(), order.end())) {
+      auto found = branch_after_branch(start, goals[nearest], order, samples, stop);
+      if (!found) continue;
+      found->goal = nearest;
+      return found;
+    }
+    return whole.grow(samples, rng_, stop);
+  };
+  std::optional<Found> found;
+  for (int samples = kFirstSamples; !found && !whole.full() && !stop();
+       samples = std::min(2 * samples, 1'000'000))
+    found = turn(samples);
+  states_ += whole.states();
+  return found;
+}
+
+}  // namespace extperfc::arm::planning
