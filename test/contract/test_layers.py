@@ -22,6 +22,7 @@ OWNERS = {
     r"(btBullet|Bullet)": {"simulate", "arm"},
     r"kdl/": {"arm"},
     r"ompl/": {"arm"},
+    r"tinyxml2": {"arm"},
     r"embree\d?/": {"simulate"},
     r"urdf": {"world"},
     r"pcl/": {"scan"},

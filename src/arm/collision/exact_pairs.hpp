@@ -1,0 +1,96 @@
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <vector>
+
+#include <Eigen/Core>
+
+#include "arm/collision/scene.hpp"
+
+struct btPointCollector;
+
+namespace extperfc::arm::collision {
+
+/// A direction in the root frame and how far it separates two shapes along it: every point of the first lies
+/// at least `gap_m` further along `normal` than every point of the second. Not positive: not separated.
+struct Separation {
+  Eigen::Vector3d normal{Eigen::Vector3d::UnitZ()};
+  double gap_m{0};
+};
+
+/// Where a scene's bodies are, and its moving parts as far as they were asked for. Not thread-safe.
+class Placement {
+ public:
+  void set(const Scene& scene, const std::vector<Pose>& root_T_body);
+  /// For the poses of a robot at its joint positions.
+  void set(const Bodies& bodies, const Scene& scene, const double* positions);
+
+  struct Part {
+    Pose root_T_part;
+    Eigen::Vector3d half;  ///< of its axis-parallel bounding box about its origin
+  };
+  [[nodiscard]] const std::vector<Pose>& bodies() const { return root_T_body_; }
+  [[nodiscard]] const Part& part(int index) const;
+
+ private:
+  const Scene* scene_{nullptr};
+  std::vector<Pose> root_T_body_;
+  mutable std::vector<Part> parts_;
+  mutable std::vector<char> known_;
+};
+
+/// Bodies at one moment of a motion, in the root frame.
+struct Moment {
+  Placement placement;
+  std::vector<Eigen::Vector3d> turning;  ///< angular velocity of each body
+  std::vector<Eigen::Vector3d> sliding;  ///< velocity of the point of each body that is at the root's origin
+};
+
+/// Sets `turning` and `sliding` from the poses and each joint's rate.
+void set_velocities(const Bodies& bodies, const std::vector<double>& rates, Moment& moment);
+
+/// Bullet on single pairs of a scene. Not thread-safe.
+class ExactPairs {
+ public:
+  explicit ExactPairs(const Scene& scene);
+  ~ExactPairs();
+  ExactPairs(const ExactPairs&) = delete;
+  ExactPairs& operator=(const ExactPairs&) = delete;
+
+  /// The separation of a pair, as GJK finds it and the support functions confirm; its gap is a lower bound of
+  /// the distance, and within some 1e-5 m of it when positive. Its direction is remembered.
+  [[nodiscard]] Separation separation(int pair, const Placement& placement);
+  /// The separation along the remembered direction, turned with the common ancestor; nothing the first time.
+  [[nodiscard]] std::optional<Separation> remembered(int pair, const Placement& placement) const;
+  /// Distance, or minus the depth of penetration (EPA) [m].
+  [[nodiscard]] double signed_distance(int pair, const Placement& placement);
+  /// A lower bound of the distance from bounding boxes; cheap.
+  [[nodiscard]] double rough_bound(int pair, const Placement& placement) const;
+  /// Whether the plane of `separation`, found at `moment`, keeps the pair more than its padding apart for all
+  /// |t| <= half, when each point strays at most `bend_m` from its motion linear in t, both together.
+  [[nodiscard]] bool stays_apart(int pair, const Moment& moment, const Separation& separation, double half,
+                                 double bend_m) const;
+
+  [[nodiscard]] std::uint64_t queries() const { return queries_; }
+
+ private:
+  struct Bullet;
+  [[nodiscard]] btPointCollector closest(const PartPair& pair, const Placement& placement, bool with_depth);
+  [[nodiscard]] Separation along(const PartPair& pair, const Placement& placement,
+                                 const Eigen::Vector3d& normal) const;
+  /// Least value of m . x over the moving part.
+  [[nodiscard]] double lowest(int part, const Placement& placement, const Eigen::Vector3d& m) const;
+  /// Largest value of m . x over the pair's second shape.
+  [[nodiscard]] double highest(const PartPair& pair, const Placement& placement,
+                               const Eigen::Vector3d& m) const;
+
+  const Scene& scene_;
+  std::unique_ptr<Bullet> bullet_;
+  std::vector<Eigen::Vector3d> obstacle_half_;  ///< as Placement::Part::half
+  std::vector<Eigen::Vector3d> axes_;  ///< per pair: the last separating direction, in the ancestor's frame
+  std::uint64_t queries_{0};
+};
+
+}  // namespace extperfc::arm::collision

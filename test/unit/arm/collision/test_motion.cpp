@@ -1,0 +1,158 @@
+// Motions: what is proven free is free for Bullet every 0.002 rad, and what is free is nearly always proven.
+#include <algorithm>
+#include <cmath>
+
+#include <gtest/gtest.h>
+
+#include "baxter.hpp"
+#include "bullet_oracle.hpp"
+
+namespace extperfc::arm {
+namespace {
+
+constexpr double kRecheck = 0.002;  // [rad]
+
+bool oracle_free(test::BulletOracle& oracle, const JointVector& from, const JointVector& to) {
+  const int steps = static_cast<int>(std::ceil((to - from).norm() / kRecheck));
+  for (int i = 0; i <= steps; ++i)
+    if (oracle.collides(from + (to - from) * (static_cast<double>(i) / std::max(1, steps)))) return false;
+  return true;
+}
+
+struct Score {
+  int proven{0};
+  int free{0};
+  int wrong{0};
+};
+
+/// Motions of 0.1 to 2 rad that start free.
+Score score_of(const std::string& group, const CollisionWorld& world, int motions, Rng& rng,
+               bool spheres = true) {
+  const auto params = test::group_params(group);
+  const auto model = CollisionModel::make(test::baxter(), params).value();
+  CollisionChecker checker = CollisionChecker::make(model, world, {1e-3, spheres}).value();
+  test::BulletOracle oracle(test::baxter(), params, world);
+  Score score;
+  while (motions > 0) {
+    const JointVector from = test::random_state(model.limits(), rng);
+    if (!checker.is_free(from)) continue;
+    --motions;
+    JointVector way = JointVector::Zero(model.joint_count());
+    double square = 0;
+    for (Eigen::Index k = 0; k < way.size(); ++k) {
+      way[k] = rng.normal(0, 1);
+      square += way[k] * way[k];
+    }
+    const double scale = rng.uniform(0.1, 2) / std::sqrt(square);
+    const JointVector to = from + scale * way;
+    const bool proven = checker.motion_free(from, to);
+    const bool free = oracle_free(oracle, from, to);
+    score.proven += proven && free ? 1 : 0;
+    score.free += free ? 1 : 0;
+    score.wrong += proven && !free ? 1 : 0;
+  }
+  return score;
+}
+
+TEST(Motion, WhatIsProvenIsFreeAndMostOfWhatIsFreeIsProven) {
+  Rng rng(21);
+  Score all;
+  for (int i = 0; i < 6; ++i) {
+    const Score score = score_of(i % 2 == 0 ? "left_arm" : "both_arms", test::random_world(10, rng), 25, rng);
+    all = {all.proven + score.proven, all.free + score.free, all.wrong + score.wrong};
+  }
+  RecordProperty("proven", all.proven);
+  RecordProperty("free", all.free);
+  EXPECT_EQ(0, all.wrong);
+  EXPECT_GT(all.free, 30);
+  EXPECT_GE(all.proven, 0.9 * all.free);
+}
+
+TEST(Motion, HoldsWithThingsInTheHandsAndPadding) {
+  Rng rng(22);
+  CollisionWorld world = test::random_world(6, rng);
+  Shape rod;
+  rod.geometry = Cylinder{0.01, 0.3};
+  test::must(world.attach({"rod",
+                           "left_gripper",
+                           {rod},
+                           test::random_pose(rng, {0, 0, 0.1}, {0, 0, 0.2}),
+                           {"left_gripper_base", "left_hand", "l_gripper_l_finger", "l_gripper_r_finger",
+                            "l_gripper_l_finger_tip", "l_gripper_r_finger_tip", "left_wrist"}}));
+  const Score score = score_of("both_arms", world, 40, rng);
+  EXPECT_EQ(0, score.wrong);
+  EXPECT_GE(score.proven, 0.9 * score.free);
+}
+
+TEST(Motion, BulletAloneProvesTheSame) {
+  Rng rng(23);
+  const CollisionWorld world = test::random_world(6, rng);
+  const CollisionModel model = test::group_model("left_arm");
+  CollisionChecker spheres = CollisionChecker::make(model, world).value();
+  CollisionChecker bullet = CollisionChecker::make(model, world, {1e-3, false}).value();
+  int proven = 0;
+  for (int i = 0; i < 60; ++i) {
+    const JointVector from = test::random_state(model.limits(), rng);
+    const JointVector to = from + 0.2 * test::random_state(model.limits(), rng);
+    const bool free = spheres.motion_free(from, to);
+    proven += free ? 1 : 0;
+    EXPECT_EQ(free, bullet.motion_free(from, to));
+  }
+  EXPECT_GT(proven, 3);
+}
+
+// The stretched arm, whose cylinders of 6 cm radius all reach equally high, turns under a plate.
+TEST(Motion, HalfAMillimetreDecides) {
+  const CollisionModel model = test::group_model("left_arm");
+  const JointVector from = JointVector::Zero(7);
+  JointVector to = from;
+  to[0] = 0.8;
+  for (const double gap : {0.0005, -0.0005}) {
+    CollisionWorld world;
+    Shape plate;
+    plate.geometry = Box{{3, 3, 0.02}};
+    Pose pose = Pose::Identity();
+    pose.translation() = model.link_pose(from, "left_upper_elbow_visual")->translation();
+    pose.translation().z() += 0.06 + 0.01 + gap;
+    test::must(world.add({"plate", {plate}, pose}));
+    CollisionChecker checker = CollisionChecker::make(model, world).value();
+    EXPECT_EQ(gap > 0, checker.motion_free(from, to)) << gap;
+  }
+}
+
+TEST(Motion, FractionEndsBeforeTheCollision) {
+  Rng rng(24);
+  const CollisionModel model = test::group_model("left_arm");
+  const CollisionWorld world = test::random_world(12, rng);
+  CollisionChecker checker = CollisionChecker::make(model, world).value();
+  test::BulletOracle oracle(test::baxter(), test::group_params("left_arm"), world);
+  int partial = 0;
+  for (int i = 0; i < 60; ++i) {
+    const JointVector from = test::random_state(model.limits(), rng),
+                      to = test::random_state(model.limits(), rng);
+    const double fraction = checker.free_fraction(from, to);
+    if (!checker.is_free(from)) {
+      EXPECT_EQ(-1, fraction);
+      continue;
+    }
+    EXPECT_EQ(fraction >= 1, checker.motion_free(from, to));
+    partial += fraction > 0 && fraction < 1 ? 1 : 0;
+    if (fraction > 0) {
+      EXPECT_TRUE(oracle_free(oracle, from, from + fraction * (to - from)));
+    }
+  }
+  EXPECT_GT(partial, 5);
+}
+
+TEST(Motion, OfNoLengthIsItsState) {
+  const CollisionModel model = test::group_model("left_arm");
+  Rng rng(25);
+  CollisionChecker checker = CollisionChecker::make(model, test::random_world(8, rng)).value();
+  for (int i = 0; i < 50; ++i) {
+    const JointVector state = test::random_state(model.limits(), rng);
+    EXPECT_EQ(checker.is_free(state), checker.motion_free(state, state));
+  }
+}
+
+}  // namespace
+}  // namespace extperfc::arm
