@@ -42,4 +42,11 @@ Result<void> write_file_atomically(const fs::path& file, const std::function<voi
   return cannot_write(file, rename_reason);
 }
 
+Result<void> write_text_atomically(const fs::path& file, const std::string& text) {
+  std::error_code error;
+  if (file.has_parent_path()) fs::create_directories(file.parent_path(), error);
+  if (error) return cannot_write(file, error.value());
+  return write_file_atomically(file, [&](std::ostream& out) { out << text; });
+}
+
 }  // namespace extperfc

@@ -2,6 +2,7 @@
 #include <vision_msgs/VisionInfo.h>
 
 #include "box_depth_test.hpp"
+#include "simulated_time.hpp"
 
 namespace extperfc::ros_test {
 namespace {
@@ -153,6 +154,13 @@ TEST_F(BoxDepthFaultTest, StampFromTheEndOfTime) {
   send_info(camera_info(ros::Time(1, 0)));
   expect_recovery(ros::Time(4294967295U, 0));
   expect_recovery(ros::Time(3, 0));
+}
+
+TEST_F(BoxDepthFaultTest, DiagnosticsGoOnAfterTheClockRanBack) {
+  load();
+  ASSERT_TRUE(diagnostics_.goes_on());
+  const SimulatedTime earlier(10.0);
+  EXPECT_TRUE(diagnostics_.goes_on()) << "not only when the time of before is reached";
 }
 
 TEST_F(BoxDepthFaultTest, HypothesesAndBoxesThatAreNoNumbers) {

@@ -7,6 +7,7 @@
 #include "extperfc/detect/inference.hpp"
 
 #include "detector_test.hpp"
+#include "simulated_time.hpp"
 
 namespace extperfc::ros_test {
 namespace {
@@ -27,6 +28,13 @@ TEST_F(DetectorTest, SilenceIsNoFaultWhileNobodyListens) {
   load({{"timeout_s", 0.1}});
   ASSERT_TRUE(diagnostics_.wait([](const Report& r) { return r.level() == 0; }));
   EXPECT_TRUE(never([this] { return diagnostics_.latest().level() != 0; }));
+}
+
+TEST_F(DetectorTest, DiagnosticsGoOnAfterTheClockRanBack) {
+  load();
+  ASSERT_TRUE(diagnostics_.goes_on());
+  const SimulatedTime earlier(10.0);
+  EXPECT_TRUE(diagnostics_.goes_on()) << "not only when the time of before is reached";
 }
 
 TEST_F(ListeningDetectorTest, AnnotatesOnlyOnDemand) {

@@ -13,6 +13,7 @@
 #include "manager.hpp"
 #include "pictures.hpp"
 #include "recording.hpp"
+#include "simulated_time.hpp"
 #include "temporary_folder.hpp"
 #include "watch.hpp"
 
@@ -129,6 +130,14 @@ TEST_F(SourceTest, LoopStartsAgain) {
   const auto all = color_.all();
   for (std::size_t i = 0; i < 7; ++i) EXPECT_EQ(square_at(all[i]), kSquare.x + 10 * static_cast<int>(i % 2));
   EXPECT_TRUE(diagnostics_.wait_latest([](const Report& r) { return r.message() == "playing"; }));
+}
+
+TEST_F(SourceTest, DiagnosticsGoOnAfterTheClockRanBack) {
+  write_recording(folder_.path(), 2);
+  load({{"loop", true}});
+  ASSERT_TRUE(diagnostics_.goes_on());
+  const SimulatedTime earlier(10.0);
+  EXPECT_TRUE(diagnostics_.goes_on()) << "not only when the time of before is reached";
 }
 
 TEST_F(SourceTest, AnUnreadablePictureIsNamedAndPassedOver) {

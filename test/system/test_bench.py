@@ -28,6 +28,16 @@ class Bench(unittest.TestCase):
         self.assertIn(result["rows"][0]["case"], done.stdout, "the table shows what the JSON holds")
         return result["rows"]
 
+    def test_arm(self):
+        rows = self.bench("arm", "--quick")
+        of = {(row["case"], row["metric"]): row for row in rows}
+        self.assertTrue(any("unsafe" == metric and row["ours"] == 0 for (_, metric), row in of.items()), sorted(of))
+        if ("left arm", "solved") in of:  # the problems are there
+            for case in ("left arm", "both arms"):
+                self.assertEqual(0, of[case, "paths with a hidden collision"]["ours"])
+                self.assertGreaterEqual(of[case, "solved"]["ours"], 90)
+                self.assertGreater(of[case, "valid problems"]["ours"], 0)
+
     def test_depth(self):
         rows = self.bench("depth", "--scenes", "10")
         paper = [row for row in rows if row["goal"] is not None]

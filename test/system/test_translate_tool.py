@@ -191,7 +191,9 @@ class TranslateTool(unittest.TestCase):
                 (["frobnicate"], "no subcommand 'frobnicate'"),
                 (["md5"], "give a type"),
                 (["md5", "a/B", "--colour"], "unknown option --colour"),
+                (["check", "--jsn"], "unknown option --jsn; did you mean --json?"),
                 (["md5", "a/B", "--set"], "--set needs a value"),
+                (["md5", "a/B", "c/D"], "unexpected argument c/D"),
                 (["md5", "a/B", "--set", "melodic"], "no set 'melodic'; there are: baxter_sdk_0.7.0"),
                 (["md5", "no_msgs/Such", "--set", "indigo"], "no set has the type no_msgs/Such"),
                 (["md5", "a/B", "--file", file], "line 2: field a is there twice"),
@@ -213,7 +215,8 @@ class TranslateTool(unittest.TestCase):
 
     def test_help(self):
         for arguments in ([], *([name] for name in ("check", "show", "md5", "export", "store"))):
-            self.assertIn("extperfc-translate", self.run_tool(*arguments, "--help"))
+            for word in ("--help", "-h"):
+                self.assertIn("extperfc-translate", self.run_tool(*arguments, word))
 
 
 if __name__ == "__main__":

@@ -84,7 +84,8 @@ class Topics(unittest.TestCase):
     def test_every_type_both_ways_between_cpp_and_python(self):
         """Latched, so that nothing needs to be sent twice; every publisher is heard by both languages."""
         sent = {}
-        for seed, (kind, (source, target), language) in enumerate(itertools.product(self.TYPES, both_ways(), LANGUAGES)):
+        cases = itertools.product(self.TYPES, both_ways(), LANGUAGES)
+        for seed, (kind, (source, target), language) in enumerate(cases):
             topic = f"/types/{source}_{language}/{kind.split('/')[1]}"
             message = random_message(SESSION.era_of(source).message(kind), seed)
             sent[topic, kind, target] = message
@@ -100,7 +101,8 @@ class Topics(unittest.TestCase):
                     self.assertEqual(NAME, heard[0][0])
                     got = eras.from_hex(SESSION.era_of(target).message(kind), heard[0][1])
                     expected = eras.from_hex(type(message), eras.to_hex(message))
-                    self.assertTrue(eras.same_value(eras.without_seq(expected), eras.without_seq(got)), f"{expected}\n{got}")
+                    same = eras.same_value(eras.without_seq(expected), eras.without_seq(got))
+                    self.assertTrue(same, f"{expected}\n{got}")
                     (check_new if target == "new" else check_old)(self, expected, got)
 
     def test_speed_of_the_head_is_a_percentage_or_a_ratio(self):
@@ -193,7 +195,8 @@ class Topics(unittest.TestCase):
         old.tell("advertise", "/tf_renamed", "tf/tfMessage", 1)
         old.tell("publish", "/tf_renamed", eras.to_hex(SESSION.message("old", "tf/tfMessage", transforms=[
             {"header": {"frame_id": "odom"}, "child_frame_id": "renamed", "transform": {"rotation": {"w": 1.0}}}])))
-        got = eras.from_hex(SESSION.era_of("new").message("tf2_msgs/TFMessage"), new.wait_for("message", "/tf_renamed")[0][1])
+        heard = new.wait_for("message", "/tf_renamed")[0][1]
+        got = eras.from_hex(SESSION.era_of("new").message("tf2_msgs/TFMessage"), heard)
         self.assertEqual("renamed", got.transforms[0].child_frame_id)
 
     def test_rate_limit(self):
@@ -201,7 +204,8 @@ class Topics(unittest.TestCase):
         old, new = SESSION.start("old_cpp", "new_cpp")
         new.tell("subscribe", topic, kind)
         old.tell("advertise", topic, kind, 0)
-        processes.wait_until(lambda: "/new_cpp" in SESSION.new.nodes(1, topic) and NAME in SESSION.old.nodes(1, topic), 10, topic)
+        processes.wait_until(lambda: "/new_cpp" in SESSION.new.nodes(1, topic) and
+                             NAME in SESSION.old.nodes(1, topic), 10, topic)
         begin = time.monotonic()
         old.tell("stream", topic, 200, 400)
         old.wait_for("repeated", topic)
@@ -221,34 +225,26 @@ class Topics(unittest.TestCase):
         self.warm_up(topic, kind, speakers, listeners)
         for index in range(count):
             for side, node in speakers:
-                node.tell("publish", topic, self.word(side, f"{side}_{index}"))
+                node.tell("publish", topic, SESSION.word(f"{side}_{index}"))
         for side, node in speakers:
-            node.tell("publish", topic, self.word(side, f"{side}_end"))
+            node.tell("publish", topic, SESSION.word(f"{side}_end"))
         expected = sorted(f"{side}_{index}" for side, _ in speakers for index in range(count))
         for side, node in listeners:
             self.until_heard(node, topic, {"old_end", "new_end"})
-            counted = [word for word in self.words(node, topic) if not word.startswith("warm") and not word.endswith("end")]
+            counted = [word for word in node.words(topic) if not word.startswith("warm") and not word.endswith("end")]
             self.assertEqual(expected, sorted(counted))
 
     def warm_up(self, topic, kind, speakers, listeners):
         """Sends until everybody hears everybody: connections take their time."""
         def all_connected():
             for side, node in speakers:
-                node.tell("publish", topic, self.word(side, f"warm_{side}"))
-            return all({f"warm_{side}" for side, _ in speakers} <= set(self.words(node, topic)) for _, node in listeners)
-        processes.wait_until(all_connected, 15, lambda: str([set(self.words(node, topic)) for _, node in listeners]))
-
-    @staticmethod
-    def word(side, text):
-        return eras.to_hex(SESSION.message(side, "std_msgs/String", data=text))
-
-    @staticmethod
-    def words(node, topic):
-        return [bytes.fromhex(text[9:]).decode() for _, text in node.heard("message", topic)]
+                node.tell("publish", topic, SESSION.word(f"warm_{side}"))
+            return all({f"warm_{side}" for side, _ in speakers} <= set(node.words(topic)) for _, node in listeners)
+        processes.wait_until(all_connected, 15, lambda: str([set(node.words(topic)) for _, node in listeners]))
 
     def until_heard(self, node, topic, words, seconds=10):
-        processes.wait_until(lambda: words <= set(self.words(node, topic)), seconds,
-                             lambda: f"{words} at {node.name}, heard {self.words(node, topic)[-5:]}")
+        processes.wait_until(lambda: words <= set(node.words(topic)), seconds,
+                             lambda: f"{words} at {node.name}, heard {node.words(topic)[-5:]}")
 
     def test_two_translators_do_not_answer_each_other(self):
         topic, kind, count = "/twice", "std_msgs/String", 20
@@ -262,29 +258,31 @@ class Topics(unittest.TestCase):
                 node.tell("advertise", topic, kind, 0)
             self.warm_up(topic, kind, speakers, listeners)
             for _, node in listeners:  # both of them are at work
-                processes.wait_until(lambda: {NAME, "/translator_2"} <= {who for who, _ in node.heard("message", topic)} or
-                                     self.warm_up(topic, kind, speakers, listeners), 15, "both translators")
+                processes.wait_until(
+                    lambda: {NAME, "/translator_2"} <= {who for who, _ in node.heard("message", topic)} or
+                    self.warm_up(topic, kind, speakers, listeners), 15, "both translators")
             for index in range(count):
                 for side, node in speakers:
-                    node.tell("publish", topic, self.word(side, f"{side}_{index}"))
+                    node.tell("publish", topic, SESSION.word(f"{side}_{index}"))
             for side, node in speakers:
-                node.tell("publish", topic, self.word(side, f"{side}_end"))
+                node.tell("publish", topic, SESSION.word(f"{side}_end"))
             for side, node in listeners:
                 self.until_heard(node, topic, {"old_end", "new_end"})
             # What went around would come again and again: the last word's second copy is the end of it.
             for side, node in listeners:
                 other = "old" if side == "new" else "new"
-                processes.wait_until(lambda: self.words(node, topic).count(f"{other}_end") == 2, 10, "both copies")
+                processes.wait_until(lambda: node.words(topic).count(f"{other}_end") == 2, 10, "both copies")
                 for index in range(count):
-                    self.assertEqual(1, self.words(node, topic).count(f"{side}_{index}"), "heard directly, once")
-                    self.assertEqual(2, self.words(node, topic).count(f"{other}_{index}"), "once from each translator")
+                    self.assertEqual(1, node.words(topic).count(f"{side}_{index}"), "heard directly, once")
+                    self.assertEqual(2, node.words(topic).count(f"{other}_{index}"), "once from each translator")
         finally:
             second.end()
 
     def test_what_is_not_allowed_stays(self):
         """/denied by the filter, /one_way by its direction, /clock unless asked for. /crossed is there to tell when."""
         old, new = SESSION.start("old_python", "new_python")
-        for topic, kind in (("/denied/a", "std_msgs/String"), ("/clock", "rosgraph_msgs/Clock"), ("/crossed/1", "std_msgs/String")):
+        for topic, kind in (("/denied/a", "std_msgs/String"), ("/clock", "rosgraph_msgs/Clock"),
+                            ("/crossed/1", "std_msgs/String")):
             old.tell("advertise", topic, kind, 0)
             new.tell("subscribe", topic, kind)
         for topic in ("/one_way/a", "/crossed/2"):

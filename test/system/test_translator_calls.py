@@ -29,12 +29,13 @@ def setUpModule():
 
 
 class Services(unittest.TestCase):
-    TYPES = ("baxter_core_msgs/SolvePositionIK", "controller_manager_msgs/SwitchController", "gazebo_msgs/GetModelState",
-             "std_srvs/Trigger")
+    TYPES = ("baxter_core_msgs/SolvePositionIK", "controller_manager_msgs/SwitchController",
+             "gazebo_msgs/GetModelState", "std_srvs/Trigger")
 
     def test_every_type_both_ways_between_cpp_and_python(self):
         calls = []
-        for seed, (kind, (server, client), language) in enumerate(itertools.product(self.TYPES, both_ways(), LANGUAGES)):
+        cases = itertools.product(self.TYPES, both_ways(), LANGUAGES)
+        for seed, (kind, (server, client), language) in enumerate(cases):
             name = f"/services/{server}_{language}/{kind.split('/')[1]}"
             response = eras.RandomContent(seed).message(SESSION.era_of(server).service(kind)._response_class)
             SESSION.node(f"{server}_{language}").tell("serve", name, kind, eras.to_hex(response))
@@ -51,7 +52,8 @@ class Services(unittest.TestCase):
                     self.assertEqual("ok", answer[0], answer)
                     self.check_response(response, eras.from_hex(service._response_class, answer[1]))
                     asked = SESSION.node(f"{server}_{language}").wait_for("request", name, index + 1)[index][0]
-                    self.check_request(request, eras.from_hex(SESSION.era_of(server).service(kind)._request_class, asked))
+                    served = SESSION.era_of(server).service(kind)
+                    self.check_request(request, eras.from_hex(served._request_class, asked))
 
     def check_response(self, given, got):
         self.assertTrue(eras.same_value(eras.without_seq(given), eras.without_seq(got)), f"{given}\n{got}")
@@ -98,9 +100,11 @@ class Actions(unittest.TestCase):
 
     def test_goal_feedback_result_and_cancel(self):
         cases = []
-        for kind, (server, client), serving, calling in itertools.product(self.TYPES, both_ways(), LANGUAGES, LANGUAGES):
-            name = f"/actions/{server}_{serving}/{client}_{calling}/{kind.split('/')[1]}"
-            cases.append((name, kind, server, SESSION.node(f"{server}_{serving}"), client, SESSION.node(f"{client}_{calling}")))
+        for kind, ways, serving, calling in itertools.product(self.TYPES, both_ways(), LANGUAGES, LANGUAGES):
+            server, client = ways
+            serves, calls = f"{server}_{serving}", f"{client}_{calling}"
+            name = f"/actions/{serves}/{calls}/{kind.split('/')[1]}"
+            cases.append((name, kind, server, SESSION.node(serves), client, SESSION.node(calls)))
         for name, kind, _, server, _, client in cases:
             server.tell("action_server", name, kind)
             client.tell("action_client", name, kind)
@@ -154,20 +158,21 @@ class Actions(unittest.TestCase):
         server, client, old, new = SESSION.start("old_cpp", "new_cpp", "old_python", "new_python")
         server.tell("action_server", name, kind)
         client.tell("action_client", name, kind)
+        goal = name + "/goal"
         for node in (old, new):
-            node.tell("subscribe", name + "/goal", kind + "ActionGoal")
+            node.tell("subscribe", goal, kind + "ActionGoal")
         client.tell("wait_server", name, 20)
         self.assertEqual(["1"], client.wait_for("connected", name, seconds=25)[0])
-        processes.wait_until(lambda: {"/old_python", "/new_python"} <= set(SESSION.old.nodes(1, name + "/goal") +
-                                                                       SESSION.new.nodes(1, name + "/goal")), 5, "listeners")
+        processes.wait_until(lambda: {"/old_python", "/new_python"} <= set(SESSION.old.nodes(1, goal) +
+                                                                           SESSION.new.nodes(1, goal)), 5, "listeners")
 
         def both_heard():
             client.tell("send_goal", name, eras.to_hex(self.random("new", kind, "Goal", 1)))
-            return old.heard("message", name + "/goal") and new.heard("message", name + "/goal")
+            return old.heard("message", goal) and new.heard("message", goal)
         processes.wait_until(both_heard, 10, "a goal at both sides")
         ids = [{(m.goal_id.id, m.goal_id.stamp.to_nsec()) for m in (
             eras.from_hex(SESSION.era_of(side).message(kind + "ActionGoal"), text)
-            for _, text in node.heard("message", name + "/goal"))} for side, node in (("old", old), ("new", new))]
+            for _, text in node.heard("message", goal))} for side, node in (("old", old), ("new", new))]
         self.assertTrue(ids[0] & ids[1], ids)
 
     def test_all_five_topics_have_one_caller(self):
@@ -222,7 +227,8 @@ class Tools(unittest.TestCase):
         environment = master.environment()
         era = {"old": "indigo", "new": "noetic"}[side]
         environment["PYTHONPATH"] = f"{processes.ERAS / era / 'python'}:{environment.get('PYTHONPATH', '')}"
-        return subprocess.run(master.place.command(words), env=environment, capture_output=True, text=True, timeout=seconds)
+        return subprocess.run(master.place.command(words), env=environment, capture_output=True, text=True,
+                              timeout=seconds)
 
     def test_rostopic_echo(self):
         for source, target in both_ways():

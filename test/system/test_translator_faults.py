@@ -2,19 +2,15 @@
 
 import pathlib
 import random
-import socketserver
 import struct
 import sys
-import threading
 import time
 import unittest
-import xmlrpc.client
-import xmlrpc.server
 
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[1] / "translator"))
 
 from harness import eras, processes, raw_peer  # noqa: E402
-from harness.session import NAME, Session  # noqa: E402
+from harness.session import NAME, WORD, Session  # noqa: E402
 
 SESSION = None
 MAX_AGE_S = 0.3
@@ -35,25 +31,11 @@ def setUpModule():
     SESSION.translate(**PARAMETERS)
 
 
-def text(side, data):
-    return eras.to_hex(SESSION.message(side, "std_msgs/String", data=data))
-
-
-def words(node, topic):
-    return [bytes.fromhex(content[9:]).decode() for _, content in node.heard("message", topic)]
-
-
 class Faults(unittest.TestCase):
     def flow(self, source, target, topic, word, seconds=20):
-        """Sends a word again and again until it arrives."""
-        source.tell("advertise", topic, "std_msgs/String", 0)
-        target.tell("subscribe", topic, "std_msgs/String")
-
-        def arrived():
-            source.tell("publish", topic, text("old", word))
-            return word in words(target, topic)
-        processes.wait_until(arrived, seconds, lambda: f"{word} from {source.name} to {target.name}; "
-                             f"translator: {SESSION.translator.log_tail(5)}")
+        source.tell("advertise", topic, WORD, 0)
+        target.tell("subscribe", topic, WORD)
+        SESSION.flow(source, target, topic, word, seconds)
 
     def serve(self, server, client, client_master, name, seconds=20):
         server.tell("serve", name, "std_srvs/Trigger", "x0100000000")
@@ -62,10 +44,10 @@ class Faults(unittest.TestCase):
         self.assertEqual(["ok", "x0100000000"], client.wait_for("response", name)[0][:2])
 
     def latch(self, source, target, topic, word, seconds=20):
-        source.tell("advertise", topic, "std_msgs/String", 1)
-        source.tell("publish", topic, text("old", word))
-        target.tell("subscribe", topic, "std_msgs/String")
-        processes.wait_until(lambda: word in words(target, topic), seconds, f"{word} at {target.name}")
+        source.tell("advertise", topic, WORD, 1)
+        source.tell("publish", topic, SESSION.word(word))
+        target.tell("subscribe", topic, WORD)
+        processes.wait_until(lambda: word in target.words(topic), seconds, f"{word} at {target.name}")
 
     def restart_master(self, side):
         """What both sides had goes on, and what comes afterwards works without help."""
@@ -77,8 +59,8 @@ class Faults(unittest.TestCase):
         master.kill()
         for index, (source, target) in enumerate((before, before[::-1])):
             topic = f"/{side}_master/before_{index}"
-            source.tell("publish", topic, text("old", "without_master"))
-            processes.wait_until(lambda: "without_master" in words(target, topic), 5, "a message without a master")
+            source.tell("publish", topic, SESSION.word("without_master"))
+            processes.wait_until(lambda: "without_master" in target.words(topic), 5, "a message without a master")
         master.start()
         processes.wait_until(lambda: NAME in SESSION.names(master), 15, "the translator, registered again")
         mine, theirs = SESSION.start(f"{side}_cpp_after_{side}", f"{other}_python")
@@ -90,7 +72,7 @@ class Faults(unittest.TestCase):
         if side == "new":  # where the translator has its own node, with its reports
             processes.wait_until(lambda: f"{NAME}_home" in master.nodes(0, "/diagnostics"), 10, "reports again")
         # What was known before the restart is still offered to those who come after it.
-        mine.tell("subscribe", f"/{side}_master/before_1", "std_msgs/String")
+        mine.tell("subscribe", f"/{side}_master/before_1", WORD)
         self.flow(before[1], mine, f"/{side}_master/before_1", "to_the_newcomer")
         SESSION.end_node(f"{side}_cpp_after_{side}")
 
@@ -120,8 +102,10 @@ class Faults(unittest.TestCase):
     def outage(self, seconds):
         name = str(int(seconds))
         new, old = SESSION.start("new_cpp", "old_cpp")
-        # What a node behind the cut keeps in its own queue is its own: only commands to there are the translator's to drop.
-        streams = [(new, old, "/command_to_old" + name), (new, old, "/plain_to_old" + name), (old, new, "/plain_to_new" + name)]
+        # What a node behind the cut keeps in its own queue is its own: only commands to there are the translator's
+        # to drop.
+        streams = [(new, old, "/command_to_old" + name), (new, old, "/plain_to_old" + name),
+                   (old, new, "/plain_to_new" + name)]
         for source, target, topic in streams:
             target.tell("subscribe", topic, "std_msgs/Float64")
             source.tell("advertise", topic, "std_msgs/Float64", 0)
@@ -138,7 +122,7 @@ class Faults(unittest.TestCase):
                 target.wait_for("message", topic, count + 200, seconds=20)
                 after = target.heard("message", topic)[count:]
                 if topic.startswith("/command"):
-                    ages = [event.heard_at - struct.unpack("<d", bytes.fromhex(event[1][1:]))[0] for event in after]
+                    ages = target.ages(topic, count)
                     self.assertLess(max(ages), MAX_AGE_S + 0.3, f"{topic}: {sorted(ages)[-5:]}")
                 self.assertLess(after[0].heard_at - mended, 8.0, f"{topic} flows again")
         self.serve(old, SESSION.node("new_python"), SESSION.new, "/served_after_outage" + name)
@@ -165,7 +149,7 @@ class Faults(unittest.TestCase):
                 listener.wait_for("message", topic, count + 200, seconds=20)
                 after = listener.heard("message", topic)[count:]
                 self.assertLess(after[0].heard_at - mended, 8.0)
-                ages = [event.heard_at - struct.unpack("<d", bytes.fromhex(event[1][1:]))[0] for event in after]
+                ages = listener.ages(topic, count)
                 self.assertLess(max(ages), MAX_AGE_S + 0.5, sorted(ages)[-5:])
         source.tell("stop", topic)
 
@@ -181,7 +165,7 @@ class Faults(unittest.TestCase):
                 cut = time.monotonic()
                 SESSION.end_node("old_cpp_replaced", kill=True)
                 source = SESSION.node("old_cpp_replaced")
-                source.tell("advertise", topic, "std_msgs/String", 0)
+                source.tell("advertise", topic, WORD, 0)
                 time.sleep(max(0.0, cut + seconds - time.monotonic()))  # the outage itself
                 SESSION.network.old_cable.mend()
                 self.flow(source, target, topic, f"life_{life}")
@@ -213,7 +197,7 @@ class Faults(unittest.TestCase):
         for topic in (command, images):
             source.tell("stop", topic)
         for node in (plain, rospy_node):
-            ages = [event.heard_at - struct.unpack("<d", bytes.fromhex(event[1][1:]))[0] for event in node.heard("message", command)]
+            ages = node.ages(command)
             self.assertLess(max(ages), MAX_AGE_S + 0.7, f"{node.name}: {sorted(ages)[-5:]}")
 
     def test_stopped_subscriber_costs_nobody_else(self):
@@ -253,7 +237,7 @@ class Faults(unittest.TestCase):
             uri = master.ask("lookupNode", NAME)
             files = SESSION.translator.open_files()
             for address in raw_peer.address_of(uri), raw_peer.topic_address(master.place, uri, f"/hostile_{side}"):
-                for content in self.hostile_contents(random.Random(7)):
+                for content in raw_peer.hostile_contents(random.Random(7)):
                     raw_peer.throw(master.place, address, content)
             self.assertTrue(SESSION.translator.alive(), SESSION.translator.log_tail())
             processes.wait_until(lambda: SESSION.translator.open_files() <= files + 4, 10,
@@ -262,39 +246,14 @@ class Faults(unittest.TestCase):
         self.flow(source, target, "/hostile_new", "after")
         self.flow(target, source, "/hostile_old", "after")
 
-    @staticmethod
-    def hostile_contents(rng):
-        good = raw_peer.header(topic="/hostile_new", type="std_msgs/String", md5sum="*", callerid="/bad")
-        yield b""
-        yield b"\xff" * 8
-        yield struct.pack("<I", 0)
-        yield struct.pack("<I", 0x7fffffff) + b"topic=/hostile_new"
-        yield struct.pack("<II", 4, 0xffffffff)
-        yield struct.pack("<II", 8, 4) + b"abcd"
-        yield raw_peer.header(topic="/hostile_new", type="std_msgs/String", md5sum="0" * 32, callerid="/bad")
-        yield raw_peer.header(topic="/no_such_topic", type="*", md5sum="*", callerid="/bad")
-        yield raw_peer.header(service="/no_such_service", md5sum="*", callerid="/bad")
-        yield raw_peer.header(**{f"key{index}": "x" * 100 for index in range(2000)})
-        for cut in range(1, len(good), 9):
-            yield good[:cut]
-        yield good + rng.randbytes(1000)
-        yield b"POST / HTTP/1.1\r\nContent-Length: 99999999999\r\n\r\n<methodCall>"
-        yield b"POST / HTTP/1.1\r\nContent-Length: -1\r\n\r\n"
-        yield b"POST / HTTP/1.1\r\nContent-Length: 60\r\n\r\n<?xml version='1.0'?><methodCall><methodName>shutdown</methodN"
-        yield b"GET / HTTP/1.0\r\n\r\n"
-        yield b"A" * 200_000
-        deep = b"<methodCall><methodName>x</methodName><params>" + b"<param><value><array><data>" * 500
-        yield b"POST / HTTP/1.1\r\nContent-Length: %d\r\n\r\n" % len(deep) + deep
-        for _ in range(20):
-            yield rng.randbytes(rng.randint(1, 400))
-
     def test_strangers_are_told_why(self):
         """A version that nobody knows: the refusal names the type, its MD5 and what to do."""
         source, target = SESSION.start("old_cpp", "new_cpp")
         self.flow(source, target, "/strange", "before")
         uri = SESSION.new.ask("lookupNode", NAME)
         with raw_peer.connect(SESSION.new.place, raw_peer.topic_address(SESSION.new.place, uri, "/strange")) as stream:
-            stream.sendall(raw_peer.header(topic="/strange", type="std_msgs/String", md5sum="1" * 32, callerid="/stranger"))
+            stream.sendall(raw_peer.header(topic="/strange", type="std_msgs/String", md5sum="1" * 32,
+                                           callerid="/stranger"))
             refusal = raw_peer.read_header(stream)["error"]
         for word in ("std_msgs/String", "1" * 32, "definitions"):
             self.assertIn(word, refusal)
@@ -327,9 +286,10 @@ class Faults(unittest.TestCase):
         """A publisher whose messages end early or are absurdly long loses its connection, not the others theirs."""
         source, target = SESSION.start("old_cpp", "new_cpp")
         self.flow(source, target, "/liar", "before")
-        with FakePublisher(SESSION.old, "/liar", "std_msgs/String", "992ce8a1687cec8c8bd883ec73ca41d1") as liar:
-            for body in (struct.pack("<I", 0xfffffff0), struct.pack("<II", 4, 1000), struct.pack("<II", 8, 0xffffffff) + b"abcd",
-                         struct.pack("<I", 100) + b"short"):
+        md5 = "992ce8a1687cec8c8bd883ec73ca41d1"
+        with raw_peer.FakePublisher(SESSION.old, "/liar", "std_msgs/String", md5) as liar:
+            for body in (struct.pack("<I", 0xfffffff0), struct.pack("<II", 4, 1000),
+                         struct.pack("<II", 8, 0xffffffff) + b"abcd", struct.pack("<I", 100) + b"short"):
                 liar.greet(body)
         self.assertTrue(SESSION.translator.alive())
         self.flow(source, target, "/liar", "after")
@@ -354,57 +314,6 @@ class Faults(unittest.TestCase):
         told = processes.wait_until(report, 20, "a word about it on /diagnostics")
         self.assertIn("std_msgs/Float64", told)
         self.assertIn("std_msgs/String", told)
-
-
-class FakePublisher:
-    """Registers a topic and answers connections with whatever it is told."""
-
-    def __init__(self, master, topic, type_name, md5):
-        self.master, self.topic, self.bodies = master, topic, []
-        self.fields = {"type": type_name, "md5sum": md5, "callerid": "/liar", "latching": "0",
-                       "message_definition": "string data\n", "topic": topic}
-        self.served = threading.Event()
-        outer = self
-
-        class Stream(socketserver.BaseRequestHandler):
-            def handle(self):
-                raw_peer.read_header(self.request)
-                self.request.sendall(raw_peer.header(**outer.fields) + outer.bodies[-1])
-                outer.served.set()
-                self.request.settimeout(1)
-                try:
-                    self.request.recv(1)
-                except OSError:
-                    pass
-        with master.place.inside():
-            socketserver.ThreadingTCPServer.daemon_threads = True
-            self.stream = socketserver.ThreadingTCPServer((master.place.address, 0), Stream)
-            self.api = xmlrpc.server.SimpleXMLRPCServer((master.place.address, 0), logRequests=False)
-        self.api.register_function(lambda *_: [1, "", ["TCPROS", *self.stream.server_address]], "requestTopic")
-        self.uri = "http://%s:%d/" % self.api.server_address
-        for server in (self.stream, self.api):
-            threading.Thread(target=server.serve_forever, args=(0.05,), daemon=True).start()
-
-    def ask(self, method, *arguments):
-        with self.master.place.inside(), xmlrpc.client.ServerProxy(self.master.uri) as master:
-            return getattr(master, method)("/liar", *arguments)
-
-    def greet(self, body):
-        """Has the translator connect, and sends the body behind the header."""
-        self.bodies.append(body)
-        self.served.clear()
-        self.ask("registerPublisher", self.topic, self.fields["type"], self.uri)
-        if not self.served.wait(10):
-            raise AssertionError("nobody connected to the publisher that lies")
-        self.ask("unregisterPublisher", self.topic, self.uri)
-
-    def __enter__(self):
-        return self
-
-    def __exit__(self, *_):
-        for server in (self.stream, self.api):
-            server.shutdown()
-            server.server_close()
 
 
 class Clocks(unittest.TestCase):

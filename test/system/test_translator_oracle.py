@@ -16,7 +16,8 @@ MESSAGES_PER_TYPE = 10
 def convert(lines):
     """One answer for each line; see convert_lines.cpp."""
     words = [processes.PROGRAMS / "convert_lines", RULES / "definitions", *sorted(RULES.glob("*.yaml"))]
-    done = subprocess.run(words, input="".join(line + "\n" for line in lines), capture_output=True, text=True, timeout=120)
+    text = "".join(line + "\n" for line in lines)
+    done = subprocess.run(words, input=text, capture_output=True, text=True, timeout=120)
     if done.returncode != 0:
         raise AssertionError(done.stderr)
     return done.stdout.splitlines()
@@ -45,8 +46,8 @@ class Both(unittest.TestCase):
                 yield "res", name, old._md5sum, new._md5sum, old._response_class, new._response_class
 
     def test_everything_that_changed_is_here(self):
-        """69 types changed between Indigo and Noetic (5 of them are actions, which are their messages here), 18 that are in
-        both between the first and the last SDK of the robot."""
+        """69 types changed between Indigo and Noetic (5 of them are actions, which are their messages here), 18 that
+        are in both between the first and the last SDK of the robot."""
         types = {case[1] for case in self.cases}
         baxter = {name for name in types if name.startswith("baxter")}
         self.assertGreaterEqual(len(types - baxter), 64, sorted(types - baxter))

@@ -9,11 +9,10 @@ import xmlrpc.client
 
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[1] / "translator"))
 
-from harness import eras, processes  # noqa: E402
-from harness.session import NAME, Session  # noqa: E402
+from harness import processes  # noqa: E402
+from harness.session import NAME, WORD, Session  # noqa: E402
 
 SESSION = None
-KIND = "std_msgs/String"
 
 PARAMETERS = {"profiles": [{"pattern": "/command.*", "max_age_s": 0.3, "queue": 1, "priority": "control"}]}
 
@@ -26,14 +25,6 @@ def setUpModule():
     SESSION.translate(**PARAMETERS)
 
 
-def text(data):
-    return eras.to_hex(SESSION.message("old", KIND, data=data))
-
-
-def words(node, topic):
-    return [bytes.fromhex(content[9:]).decode() for _, content in node.heard("message", topic)]
-
-
 def subscribers(master, topic):
     """Caller ids that the translator sends a topic to, as its own slave API tells."""
     with xmlrpc.client.ServerProxy(master.ask("lookupNode", NAME)) as node:
@@ -42,32 +33,25 @@ def subscribers(master, topic):
 
 
 class Rospy(unittest.TestCase):
-    def flow(self, source, target, topic, word, seconds=20):
-        """Sends a word again and again until it arrives."""
-        def arrived():
-            source.tell("publish", topic, text(word))
-            return word in words(target, topic)
-        processes.wait_until(arrived, seconds, lambda: f"{word} from {source.name} to {target.name}; "
-                             f"translator: {SESSION.translator.log_tail(5)}")
-
     def begin(self, source, target, topic):
-        source.tell("advertise", topic, KIND, 0)
-        target.tell("subscribe", topic, KIND)
-        self.flow(source, target, topic, "at_first")
+        source.tell("advertise", topic, WORD, 0)
+        target.tell("subscribe", topic, WORD)
+        SESSION.flow(source, target, topic, "at_first")
 
     def test_listener_whose_connection_was_given_up_is_called_back(self):
         """It stood still for longer than commands live; its connection ended meanwhile."""
         topic = "/command_large"
         source, target = SESSION.start("new_cpp", "old_python_stops")
         self.begin(source, target, topic)
-        target.process.send_signal(signal.SIGSTOP)  # before the large ones: not in the middle of a long line of its output
+        # Before the large ones: not in the middle of a long line of its output.
+        target.process.send_signal(signal.SIGSTOP)
         try:
-            source.tell("repeat", topic, 50, 1_000_000, text("x" * 400_000))
+            source.tell("repeat", topic, 50, 1_000_000, SESSION.word("x" * 400_000))
             processes.wait_until(lambda: not subscribers(SESSION.old, topic), 20, "the translator gives it up")
         finally:
             target.process.send_signal(signal.SIGCONT)
         source.tell("stop", topic)
-        self.flow(source, target, topic, "again")
+        SESSION.flow(source, target, topic, "again")
         SESSION.end_node("old_python_stops")
 
     def test_listener_that_is_killed_and_started_again_hears(self):
@@ -76,8 +60,8 @@ class Rospy(unittest.TestCase):
         self.begin(source, target, topic)
         SESSION.end_node("old_python_mortal", kill=True)
         target = SESSION.node("old_python_mortal")
-        target.tell("subscribe", topic, KIND)
-        self.flow(source, target, topic, "second_life")
+        target.tell("subscribe", topic, WORD)
+        SESSION.flow(source, target, topic, "second_life")
         self.assertEqual(["/old_python_mortal"], subscribers(SESSION.old, topic))
         SESSION.end_node("old_python_mortal")
 
@@ -88,8 +72,8 @@ class Rospy(unittest.TestCase):
         target.tell("unsubscribe", topic)
         processes.wait_until(lambda: not subscribers(SESSION.old, topic), 20, "it leaves")
         heard = len(target.heard("message", topic))
-        target.tell("subscribe", topic, KIND)
-        self.flow(source, target, topic, "wanted_again")
+        target.tell("subscribe", topic, WORD)
+        SESSION.flow(source, target, topic, "wanted_again")
         self.assertGreater(len(target.heard("message", topic)), heard)
         self.assertEqual(1, len(subscribers(SESSION.old, topic)), "one connection, not two")
 
@@ -102,11 +86,11 @@ class Rospy(unittest.TestCase):
         try:
             SESSION.end_node("old_python_talker", kill=True)
             source = SESSION.node("old_python_talker")
-            source.tell("advertise", topic, KIND, 0)
+            source.tell("advertise", topic, WORD, 0)
             time.sleep(1.0)  # it stands still
         finally:
             SESSION.translator.process.send_signal(signal.SIGCONT)
-        self.flow(source, target, topic, "second_talker")
+        SESSION.flow(source, target, topic, "second_talker")
         SESSION.end_node("old_python_talker", kill=True)
 
     def test_reloading_rules_brings_everybody_back(self):
@@ -119,7 +103,7 @@ class Rospy(unittest.TestCase):
             new.tell("call", f"{NAME}_home/reload_rules", "std_srvs/Trigger", "x")
             self.assertEqual("ok", new.wait_for("response", f"{NAME}_home/reload_rules", life + 1)[life][0])
             for stream in streams:
-                self.flow(*stream, f"life_{life}")
+                SESSION.flow(*stream, f"life_{life}")
 
 
 if __name__ == "__main__":

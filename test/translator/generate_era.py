@@ -3,8 +3,8 @@
 
   generate_era.py --out DIR --definitions TREE [--definitions TREE ...] --packages NAME ... [--cpp package/Type ...]
 
-A TREE holds <package>/{msg,srv,action}/*; the first that has a file counts, and what the trees do not have comes from the
-distribution's share folders. DIR/tree is the merged tree with the messages that actions stand for, DIR/python the
+A TREE holds <package>/{msg,srv,action}/*; the first that has a file counts, and what the trees do not have comes from
+the distribution's share folders. DIR/tree is the merged tree with the messages that actions stand for, DIR/python the
 packages that differ from the distribution's, DIR/include the headers of the types named and of what they embed.
 """
 

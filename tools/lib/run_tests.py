@@ -240,7 +240,7 @@ def all_tests():
     yield Test("sanitize/address_undefined", "sanitize", variant_runner(
         "asan", ["-DEXTPERFC_SANITIZE=address,undefined", *openvino_options()]))
     yield Test("sanitize/thread", "sanitize", variant_runner(
-        "tsan", ["-DEXTPERFC_SANITIZE=thread", "-DEXTPERFC_WITH_OPENVINO=OFF"], "latest_slot|in_order|event_loop|resolver"))
+        "tsan", ["-DEXTPERFC_SANITIZE=thread", "-DEXTPERFC_WITH_OPENVINO=OFF"], "latest_slot|in_order|event_loop|resolver|mapper_threads"))
     for file in sorted((REPO / "test" / "system").rglob("test_*.py")):
         yield Test(f"system/{file.stem[5:]}", "system", unittest_runner(file, 400))
     yield Test("style/tidy", "style", InBackground(tidy_runner))

@@ -44,14 +44,12 @@ class Faults:
         return f"master of {side} and its nodes restart"
 
     def talker_dies(self):
-        name = f"talker_{self._side()}"
-        self._soak.kill(name)
-        time.sleep(self._random.uniform(0.0, 1.0))
-        self._soak.start(name)
-        return f"{name} killed, restarts"
+        return self._dies(f"talker_{self._side()}")
 
     def listener_dies(self):
-        name = f"listener_{self._side()}"
+        return self._dies(f"listener_{self._side()}")
+
+    def _dies(self, name):
         self._soak.kill(name)
         time.sleep(self._random.uniform(0.0, 1.0))
         self._soak.start(name)

@@ -3,6 +3,7 @@
 #include <filesystem>
 #include <functional>
 #include <ostream>
+#include <string>
 
 #include "extperfc/base/error.hpp"
 
@@ -14,5 +15,8 @@ namespace extperfc {
 /// neighbour is removed then.
 [[nodiscard]] Result<void> write_file_atomically(const std::filesystem::path& file,
                                                  const std::function<void(std::ostream&)>& write);
+
+/// The same with this text. Makes the file's folder when it is not there.
+[[nodiscard]] Result<void> write_text_atomically(const std::filesystem::path& file, const std::string& text);
 
 }  // namespace extperfc

@@ -1,5 +1,4 @@
 #include <csignal>
-#include <exception>
 #include <iostream>
 #include <string>
 #include <system_error>
@@ -8,10 +7,13 @@
 #include "extperfc/base/atomic_file.hpp"
 #include "extperfc/offline/map_recording.hpp"
 #include "extperfc/offline/picture.hpp"
+#include "extperfc/offline/placed_scans.hpp"
+#include "extperfc/sources/mrpt_map.hpp"
 #include "extperfc/world/map_file.hpp"
 
 #include "map_options.hpp"
 #include "map_report.hpp"
+#include "program.hpp"
 #include "progress_line.hpp"
 
 namespace extperfc::offline::tool {
@@ -19,9 +21,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr int kDone = 0;
-constexpr int kFailed = 1;
-constexpr int kUsage = 2;
+constexpr const char* kProgram = "extperfc-map";
 
 volatile std::sig_atomic_t stop_wanted = 0;
 
@@ -29,10 +29,6 @@ volatile std::sig_atomic_t stop_wanted = 0;
 extern "C" void ask_to_stop(int signal) {
   stop_wanted = 1;
   (void)std::signal(signal, SIG_DFL);
-}
-
-void say(const std::string& what) {
-  std::cerr << "extperfc-map: " << what << '\n';
 }
 
 Result<mapping::Mapper> make_mapper(const MapOptions& options) {
@@ -54,8 +50,16 @@ MappingResult run(const MapOptions& options, sources::ScanLog& log, mapping::Map
   return result;
 }
 
-Result<void> write_text(const fs::path& file, const std::string& text) {
-  return write_file_atomically(file, [&](std::ostream& out) { out << text; });
+/// The recording is read once more for a simple map, whose scans nobody else needs.
+Result<void> write_mrpt_files(const MapOptions& options, const MappingResult& result,
+                              const OccupancyGrid& map) {
+  if (options.gridmap)
+    if (auto done = sources::save_gridmap(map, *options.gridmap); !done) return done;
+  if (!options.simplemap) return {};
+  auto log = open_recording(options.recording, options.reading);
+  if (!log) return tl::unexpected(log.error());
+  const ScanSpacing spacing{options.params.linear_update_m, options.params.angular_update_rad};
+  return sources::save_simplemap(placed_scans(**log, result, spacing), *options.simplemap);
 }
 
 /// Everything but the reports.
@@ -64,6 +68,7 @@ Result<void> write_files(const MapOptions& options, const MappingResult& result,
   if (auto done = write_tum(result.trajectory, options.out / "trajectory.tum"); !done) return done;
   if (auto done = mapper.save(options.out / "map.session"); !done) return done;
   if (auto done = save_map(map, options.out / "map"); !done) return done;
+  if (auto done = write_mrpt_files(options, result, map); !done) return done;
   return write_png(draw_map(map, result.trajectory), options.out / "map.png");
 }
 
@@ -80,9 +85,9 @@ std::vector<std::optional<Pose2>> by_index(const MappingResult& result) {
 Result<int> write_reports(const MapReport& report) {
   const std::string text = report_text(report);
   const std::string json = report_json(report);
-  if (auto done = write_text(report.options.out / "report.txt", text); !done)
+  if (auto done = write_text_atomically(report.options.out / "report.txt", text); !done)
     return tl::unexpected(done.error());
-  if (auto done = write_text(report.options.out / "report.json", json); !done)
+  if (auto done = write_text_atomically(report.options.out / "report.json", json); !done)
     return tl::unexpected(done.error());
   std::cout << (report.options.json ? json : text) << std::flush;
   if (!report.options.json) std::cout << "written to   " << report.options.out.string() << '\n' << std::flush;
@@ -125,10 +130,7 @@ Result<int> map(const MapOptions& options) {
 
 int run_tool(const std::vector<std::string>& words) {
   const auto options = read_map_options(words);
-  if (!options) {
-    say(options.error().message + " (extperfc-map --help)");
-    return kUsage;
-  }
+  if (!options) return complain(kProgram, options.error().message, kUsage);
   if (options->help) {
     std::cout << map_help();
     return kDone;
@@ -136,19 +138,13 @@ int run_tool(const std::vector<std::string>& words) {
   (void)std::signal(SIGINT, ask_to_stop);
   (void)std::signal(SIGTERM, ask_to_stop);
   const auto done = map(*options);
-  if (done) return *done;
-  say(done.error().message);
-  return kFailed;
+  return done ? *done : complain(kProgram, done.error().message);
 }
 
 }  // namespace
 }  // namespace extperfc::offline::tool
 
 int main(int argc, char** argv) {
-  try {
-    return extperfc::offline::tool::run_tool({argv + 1, argv + argc});
-  } catch (const std::exception& problem) {
-    std::cerr << "extperfc-map: " << problem.what() << '\n';
-    return 1;
-  }
+  using namespace extperfc::offline::tool;  // NOLINT: a program, not a header
+  return run_program(kProgram, argc, argv, run_tool);
 }

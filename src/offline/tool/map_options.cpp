@@ -5,6 +5,8 @@
 #include "extperfc/base/arguments.hpp"
 #include "extperfc/mapping/param_names.hpp"
 
+#include "recording_options.hpp"
+
 namespace extperfc::offline::tool {
 
 namespace {
@@ -33,6 +35,8 @@ Options:
   --set NAME=VALUE       any parameter of the table below; may be given several times
   --relations FILE       scores the trajectory, see extperfc-relations
   --continue SESSION     goes on with the map of an earlier run; the recording must begin where that one ended
+  --gridmap FILE         the map as MRPT's COccupancyGridMap2D, too; packed when the name ends with .gz
+  --simplemap FILE       poses and scans as MRPT's CSimpleMap, too; a scan for every key frame's distance
   --scans N              only the first N scans
   --no-odometry          by scan matching alone
   --laser-pose X,Y,YAW   where the scanner sits on the robot [m, m, rad]; overrules the recording
@@ -101,15 +105,12 @@ std::string name_of(const std::filesystem::path& recording) {
 }
 
 void read_names(const Arguments& arguments, MapOptions& options) {
-  auto& reading = options.reading;
-  reading.log.sensor_label = arguments.last("--sensor").value_or("");
-  reading.scan_topic = arguments.last("--scan-topic").value_or("");
-  reading.odom_topic = arguments.last("--odom-topic").value_or("");
-  reading.base_frame = arguments.last("--base-frame").value_or(reading.base_frame);
-  reading.odom_frame = arguments.last("--odom-frame").value_or(reading.odom_frame);
+  options.reading = recording_options(arguments);
   options.out = arguments.last("--out").value_or(name_of(options.recording) + "-map");
   options.relations = arguments.last("--relations");
   options.session = arguments.last("--continue");
+  options.gridmap = arguments.last("--gridmap");
+  options.simplemap = arguments.last("--simplemap");
   options.use_odometry = !arguments.has("--no-odometry");
   options.json = arguments.has("--json");
   options.quiet = arguments.has("--quiet");
@@ -118,13 +119,13 @@ void read_names(const Arguments& arguments, MapOptions& options) {
 }  // namespace
 
 Result<MapOptions> read_map_options(const std::vector<std::string>& words) {
-  const auto arguments =
-      Arguments::read(words, {0,
-                              1,
-                              {"--out", "--particles", "--seed", "--resolution", "--set", "--relations",
-                               "--continue", "--scans", "--laser-pose", "--sensor-max", "--sensor",
-                               "--scan-topic", "--odom-topic", "--base-frame", "--odom-frame"},
-                              {"--no-odometry", "--json", "--quiet", "--help"}});
+  const auto arguments = Arguments::read(
+      words, {0,
+              1,
+              with_recording_options({"--out", "--particles", "--seed", "--resolution", "--set",
+                                      "--relations", "--continue", "--gridmap", "--simplemap", "--scans",
+                                      "--laser-pose", "--sensor-max"}),
+              {"--no-odometry", "--json", "--quiet", "--help"}});
   if (!arguments) return tl::unexpected(arguments.error());
   MapOptions options;
   options.help = arguments->has("--help");

@@ -21,6 +21,8 @@ struct MapOptions {
   std::filesystem::path out;
   std::optional<std::filesystem::path> relations;
   std::optional<std::filesystem::path> session;  ///< to go on from
+  std::optional<std::filesystem::path> gridmap;  ///< MRPT's files, too
+  std::optional<std::filesystem::path> simplemap;
   std::size_t most_scans{std::numeric_limits<std::size_t>::max()};
   bool use_odometry{true};
   bool json{false};

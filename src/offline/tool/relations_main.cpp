@@ -1,4 +1,4 @@
-#include <exception>
+#include <algorithm>
 #include <iostream>
 #include <string>
 #include <utility>
@@ -9,14 +9,14 @@
 #include "extperfc/offline/relations.hpp"
 #include "extperfc/world/map_file.hpp"
 
+#include "program.hpp"
+#include "recording_options.hpp"
 #include "score_report.hpp"
 
 namespace extperfc::offline::tool {
 namespace {
 
-constexpr int kDone = 0;
-constexpr int kFailed = 1;
-constexpr int kUsage = 2;
+constexpr const char* kProgram = "extperfc-relations";
 
 constexpr const char* kHelp = R"(How well a trajectory keeps known relations between places.
 
@@ -50,18 +50,8 @@ Exit status: 0 done, 1 failed (standard error says why), 2 wrong usage.
 
 constexpr double kMostCount = 1e8;
 
-RecordingOptions reading_of(const Arguments& arguments) {
-  RecordingOptions reading;
+Result<std::vector<ScanMoment>> read_moments(const std::string& file, RecordingOptions reading) {
   reading.log.base_T_sensor = Pose2{};  // of no account here
-  reading.log.sensor_label = arguments.last("--sensor").value_or("");
-  reading.scan_topic = arguments.last("--scan-topic").value_or("");
-  reading.odom_topic = arguments.last("--odom-topic").value_or("");
-  reading.base_frame = arguments.last("--base-frame").value_or(reading.base_frame);
-  reading.odom_frame = arguments.last("--odom-frame").value_or(reading.odom_frame);
-  return reading;
-}
-
-Result<std::vector<ScanMoment>> read_moments(const std::string& file, const RecordingOptions& reading) {
   auto log = open_recording(file, reading);
   if (!log) return tl::unexpected(log.error());
   std::vector<ScanMoment> moments;
@@ -94,7 +84,7 @@ Result<std::vector<std::optional<Pose2>>> find_poses(const Arguments& arguments,
                                                      const std::vector<Relation>& relations) {
   const auto recording = arguments.last("--odometry");
   if (!recording) return poses_one_by_one(trajectory, relations);
-  const auto moments = read_moments(*recording, reading_of(arguments));
+  const auto moments = read_moments(*recording, recording_options(arguments));
   if (!moments) return tl::unexpected(moments.error());
   return poses_of_scans(trajectory, *moments);
 }
@@ -154,35 +144,25 @@ Result<void> score(const Arguments& arguments, const Limits& limits) {
 }
 
 int run_tool(const std::vector<std::string>& words) {
-  const auto arguments =
-      Arguments::read(words, {2,
-                              2,
-                              {"--odometry", "--loop-span", "--worst", "--picture", "--map", "--scan-topic",
-                               "--odom-topic", "--base-frame", "--odom-frame", "--sensor"},
-                              {"--json", "--help"}});
+  const auto arguments = Arguments::read(
+      words, {2,
+              2,
+              with_recording_options({"--odometry", "--loop-span", "--worst", "--picture", "--map"}),
+              {"--json", "--help"}});
   const auto limits = arguments ? read_limits(*arguments) : Result<Limits>(tl::unexpected(arguments.error()));
-  if (!limits) {
-    std::cerr << "extperfc-relations: " << limits.error().message << " (extperfc-relations --help)\n";
-    return kUsage;
-  }
+  if (!limits) return complain(kProgram, limits.error().message, kUsage);
   if (arguments->has("--help")) {
     std::cout << kHelp;
     return kDone;
   }
   const auto done = score(*arguments, *limits);
-  if (done) return kDone;
-  std::cerr << "extperfc-relations: " << done.error().message << '\n';
-  return kFailed;
+  return done ? kDone : complain(kProgram, done.error().message);
 }
 
 }  // namespace
 }  // namespace extperfc::offline::tool
 
 int main(int argc, char** argv) {
-  try {
-    return extperfc::offline::tool::run_tool({argv + 1, argv + argc});
-  } catch (const std::exception& problem) {
-    std::cerr << "extperfc-relations: " << problem.what() << '\n';
-    return 1;
-  }
+  using namespace extperfc::offline::tool;  // NOLINT: a program, not a header
+  return run_program(kProgram, argc, argv, run_tool);
 }

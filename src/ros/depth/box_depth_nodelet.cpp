@@ -6,7 +6,6 @@
 #include <thread>
 #include <vector>
 
-#include <diagnostic_updater/diagnostic_updater.h>
 #include <nodelet/nodelet.h>
 #include <pluginlib/class_list_macros.hpp>
 #include <tf2_eigen/tf2_eigen.h>
@@ -21,6 +20,7 @@
 
 #include "ros/convert/detections.hpp"
 #include "ros/convert/image.hpp"
+#include "ros/health/reporter.hpp"
 #include "ros/health/stream_health.hpp"
 #include "ros/params/box_depth_params.hpp"
 #include "ros/params/detector_params.hpp"
@@ -63,7 +63,7 @@ namespace extperfc {
 class BoxDepthNodelet : public nodelet::Nodelet {
  public:
   ~BoxDepthNodelet() override {
-    diagnostics_timer_.stop();
+    reporter_.reset();
     {
       const std::lock_guard lock(subscription_mutex_);
       closing_ = true;  // a listener that comes or goes now must not subscribe again
@@ -106,8 +106,7 @@ class BoxDepthNodelet : public nodelet::Nodelet {
   ros_params::BoxDepthNodeletParams params_;
   std::unique_ptr<tf2_ros::Buffer> tf_buffer_;
   std::unique_ptr<tf2_ros::TransformListener> tf_listener_;
-  std::unique_ptr<diagnostic_updater::Updater> updater_;
-  ros::WallTimer diagnostics_timer_;
+  std::optional<health::Reporter> reporter_;
   health::InputHealth detections_health_{"detections"};
   health::InputHealth depth_health_{"depth"};
   health::InputHealth info_health_{"camera info"};
@@ -148,12 +147,9 @@ void BoxDepthNodelet::onInit() {
     tf_buffer_ = std::make_unique<tf2_ros::Buffer>();
     tf_listener_ = std::make_unique<tf2_ros::TransformListener>(*tf_buffer_);
   }
-  updater_ =
-      std::make_unique<diagnostic_updater::Updater>(getNodeHandle(), getPrivateNodeHandle(), getName());
-  updater_->setHardwareID("none");
-  updater_->add("box_depth", this, &BoxDepthNodelet::report);
-  diagnostics_timer_ =
-      getNodeHandle().createWallTimer(ros::WallDuration(0.2), [this](const auto&) { updater_->update(); });
+  reporter_.emplace(getNodeHandle(), getPrivateNodeHandle(), getName());
+  reporter_->add("box_depth", [this](auto& status) { report(status); });
+  reporter_->start();
   worker_ = std::thread([this] {
     while (const auto pair = pairs_.take()) process(*pair);
   });

@@ -6,7 +6,6 @@
 #include <thread>
 #include <vector>
 
-#include <diagnostic_updater/diagnostic_updater.h>
 #include <image_transport/image_transport.h>
 #include <nodelet/nodelet.h>
 #include <pluginlib/class_list_macros.hpp>
@@ -22,6 +21,7 @@
 #include "ros/convert/annotate.hpp"
 #include "ros/convert/detections.hpp"
 #include "ros/convert/image.hpp"
+#include "ros/health/reporter.hpp"
 #include "ros/health/stream_health.hpp"
 #include "ros/params/detector_params.hpp"
 
@@ -58,7 +58,7 @@ namespace extperfc {
 class DetectorNodelet : public nodelet::Nodelet {
  public:
   ~DetectorNodelet() override {
-    diagnostics_timer_.stop();
+    reporter_.reset();
     {
       const std::lock_guard lock(subscription_mutex_);
       closing_ = true;  // a listener that comes or goes now must not subscribe again
@@ -97,8 +97,7 @@ class DetectorNodelet : public nodelet::Nodelet {
   std::optional<detect::Detector> detector_;
   health::InputHealth input_{"image"};
   health::WorkHealth work_health_;
-  std::unique_ptr<diagnostic_updater::Updater> updater_;
-  ros::WallTimer diagnostics_timer_;
+  std::optional<health::Reporter> reporter_;
 
   std::mutex subscription_mutex_;
   bool closing_{false};
@@ -117,12 +116,9 @@ class DetectorNodelet : public nodelet::Nodelet {
 
 void DetectorNodelet::onInit() {
   load();
-  updater_ =
-      std::make_unique<diagnostic_updater::Updater>(getNodeHandle(), getPrivateNodeHandle(), getName());
-  updater_->setHardwareID("none");
-  updater_->add("detector", this, &DetectorNodelet::report);
-  diagnostics_timer_ =
-      getNodeHandle().createWallTimer(ros::WallDuration(0.2), [this](const auto&) { updater_->update(); });
+  reporter_.emplace(getNodeHandle(), getPrivateNodeHandle(), getName());
+  reporter_->add("detector", [this](auto& status) { report(status); });
+  reporter_->start();
   for (int slot = 0; slot < detector_->slots(); ++slot) workers_.emplace_back([this, slot] { work(slot); });
   advertise();
 }

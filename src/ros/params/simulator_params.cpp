@@ -3,11 +3,12 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <limits>
 
-#include <XmlRpcException.h>
 #include <ros/package.h>
 
 #include "ros/params/group_reader.hpp"
+#include "ros/params/list_reader.hpp"
 
 namespace extperfc::ros_params {
 
@@ -18,49 +19,24 @@ namespace fs = std::filesystem;
 constexpr std::array<const char*, 8> kGroups{"time",   "physics", "base",  "arms",
                                              "camera", "lidar",   "range", "truth"};
 
-double number_of(XmlRpc::XmlRpcValue& value) {
-  return value.getType() == XmlRpc::XmlRpcValue::TypeInt ? static_cast<int>(value)
-                                                         : static_cast<double>(value);
-}
-
-/// One entry of `faults`; throws XmlRpc's exception when a value is of a wrong type.
-Result<simulate::Fault> to_fault(XmlRpc::XmlRpcValue& entry) {
-  simulate::Fault fault;
-  for (auto& [key, value] : entry) {
-    if (key == "kind") {
-      const auto kind = simulate::fault_kind(static_cast<std::string>(value));
-      if (!kind)
-        return fail(ErrorCode::kInvalidArgument, "unknown kind '" + static_cast<std::string>(value) + "'");
-      fault.kind = *kind;
-    } else if (key == "target") {
-      fault.target = static_cast<std::string>(value);
-    } else if (key == "value") {
-      fault.value = number_of(value);
-    } else if (key == "duration_s") {
-      fault.duration_s = number_of(value);
-    } else {
-      return fail(ErrorCode::kInvalidArgument, "unknown key '" + key + "'");
-    }
+Result<void> set_fault(simulate::Fault& fault, const std::string& key, const Entry& entry) {
+  constexpr Range<double> kAny{std::numeric_limits<double>::lowest(), std::numeric_limits<double>::max()};
+  if (key == "kind") {
+    const auto kind = simulate::fault_kind(entry.text());
+    if (!kind) return fail(ErrorCode::kInvalidArgument, "unknown kind '" + entry.text() + "'");
+    fault.kind = *kind;
+    return {};
   }
-  return fault;
-}
-
-std::vector<simulate::Fault> read_faults(ParamReader& reader, const ros::NodeHandle& handle) {
-  std::vector<simulate::Fault> faults;
-  reader.accept("faults");
-  XmlRpc::XmlRpcValue list;
-  if (!handle.getParam("faults", list)) return faults;
-  const std::string name = handle.resolveName("faults");
-  try {
-    for (int i = 0; i < list.size(); ++i) {
-      auto fault = to_fault(list[i]);
-      if (!fault) reader.complain(name + "[" + std::to_string(i) + "]: " + fault.error().message);
-      faults.push_back(fault.value_or(simulate::Fault{}));
-    }
-  } catch (const XmlRpc::XmlRpcException&) {
-    reader.complain(name + " must be a list of {kind: ..., target: ..., value: ..., duration_s: ...}");
+  if (key == "target") {
+    fault.target = entry.text();
+    return {};
   }
-  return faults;
+  if (key != "value" && key != "duration_s")
+    return fail(ErrorCode::kInvalidArgument, "unknown key; a fault has kind, target, value, duration_s");
+  const auto number = entry.number(kAny);
+  if (!number) return tl::unexpected(number.error());
+  (key == "value" ? fault.value : fault.duration_s) = *number;
+  return {};
 }
 
 void read_robot_and_world(ParamReader& reader, SimulatorNodeletParams& params) {
@@ -198,10 +174,7 @@ void read_truth(ParamReader& reader, const ros::NodeHandle& handle, TruthParams&
   reader.read("map_max_z_m", params.map_max_z_m, {0.0, 3.0});
   if (params.map_min_z_m >= params.map_max_z_m)
     reader.complain("truth/map_min_z_m must be below map_max_z_m");
-  reader.accept("classes");
-  const std::string key = "truth/classes";
-  if (handle.hasParam(key) && !handle.getParam(key, params.classes))
-    reader.complain(handle.resolveName(key) + " must be a list of names");
+  read_strings(reader, handle, "classes", params.classes);
 }
 
 }  // namespace
@@ -209,12 +182,12 @@ void read_truth(ParamReader& reader, const ros::NodeHandle& handle, TruthParams&
 Result<SimulatorNodeletParams> load_simulator_params(const ros::NodeHandle& private_handle) {
   SimulatorNodeletParams params;
   GroupReader groups(private_handle);
-  groups.group("", [&](ParamReader& reader, const ros::NodeHandle&) {
+  groups.group("", [&](ParamReader& reader, const ros::NodeHandle& handle) {
     for (const char* group : kGroups) reader.accept(group);
     for (const char* written : {"classes", "instances"}) reader.accept(written);
     reader.accept("robot");  // load_robot_interface_params reads it
     read_robot_and_world(reader, params);
-    params.faults = read_faults(reader, private_handle);
+    params.faults = read_list<simulate::Fault>(reader, handle, "faults", set_fault);
   });
   groups.group("time", [&](ParamReader& reader, const ros::NodeHandle&) { read_time(reader, params.time); });
   groups.group("physics", [&](ParamReader& reader, const ros::NodeHandle&) {
@@ -231,8 +204,8 @@ Result<SimulatorNodeletParams> load_simulator_params(const ros::NodeHandle& priv
                [&](ParamReader& reader, const ros::NodeHandle&) { read_lidar(reader, params.lidar); });
   groups.group("range",
                [&](ParamReader& reader, const ros::NodeHandle&) { read_range(reader, params.range); });
-  groups.group("truth", [&](ParamReader& reader, const ros::NodeHandle&) {
-    read_truth(reader, private_handle, params.truth);
+  groups.group("truth", [&](ParamReader& reader, const ros::NodeHandle& handle) {
+    read_truth(reader, handle, params.truth);
   });
   if (auto robot = load_robot_interface_params(private_handle)) {
     params.robot = *robot;

@@ -1,5 +1,4 @@
 #include <atomic>
-#include <memory>
 #include <mutex>
 #include <optional>
 #include <stdexcept>
@@ -7,7 +6,6 @@
 #include <thread>
 #include <utility>
 
-#include <diagnostic_updater/diagnostic_updater.h>
 #include <nodelet/nodelet.h>
 #include <pluginlib/class_list_macros.hpp>
 #include <sensor_msgs/Imu.h>
@@ -19,6 +17,7 @@
 #include "extperfc/scan/cloud_to_scan.hpp"
 
 #include "ros/convert/scan.hpp"
+#include "ros/health/reporter.hpp"
 #include "ros/health/stream_health.hpp"
 #include "ros/params/cloud_to_scan_params.hpp"
 #include "ros/scan/sweep_poses.hpp"
@@ -83,7 +82,7 @@ namespace extperfc {
 class CloudToScanNodelet : public nodelet::Nodelet {
  public:
   ~CloudToScanNodelet() override {
-    diagnostics_timer_.stop();
+    reporter_.reset();
     {
       const std::lock_guard lock(subscription_mutex_);
       closing_ = true;  // a listener that comes or goes now must not subscribe again
@@ -115,8 +114,7 @@ class CloudToScanNodelet : public nodelet::Nodelet {
   scan::SelfFilter robot_;
   scan::PlanarScans scans_;
   std::optional<SweepPoses> poses_;
-  std::unique_ptr<diagnostic_updater::Updater> updater_;
-  ros::WallTimer diagnostics_timer_;
+  std::optional<health::Reporter> reporter_;
   health::InputHealth cloud_health_{"cloud"};
   health::WorkHealth work_health_;
 
@@ -143,12 +141,9 @@ void CloudToScanNodelet::onInit() {
   converter_ = scan::CloudToScan::make(params_.scan).value();  // the parameters are checked
   robot_ = scan::SelfFilter::make(params_.self_volumes, params_.self_padding).value();
   poses_.emplace(params_);
-  updater_ =
-      std::make_unique<diagnostic_updater::Updater>(getNodeHandle(), getPrivateNodeHandle(), getName());
-  updater_->setHardwareID("none");
-  updater_->add("cloud_to_scan", this, &CloudToScanNodelet::report);
-  diagnostics_timer_ =
-      getNodeHandle().createWallTimer(ros::WallDuration(0.2), [this](const auto&) { updater_->update(); });
+  reporter_.emplace(getNodeHandle(), getPrivateNodeHandle(), getName());
+  reporter_->add("cloud_to_scan", [this](auto& status) { report(status); });
+  reporter_->start();
   worker_ = std::thread([this] {
     while (const auto cloud = clouds_.take()) process(**cloud);
   });

@@ -1,14 +1,12 @@
-#include <algorithm>
 #include <memory>
+#include <optional>
 #include <stdexcept>
-#include <string>
 #include <utility>
-#include <vector>
 
-#include <diagnostic_updater/diagnostic_updater.h>
 #include <nodelet/nodelet.h>
 #include <pluginlib/class_list_macros.hpp>
 
+#include "ros/health/reporter.hpp"
 #include "ros/params/simulator_params.hpp"
 #include "ros/simulate/simulation.hpp"
 
@@ -39,19 +37,11 @@ namespace extperfc {
 /// Threads: one steps the simulation and publishes what the robot's controllers would; one measures for the
 ///   sensors; two answer the services of the simulation.
 class SimulatorNodelet : public nodelet::Nodelet {
- public:
-  ~SimulatorNodelet() override { diagnostics_timer_.stop(); }
-
- private:
-  static constexpr double kFirstReportS = 0.1;
-  static constexpr double kShortestPeriodS = 0.01;
-
   void onInit() override;
   void add_diagnostics();
 
   std::unique_ptr<Simulation> simulation_;
-  std::unique_ptr<diagnostic_updater::Updater> updater_;
-  ros::WallTimer diagnostics_timer_;
+  std::optional<health::Reporter> reporter_;  ///< last: it asks the simulation
 };
 
 void SimulatorNodelet::onInit() {
@@ -69,15 +59,9 @@ void SimulatorNodelet::onInit() {
 }
 
 void SimulatorNodelet::add_diagnostics() {
-  updater_ =
-      std::make_unique<diagnostic_updater::Updater>(getNodeHandle(), getPrivateNodeHandle(), getName());
-  updater_->setHardwareID("simulated");
-  for (const auto& [name, report] : simulation_->reports()) updater_->add(name, report);
-  // In real time, so that a simulation that stands still reports too.
-  diagnostics_timer_ = getNodeHandle().createWallTimer(ros::WallDuration(kFirstReportS), [this](const auto&) {
-    updater_->force_update();
-    diagnostics_timer_.setPeriod(ros::WallDuration(std::max(updater_->getPeriod(), kShortestPeriodS)), false);
-  });
+  reporter_.emplace(getNodeHandle(), getPrivateNodeHandle(), getName(), "simulated");
+  for (const auto& [name, report] : simulation_->reports()) reporter_->add(name, report);
+  reporter_->start();
 }
 
 }  // namespace extperfc

@@ -1,11 +1,12 @@
 #pragma once
 
 #include <memory>
+#include <optional>
 #include <stdexcept>
 
-#include <diagnostic_updater/diagnostic_updater.h>
 #include <nodelet/nodelet.h>
 
+#include "ros/health/reporter.hpp"
 #include "ros/params/source_params.hpp"
 #include "ros/sources/recording_player.hpp"
 
@@ -25,13 +26,9 @@ class SourceNodelet : public nodelet::Nodelet {
     if (!recording) give_up(recording.error());
     NODELET_INFO("%s: %zu frames", params->path.c_str(), (*recording)->size());
     player_ = std::make_unique<RecordingPlayer>(getNodeHandle(), *params, std::move(*recording));
-    updater_ =
-        std::make_unique<diagnostic_updater::Updater>(getNodeHandle(), getPrivateNodeHandle(), getName());
-    updater_->setHardwareID("none");
-    updater_->add("source",
-                  [this](diagnostic_updater::DiagnosticStatusWrapper& status) { player_->report(status); });
-    timer_ =
-        getNodeHandle().createWallTimer(ros::WallDuration(0.2), [this](const auto&) { updater_->update(); });
+    reporter_.emplace(getNodeHandle(), getPrivateNodeHandle(), getName());
+    reporter_->add("source", [this](auto& status) { player_->report(status); });
+    reporter_->start();
   }
 
   [[noreturn]] void give_up(const Error& error) {
@@ -40,8 +37,7 @@ class SourceNodelet : public nodelet::Nodelet {
   }
 
   std::unique_ptr<RecordingPlayer> player_;
-  std::unique_ptr<diagnostic_updater::Updater> updater_;
-  ros::WallTimer timer_;
+  std::optional<health::Reporter> reporter_;  ///< last: it asks the player
 };
 
 }  // namespace extperfc

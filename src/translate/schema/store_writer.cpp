@@ -1,10 +1,10 @@
-#include <fstream>
 #include <map>
 #include <set>
 #include <string>
-#include <system_error>
 #include <utility>
 #include <vector>
+
+#include "extperfc/base/atomic_file.hpp"
 
 #include "store_files.hpp"
 
@@ -12,17 +12,6 @@ namespace extperfc::translate {
 namespace {
 
 namespace fs = std::filesystem;
-
-Result<void> write_text(const fs::path& file, const std::string& text) {
-  std::error_code error;
-  fs::create_directories(file.parent_path(), error);
-  std::ofstream out(file, std::ios::binary | std::ios::trunc);
-  out << text;
-  out.close();
-  if (out) return {};
-  return fail(ErrorCode::kFailed,
-              file.string() + ": cannot be written: is the disk full, the folder writable?");
-}
 
 class StoreWriter {
  public:
@@ -61,7 +50,7 @@ class StoreWriter {
       if (derived.count(message) == 0) lines[{type, "msg"}] = catalogue_.key_of(*message);
     std::string text;
     for (const auto& [id, key] : lines) text += id.first + " " + id.second + " " + key + "\n";
-    return write_text(folder_ / "sets" / (name + ".txt"), text);
+    return write_text_atomically(folder_ / "sets" / (name + ".txt"), text);
   }
 
   template <typename T, typename Ptr>
@@ -121,7 +110,7 @@ class StoreWriter {
     std::string text;
     for (const auto& [embedded, embedded_key] : embeds)
       text.append("# embeds ").append(embedded).append(" ").append(embedded_key).append("\n");
-    return write_text(folder_ / (type + "." + key + "." + kind), text + content);
+    return write_text_atomically(folder_ / (type + "." + key + "." + kind), text + content);
   }
 
   fs::path folder_;

@@ -5,7 +5,8 @@
 #include <string>
 #include <utility>
 
-#include "arguments.hpp"
+#include "extperfc/base/arguments.hpp"
+
 #include "command.hpp"
 #include "comparison.hpp"
 #include "live_master.hpp"

@@ -1,11 +1,11 @@
 #include <filesystem>
-#include <fstream>
 #include <iostream>
 #include <set>
 #include <string>
-#include <system_error>
 
-#include "arguments.hpp"
+#include "extperfc/base/arguments.hpp"
+#include "extperfc/base/atomic_file.hpp"
+
 #include "command.hpp"
 #include "sources.hpp"
 
@@ -30,16 +30,6 @@ constexpr const char* kStoreHelp =
 Each set is read from trees of packages; of a type that is in several of them the first one's counts. What a set's
 definitions embed and its trees lack is taken from --fallback, a set given before. Comments are left out.
 )";
-
-Result<void> write(const fs::path& file, const std::string& text) {
-  std::error_code error;
-  fs::create_directories(file.parent_path(), error);
-  std::ofstream out(file, std::ios::binary | std::ios::trunc);
-  out << text;
-  out.close();
-  if (out) return {};
-  return fail(ErrorCode::kFailed, file.string() + ": cannot be written");
-}
 
 /// Writes the files of one set.
 class Exporter {
@@ -81,7 +71,8 @@ class Exporter {
     std::string text;
     for (const auto& part : parts) text += (&part == &parts.front() ? "" : "---\n") + part->text();
     ++written_;
-    return write(folder_ / type.substr(0, slash) / kind / (type.substr(slash + 1) + "." + kind), text);
+    return write_text_atomically(
+        folder_ / type.substr(0, slash) / kind / (type.substr(slash + 1) + "." + kind), text);
   }
 
   const DefinitionStore& store_;

@@ -8,7 +8,8 @@
 #include <utility>
 #include <vector>
 
-#include "arguments.hpp"
+#include "extperfc/base/arguments.hpp"
+
 #include "command.hpp"
 #include "sources.hpp"
 #include "versions.hpp"

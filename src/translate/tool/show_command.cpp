@@ -5,10 +5,10 @@
 #include <utility>
 #include <vector>
 
+#include "extperfc/base/arguments.hpp"
 #include "extperfc/translate/plan.hpp"
 #include "extperfc/translate/rules.hpp"
 
-#include "arguments.hpp"
 #include "command.hpp"
 #include "report.hpp"
 #include "sources.hpp"

@@ -4,10 +4,9 @@
 #include <string>
 #include <vector>
 
+#include "extperfc/base/arguments.hpp"
 #include "extperfc/base/error.hpp"
 #include "extperfc/translate/definition_store.hpp"
-
-#include "arguments.hpp"
 
 namespace extperfc::translate::tool {
 

@@ -5,7 +5,6 @@
 #include <iostream>
 #include <thread>
 
-#include <ros/console.h>
 #include <ros/init.h>
 #include <ros/master.h>
 #include <ros/node_handle.h>
@@ -19,6 +18,7 @@
 #include "detect/pictures.hpp"
 #include "detect/report_rows.hpp"
 #include "report.hpp"
+#include "ros_log.hpp"
 
 namespace extperfc::benchmark {
 namespace {
@@ -123,11 +123,6 @@ int run(const DetectOptions& options) {
   return complain("cannot write " + options.json, 1);
 }
 
-void quiet_ros() {
-  if (ros::console::set_logger_level(ROSCONSOLE_ROOT_LOGGER_NAME, ros::console::levels::Warn))
-    ros::console::notifyLoggerLevelsChanged();
-}
-
 }  // namespace
 }  // namespace extperfc::benchmark
 
@@ -140,7 +135,7 @@ int main(int argc, char** argv) {
     print_help(std::cout);
     return 0;
   }
-  quiet_ros();
+  log_warnings_only();
   if (!ros::master::check()) return complain("no ROS master: start this with tools/bench detect", 1);
   const ros::NodeHandle keep_running;
   return run(*options);

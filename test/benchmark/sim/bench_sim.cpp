@@ -3,11 +3,11 @@
 #include <cstdio>
 #include <iostream>
 
-#include <ros/console.h>
 #include <ros/init.h>
 #include <ros/master.h>
 #include <ros/package.h>
 
+#include "ros_log.hpp"
 #include "sim/core_cost.hpp"
 #include "sim/options.hpp"
 #include "sim/whole_robot.hpp"
@@ -36,11 +36,6 @@ int run(const SimOptions& options) {
   return complain("cannot write " + options.json, 1);
 }
 
-void quiet_ros() {
-  if (ros::console::set_logger_level(ROSCONSOLE_ROOT_LOGGER_NAME, ros::console::levels::Warn))
-    ros::console::notifyLoggerLevelsChanged();
-}
-
 }  // namespace
 }  // namespace extperfc::benchmark
 
@@ -53,7 +48,7 @@ int main(int argc, char** argv) {
     print_sim_help(std::cout);
     return 0;
   }
-  quiet_ros();
+  log_warnings_only();
   if (!ros::master::check()) return complain("no ROS master: start this with tools/bench sim", 1);
   use_simulated_time();
   return run(*options);

@@ -1,10 +1,11 @@
 #include "translate/blob.hpp"
 
 #include <array>
-#include <fstream>
+#include <cstring>
 
 #include <boost/make_shared.hpp>
 
+#include "extperfc/base/atomic_file.hpp"
 #include "extperfc/translate/schema.hpp"
 
 namespace extperfc::benchmark {
@@ -47,15 +48,6 @@ Result<Version> make_version(const std::string& type, const char* text) {
   return Version{type, (*schema)->md5(), full};
 }
 
-Result<void> write_text(const std::filesystem::path& file, const char* text) {
-  std::filesystem::create_directories(file.parent_path());
-  std::ofstream out(file);
-  out << text;
-  out.close();
-  if (out.fail()) return fail(ErrorCode::kFailed, "cannot write " + file.string());
-  return {};
-}
-
 }  // namespace
 
 Result<Versions> make_versions() {
@@ -72,10 +64,10 @@ Result<void> write_packages(const std::filesystem::path& folder) {
   for (const char* side : {"old", "new"}) {
     const bool is_new = side[0] == 'n';
     const auto msg = folder / side / "bench_msgs" / "msg";
-    if (auto done = write_text(folder / side / "std_msgs" / "msg" / "Header.msg", kHeader); !done)
+    if (auto done = write_text_atomically(folder / side / "std_msgs" / "msg" / "Header.msg", kHeader); !done)
       return done;
-    if (auto done = write_text(msg / "Plain.msg", kPlain); !done) return done;
-    if (auto done = write_text(msg / "Grown.msg", is_new ? kGrown : kPlain); !done) return done;
+    if (auto done = write_text_atomically(msg / "Plain.msg", kPlain); !done) return done;
+    if (auto done = write_text_atomically(msg / "Grown.msg", is_new ? kGrown : kPlain); !done) return done;
   }
   return {};
 }

@@ -3,12 +3,12 @@
 #include <string>
 #include <thread>
 
-#include <ros/console.h>
 #include <ros/init.h>
 #include <ros/node_handle.h>
 #include <ros/spinner.h>
 #include <unistd.h>
 
+#include "ros_log.hpp"
 #include "translate/blob.hpp"
 #include "translate/parts.hpp"
 #include "translate/process.hpp"
@@ -50,8 +50,7 @@ ros::SubscribeOptions options_of(const std::string& topic, const std::string& ty
 void start_ros(const std::string& master_uri, const std::string& name) {
   ros::init(ros::M_string{{"__master", master_uri}}, name,
             ros::init_options::AnonymousName | ros::init_options::NoSigintHandler);
-  if (ros::console::set_logger_level(ROSCONSOLE_ROOT_LOGGER_NAME, ros::console::levels::Warn))
-    ros::console::notifyLoggerLevelsChanged();
+  log_warnings_only();
 }
 
 int run_receiver(const std::vector<std::string>& arguments) {

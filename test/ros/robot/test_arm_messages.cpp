@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include "joint_command.hpp"
 #include "ros/robot/arm_messages.hpp"
 
 namespace extperfc::convert {
@@ -10,21 +11,14 @@ namespace {
 
 using baxter_core_msgs::AssemblyState;
 using baxter_core_msgs::JointCommand;
+using ros_test::joint_command;
 using simulate::ArmMode;
 using simulate::RobotState;
 using simulate::Side;
 
-JointCommand command(int mode, std::vector<std::string> names, std::vector<double> values) {
-  JointCommand message;
-  message.mode = mode;
-  message.names = std::move(names);
-  message.command = std::move(values);
-  return message;
-}
-
 TEST(ArmMessages, ACommandNamesItsJoints) {
-  const auto converted =
-      from_message(command(JointCommand::VELOCITY_MODE, {"right_w2", "right_s0"}, {0.2, -0.1}), Side::kRight);
+  const auto converted = from_message(
+      joint_command(JointCommand::VELOCITY_MODE, {"right_w2", "right_s0"}, {0.2, -0.1}), Side::kRight);
   ASSERT_TRUE(converted) << converted.error().message;
   EXPECT_EQ(converted->mode, ArmMode::kVelocity);
   EXPECT_EQ(converted->values[0], -0.1);
@@ -35,7 +29,7 @@ TEST(ArmMessages, ACommandNamesItsJoints) {
 TEST(ArmMessages, EveryModeIsKnown) {
   for (const auto& [mode, wanted] : {std::pair{1, ArmMode::kPosition}, std::pair{2, ArmMode::kVelocity},
                                      std::pair{3, ArmMode::kTorque}, std::pair{4, ArmMode::kRawPosition}}) {
-    const auto converted = from_message(command(mode, {"left_s0"}, {0}), Side::kLeft);
+    const auto converted = from_message(joint_command(mode, {"left_s0"}, {0}), Side::kLeft);
     ASSERT_TRUE(converted);
     EXPECT_EQ(converted->mode, wanted);
   }
@@ -44,15 +38,15 @@ TEST(ArmMessages, EveryModeIsKnown) {
 TEST(ArmMessages, WrongCommandsAreRefusedByName) {
   const double nan = std::numeric_limits<double>::quiet_NaN();
   const std::vector<std::pair<JointCommand, const char*>> wrong{
-      {command(0, {"left_s0"}, {0}), "mode 0"},
-      {command(5, {"left_s0"}, {0}), "mode 5"},
-      {command(1, {}, {}), "no joint"},
-      {command(1, {"left_s0"}, {}), "1 names and 0 values"},
-      {command(1, {"left_s0"}, {1, 2}), "1 names and 2 values"},
-      {command(1, {"right_s0"}, {0}),
+      {joint_command(0, {"left_s0"}, {0}), "mode 0"},
+      {joint_command(5, {"left_s0"}, {0}), "mode 5"},
+      {joint_command(1, {}, {}), "no joint"},
+      {joint_command(1, {"left_s0"}, {}), "1 names and 0 values"},
+      {joint_command(1, {"left_s0"}, {1, 2}), "1 names and 2 values"},
+      {joint_command(1, {"right_s0"}, {0}),
        "'right_s0' is no joint of this arm; its joints are left_s0 to left_w2"},
-      {command(1, {"left_s0", "left_s0"}, {0, 0}), "left_s0 is given twice"},
-      {command(1, {"left_s0", "left_w0"}, {0, nan}), "left_w0 has a value that is not finite"}};
+      {joint_command(1, {"left_s0", "left_s0"}, {0, 0}), "left_s0 is given twice"},
+      {joint_command(1, {"left_s0", "left_w0"}, {0, nan}), "left_w0 has a value that is not finite"}};
   for (const auto& [message, why] : wrong) {
     const auto converted = from_message(message, Side::kLeft);
     ASSERT_FALSE(converted) << why;

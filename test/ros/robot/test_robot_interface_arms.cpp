@@ -1,10 +1,10 @@
 // Joint commands and states of the arms.
 #include <baxter_core_msgs/EndpointState.h>
-#include <baxter_core_msgs/JointCommand.h>
 #include <baxter_core_msgs/SEAJointState.h>
 #include <std_msgs/Float64.h>
 #include <trajectory_msgs/JointTrajectoryPoint.h>
 
+#include "joint_command.hpp"
 #include "robot_test.hpp"
 
 namespace extperfc::ros_test {
@@ -15,14 +15,6 @@ using baxter_core_msgs::JointCommand;
 constexpr int kS0 = 0;
 constexpr int kE1 = 3;
 constexpr int kW2 = 6;
-
-JointCommand command(int mode, std::vector<std::string> names, std::vector<double> values) {
-  JointCommand message;
-  message.mode = mode;
-  message.names = std::move(names);
-  message.command = std::move(values);
-  return message;
-}
 
 std_msgs::Float64 number(double value) {
   std_msgs::Float64 message;
@@ -46,7 +38,7 @@ class ArmsTest : public RobotTest {
 TEST_F(ArmsTest, PositionModeMovesToThePosition) {
   const double from = position(Side::kLeft, kW2);
   const auto right = positions(Side::kRight);
-  const auto message = command(JointCommand::POSITION_MODE, {"left_w2"}, {from + 0.3});
+  const auto message = joint_command(JointCommand::POSITION_MODE, {"left_w2"}, {from + 0.3});
   hold(message, 1);
   EXPECT_GT(position(Side::kLeft, kW2), from + 0.2) << "limited to a share of the speed, but on its way";
   EXPECT_EQ(positions(Side::kRight), right);
@@ -54,8 +46,8 @@ TEST_F(ArmsTest, PositionModeMovesToThePosition) {
 
 TEST_F(ArmsTest, JointsThatAreNotNamedStay) {
   const auto before = positions(Side::kLeft);
-  hold(command(JointCommand::RAW_POSITION_MODE, {"left_w2", "left_e1"},
-               {before[kW2] + 0.1, before[kE1] - 0.1}),
+  hold(joint_command(JointCommand::RAW_POSITION_MODE, {"left_w2", "left_e1"},
+                     {before[kW2] + 0.1, before[kE1] - 0.1}),
        0.3);
   const auto after = positions(Side::kLeft);
   EXPECT_NEAR(after[kW2], before[kW2] + 0.1, 1e-3);
@@ -64,7 +56,7 @@ TEST_F(ArmsTest, JointsThatAreNotNamedStay) {
 }
 
 TEST_F(ArmsTest, VelocityModeMovesUntilTheTimeIsOver) {
-  const auto message = command(JointCommand::VELOCITY_MODE, {"left_s0"}, {0.5});
+  const auto message = joint_command(JointCommand::VELOCITY_MODE, {"left_s0"}, {0.5});
   hold(message, 0.5);
   EXPECT_NEAR(velocity(Side::kLeft, kS0), 0.5, 0.01);
   host_.advance(0.15);
@@ -77,7 +69,7 @@ TEST_F(ArmsTest, TheTimeOfACommandCanBeChanged) {
   auto timeout = handle_.advertise<std_msgs::Float64>("robot/limb/left/joint_command_timeout", 1);
   send(timeout, number(1.0));
   host_.advance(0.01);
-  send(left_, command(JointCommand::VELOCITY_MODE, {"left_s0"}, {0.3}));
+  send(left_, joint_command(JointCommand::VELOCITY_MODE, {"left_s0"}, {0.3}));
   host_.advance(0.9);
   EXPECT_NEAR(velocity(Side::kLeft, kS0), 0.3, 0.01);
   host_.advance(0.3);
@@ -87,7 +79,7 @@ TEST_F(ArmsTest, TheTimeOfACommandCanBeChanged) {
 TEST_F(ArmsTest, TheSpeedRatioSlowsPositionModeDown) {
   auto ratio = handle_.advertise<std_msgs::Float64>("robot/limb/left/set_speed_ratio", 1);
   const double from = position(Side::kLeft, kW2);
-  const auto message = command(JointCommand::POSITION_MODE, {"left_w2"}, {from + 2});
+  const auto message = joint_command(JointCommand::POSITION_MODE, {"left_w2"}, {from + 2});
   send(ratio, number(0.1));
   hold(message, 0.5);
   const double slow = velocity(Side::kLeft, kW2);
@@ -112,7 +104,7 @@ TEST_F(ArmsTest, ADisabledArmStaysAndSaysSo) {
   simulator_.enable(false);
   const auto before = positions(Side::kLeft);
   EXPECT_TRUE(wait_for([&] {  // until the log is connected
-    send(left_, command(JointCommand::RAW_POSITION_MODE, {"left_s0"}, {before[kS0] + 0.1}));
+    send(left_, joint_command(JointCommand::RAW_POSITION_MODE, {"left_s0"}, {before[kS0] + 0.1}));
     host_.advance(0.05);
     return log_.count("robot/limb/left/joint_command is ignored: the robot is disabled") > 0;
   })) << log_.text();
@@ -121,7 +113,7 @@ TEST_F(ArmsTest, ADisabledArmStaysAndSaysSo) {
 
 TEST_F(ArmsTest, WrongCommandsAreIgnoredAndNamed) {
   const auto before = positions(Side::kLeft);
-  const auto wrong = command(JointCommand::RAW_POSITION_MODE, {"left_s0", "right_s1"}, {1.0, 0.0});
+  const auto wrong = joint_command(JointCommand::RAW_POSITION_MODE, {"left_s0", "right_s1"}, {1.0, 0.0});
   EXPECT_TRUE(wait_for([&] {  // until the log is connected
     left_.publish(wrong);
     return log_.count("robot/limb/left/joint_command is ignored: 'right_s1' is no joint of this arm") > 0;
@@ -132,7 +124,7 @@ TEST_F(ArmsTest, WrongCommandsAreIgnoredAndNamed) {
 
 TEST_F(ArmsTest, TorqueNeedsDynamicArms) {
   EXPECT_TRUE(wait_for([&] {  // until the log is connected
-    send(left_, command(JointCommand::TORQUE_MODE, {"left_s0"}, {1.0}));
+    send(left_, joint_command(JointCommand::TORQUE_MODE, {"left_s0"}, {1.0}));
     host_.advance(0.05);
     return log_.count("torque mode needs dynamic arms") > 0;
   })) << log_.text();
@@ -157,7 +149,7 @@ TEST_F(ArmsTest, TheEndPointIsWhereTheLinksAre) {
 TEST_F(ArmsTest, TheEndPointsVelocityIsThatOfItsPositions) {
   Inbox<baxter_core_msgs::EndpointState> states("robot/limb/left/endpoint_state");
   ASSERT_TRUE(wait_for([&] { return states.connected(); }));
-  hold(command(JointCommand::VELOCITY_MODE, {"left_s0"}, {0.5}), 0.5);
+  hold(joint_command(JointCommand::VELOCITY_MODE, {"left_s0"}, {0.5}), 0.5);
   ASSERT_TRUE(wait_for([&] {
     return states.count() > 0 && states.all().back()->header.stamp > host_.stamp() - ros::Duration(0.02);
   }));

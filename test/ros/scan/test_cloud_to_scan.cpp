@@ -8,6 +8,7 @@
 
 #include "cloud_to_scan_test.hpp"
 #include "ros/params/cloud_to_scan_params.hpp"
+#include "simulated_time.hpp"
 
 namespace extperfc::ros_test {
 namespace {
@@ -104,6 +105,13 @@ TEST_F(CloudToScanTest, NoGroundPlaneIsAWarning) {
   load_and_connect({{"ground_method", "plane"}, {"ground_z_m", 5.0}});
   ASSERT_TRUE(flatten(cloud_message(wall_and_floor(), ros::Time(2, 0))));
   EXPECT_TRUE(diagnostics_.wait([](const Report& r) { return r.is_warning_about("no ground plane found"); }));
+}
+
+TEST_F(CloudToScanTest, DiagnosticsGoOnAfterTheClockRanBack) {
+  load();
+  ASSERT_TRUE(diagnostics_.goes_on());
+  const SimulatedTime earlier(10.0);
+  EXPECT_TRUE(diagnostics_.goes_on()) << "not only when the time of before is reached";
 }
 
 TEST_F(CloudToScanTest, UnloadsWhileCloudsCome) {

@@ -73,13 +73,19 @@ TEST_F(Refusals, ARobotWithoutItsSensorsOrJointsIsNamed) {
 TEST_F(Refusals, FaultsThatAreNoneAreNamed) {
   XmlRpc::XmlRpcValue faults;
   faults[0] = fault_entry("earthquake", "", 1.0);
-  expect_refusal({{"faults", faults}}, {"faults[0]: unknown kind 'earthquake'"});
+  expect_refusal({{"faults", faults}}, {"faults[0]/kind: unknown kind 'earthquake'"});
   log_.forget();
   faults[0] = fault_entry("joint_stuck", "knee", 1.0);
   faults[1] = fault_entry("camera_drop", "", 7.0);
   expect_refusal({{"faults", faults}}, {"no joint 'knee'", "camera_drop: value is a share"});
   log_.forget();
   expect_refusal({{"faults", std::string("many")}}, {"faults must be a list"});
+  log_.forget();
+  XmlRpc::XmlRpcValue wrong;
+  wrong[0]["value"] = std::string("high");
+  wrong[1]["when"] = 1.0;
+  expect_refusal({{"faults", wrong}}, {"faults[0]/value has a value of a wrong type",
+                                       "faults[1]/when: unknown key; a fault has kind, target, value"});
 }
 
 TEST_F(Refusals, ShippedConfigurationHasTheDocumentedDefaults) {

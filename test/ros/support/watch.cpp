@@ -54,6 +54,12 @@ bool DiagnosticsWatch::wait_latest(const std::function<bool(const Report&)>& con
   return wait_for([&] { return condition(latest()); });
 }
 
+bool DiagnosticsWatch::goes_on() {
+  constexpr std::size_t kSeveral = 5;  // more than can be on their way
+  forget();
+  return wait_for([&] { return all().size() >= kSeveral; });
+}
+
 std::map<std::string, std::string> DiagnosticsWatch::addresses(const std::string& key) const {
   std::map<std::string, std::string> gathered;
   for (const auto& report : all()) {

@@ -43,6 +43,8 @@ class DiagnosticsWatch {
   [[nodiscard]] bool wait(const std::function<bool(const Report&)>& condition) const;
   /// As wait(), but of the latest report only.
   [[nodiscard]] bool wait_latest(const std::function<bool(const Report&)>& condition) const;
+  /// True when reports keep coming: several from now on. Forgets those before.
+  [[nodiscard]] bool goes_on();
   void forget() { inbox_.clear(); }
 
   /// What a report says under `key`, "<stamp> @ <address>", gathered as stamp -> address.

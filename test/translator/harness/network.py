@@ -79,8 +79,8 @@ class Cable:
     def __init__(self, name, ends, addresses):
         self.ends = [(place, f"{name}{index}") for index, place in enumerate(ends)]
         (first, near), (second, far) = self.ends
-        subprocess.run(["ip", "link", "add", near, "netns", str(first.pid), "type", "veth", "peer", "name", far, "netns",
-                        str(second.pid)], check=True, capture_output=True, text=True)
+        subprocess.run(["ip", "link", "add", near, "netns", str(first.pid), "type", "veth",
+                        "peer", "name", far, "netns", str(second.pid)], check=True, capture_output=True, text=True)
         for (place, device), address in zip(self.ends, addresses):
             place.run("ip", "address", "add", address + "/24", "dev", device)
             place.run("ip", "link", "set", device, "up")
@@ -92,8 +92,8 @@ class Cable:
 
     def slow(self, kbit_per_s):
         for place, device in self.ends:
-            place.run("tc", "qdisc", "replace", "dev", device, "root", "tbf", "rate", f"{kbit_per_s}kbit", "burst", "32kbit",
-                      "latency", "200ms")
+            place.run("tc", "qdisc", "replace", "dev", device, "root", "tbf", "rate", f"{kbit_per_s}kbit",
+                      "burst", "32kbit", "latency", "200ms")
 
     def mend(self):
         for place, device in self.ends:

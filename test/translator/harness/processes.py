@@ -8,6 +8,7 @@ import pathlib
 import re
 import signal
 import socket
+import struct
 import subprocess
 import tempfile
 import threading
@@ -103,8 +104,8 @@ class Master:
         return environment
 
     def start(self):
-        self.child = Child(f"master_{self.name}", self.place, ["rosmaster", "--core", "-p", str(self.port)], self.folder,
-                           self.environment())
+        words = ["rosmaster", "--core", "-p", str(self.port)]
+        self.child = Child(f"master_{self.name}", self.place, words, self.folder, self.environment())
         wait_until(lambda: self.ask("getPid", quiet=True), 20, lambda: "master: " + self.child.log_tail())
         return self
 
@@ -176,22 +177,33 @@ class Puppet(Child):
     def _wait(self, condition, seconds, what):
         with self._lock:
             if not self._lock.wait_for(lambda: condition() or not self.alive(), seconds) or not condition():
-                raise TooLate(f"{self.name}: not within {seconds} s: {what}\nlast line: {self._last_line}\n{self.log_tail()}")
+                raise TooLate(f"{self.name}: not within {seconds} s: {what}\nlast line: {self._last_line}\n"
+                              f"{self.log_tail()}")
 
     def tell(self, *words):
         """Gives a command and waits until it is obeyed."""
         obeyed, failed = self._events["ok"], self._events["error"]
         before = len(obeyed), len(failed)
-        self.process.stdin.write(" ".join(map(str, words)) + "\n")
+        command = " ".join(map(str, words))
+        self.process.stdin.write(command + "\n")
         self.process.stdin.flush()
-        self._wait(lambda: (len(obeyed), len(failed)) != before, 20, f"an answer to {' '.join(map(str, words))[:120]}")
+        self._wait(lambda: (len(obeyed), len(failed)) != before, 20, f"an answer to {command[:120]}")
         if len(failed) != before[1]:
-            raise RuntimeError(f"{self.name} cannot {' '.join(map(str, words))[:120]}: {' '.join(failed[-1])}\n{self.log_tail()}")
+            raise RuntimeError(f"{self.name} cannot {command[:120]}: {' '.join(failed[-1])}\n{self.log_tail()}")
 
     def heard(self, kind, name):
         """The events of a kind about a name, without those two words."""
         with self._lock:
             return list(self._events[kind, name])
+
+    def words(self, topic):
+        """The texts of a topic's std_msgs/String."""
+        return [bytes.fromhex(content[9:]).decode() for _, content in self.heard("message", topic)]
+
+    def ages(self, topic, first=0):
+        """How old the messages of a topic were that another node streams [s], from the one with number `first` on."""
+        return [event.heard_at - struct.unpack("<d", bytes.fromhex(event[1][1:]))[0]
+                for event in self.heard("message", topic)[first:]]
 
     def wait_for(self, kind, name, count=1, seconds=15):
         """At least `count` events, in order."""

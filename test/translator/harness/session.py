@@ -5,6 +5,7 @@ import yaml
 from harness import eras, network, processes
 
 NAME = "/extperfc_translator"  # of the translator's nodes at both masters, as config/translator.yaml names them
+WORD = "std_msgs/String"  # what word() makes
 
 
 def merged(base, more):
@@ -77,7 +78,8 @@ class Session:
         """A second one; its end() is the caller's."""
         translator = Translator(self, name, parameters)
         self._closing.append(translator.end)
-        processes.wait_until(lambda: name + "_home" in self.names(self.new), 20, lambda: f"{name}: {translator.log_tail()}")
+        processes.wait_until(lambda: name + "_home" in self.names(self.new), 20,
+                             lambda: f"{name}: {translator.log_tail()}")
         return translator
 
     def names(self, master):
@@ -123,6 +125,18 @@ class Session:
     def message(self, node_name, type_name, **fields):
         """A message of the era of a node; fields may be nested: {"pose": {"position": {"x": 1}}}."""
         return _set_fields(self.era_of(node_name).message(type_name)(), fields)
+
+    def word(self, text):
+        """A std_msgs/String as nodes publish it; its bytes are the same in both eras."""
+        return eras.to_hex(self.message("old", WORD, data=text))
+
+    def flow(self, source, target, topic, word, seconds=20):
+        """Sends a word again and again until it arrives."""
+        def arrived():
+            source.tell("publish", topic, self.word(word))
+            return word in target.words(topic)
+        processes.wait_until(arrived, seconds, lambda: f"{word} from {source.name} to {target.name}; "
+                             f"translator: {self.translator.log_tail(5)}")
 
 
 def _set_fields(message, fields):

@@ -51,5 +51,18 @@ TEST(AtomicFile, NoFolderAndAFolderInItsPlace) {
   EXPECT_EQ(std::distance(fs::directory_iterator(folder.path()), {}), 1);
 }
 
+TEST(AtomicFile, ATextMakesItsFolder) {
+  const TemporaryFolder folder;
+  const auto file = folder.path() / "b" / "c" / "a";
+  const auto written = write_text_atomically(file, std::string("one\ntwo\0three", 13));
+  ASSERT_TRUE(written) << written.error().message;
+  EXPECT_EQ(content(file), std::string("one\ntwo\0three", 13));
+  const auto below_a_file = write_text_atomically(file / "d", "x");
+  ASSERT_FALSE(below_a_file);
+  EXPECT_NE(below_a_file.error().message.find("cannot write " + (file / "d").string()), std::string::npos);
+  EXPECT_NE(below_a_file.error().message.find("Not a directory"), std::string::npos)
+      << below_a_file.error().message;
+}
+
 }  // namespace
 }  // namespace extperfc

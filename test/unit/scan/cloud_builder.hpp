@@ -65,6 +65,19 @@ class CloudBuilder {
   std::vector<std::uint8_t> bytes_;
 };
 
+/// A dense cloud of one row over points laid out as the struct `T`; its fields are the caller's to name.
+template <typename T>
+CloudView packed_view(const std::vector<T>& points) {
+  CloudView cloud;
+  cloud.data = reinterpret_cast<const std::uint8_t*>(points.data());
+  cloud.bytes = points.size() * sizeof(T);
+  cloud.width = points.size();
+  cloud.height = 1;
+  cloud.point_step = sizeof(T);
+  cloud.row_step = cloud.bytes;
+  return cloud;
+}
+
 /// No limits, no ground, one degree per ray over a full turn.
 inline ScanParams open_params() {
   ScanParams params;

@@ -2,16 +2,12 @@
 
 #include <cmath>
 
+#include "cloud_builder.hpp"
+
 namespace extperfc::scan {
 
 CloudView view_of(const std::vector<VelodynePoint>& points) {
-  CloudView cloud;
-  cloud.data = reinterpret_cast<const std::uint8_t*>(points.data());
-  cloud.bytes = points.size() * sizeof(VelodynePoint);
-  cloud.width = points.size();
-  cloud.height = 1;
-  cloud.point_step = sizeof(VelodynePoint);
-  cloud.row_step = cloud.bytes;
+  auto cloud = packed_view(points);
   cloud.x = {offsetof(VelodynePoint, x), NumberType::kFloat32};
   cloud.y = {offsetof(VelodynePoint, y), NumberType::kFloat32};
   cloud.z = {offsetof(VelodynePoint, z), NumberType::kFloat32};

@@ -58,13 +58,7 @@ TEST(CloudLayouts, DoublesAndWholeNumbers) {
   for (const auto& p : kPoints)
     packed.push_back(
         {p.x, p.y, 1, static_cast<std::uint8_t>(p.intensity), static_cast<std::uint8_t>(p.ring)});
-  CloudView view;
-  view.data = reinterpret_cast<const std::uint8_t*>(packed.data());
-  view.bytes = packed.size() * sizeof(Packed);
-  view.width = packed.size();
-  view.height = 1;
-  view.point_step = sizeof(Packed);
-  view.row_step = view.bytes;
+  auto view = packed_view(packed);
   view.x = {offsetof(Packed, x), NumberType::kFloat64};
   view.y = {offsetof(Packed, y), NumberType::kFloat64};
   view.z = {offsetof(Packed, z), NumberType::kInt32};

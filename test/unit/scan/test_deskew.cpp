@@ -155,13 +155,7 @@ TEST(Deskew, WholeNumbersAreNanosecondsAndAbsoluteTimesCountFromTheStamp) {
     double absolute;
   };
   const std::vector<Packed> packed{{3, 0, 0.5F, 0, 1.6e9}, {3, 0, 0.5F, 50'000'000, 1.6e9 + 0.05}};
-  CloudView view;
-  view.data = reinterpret_cast<const std::uint8_t*>(packed.data());
-  view.bytes = packed.size() * sizeof(Packed);
-  view.width = packed.size();
-  view.height = 1;
-  view.point_step = sizeof(Packed);
-  view.row_step = view.bytes;
+  auto view = packed_view(packed);
   view.x = {offsetof(Packed, x), NumberType::kFloat32};
   view.y = {offsetof(Packed, y), NumberType::kFloat32};
   view.z = {offsetof(Packed, z), NumberType::kFloat32};

@@ -140,16 +140,14 @@ TEST_F(HostilePeers, TooManySubscribersOfATopicAreRefused) {
 class HostilePublisher : public HostilePeers {
  protected:
   void meet(const std::string& bytes) {
-    std::uint16_t its_port = 0;
-    listening = RawSocket::listen_on_any(its_port);
-    fake = std::make_unique<FakePublisher>(loop, its_port);
+    fake = std::make_unique<FakePublisher>(loop);
     master.set_publishers("/in", {fake->uri});
     subscription = subscribe(*translator, "/in");
-    ASSERT_TRUE(until([&] { return static_cast<bool>(accepted = listening.accept()); }));
+    ASSERT_TRUE(until([&] { return static_cast<bool>(accepted = fake->listening.accept()); }));
     accepted.send(ConnectionHeader{{"type", "a/B"}, {"md5sum", "0"}});
     accepted.send(bytes);
   }
-  RawSocket listening, accepted;
+  RawSocket accepted;
   std::unique_ptr<FakePublisher> fake;
   std::unique_ptr<Subscription> subscription;
 };
@@ -160,7 +158,7 @@ TEST_F(HostilePublisher, AnAbsurdMessageLengthEndsTheConnection) {
   EXPECT_EQ(messages, std::vector<std::string>{"ok"});
   ASSERT_EQ(problems.size(), 1U);
   EXPECT_NE(problems[0].find("2147483647"), std::string::npos) << problems[0];
-  EXPECT_TRUE(until([&] { return static_cast<bool>(listening.accept()); }));  // retried
+  EXPECT_TRUE(until([&] { return static_cast<bool>(fake->listening.accept()); }));  // retried
 }
 
 TEST_F(HostilePublisher, ATruncatedMessageIsNotDelivered) {
@@ -182,9 +180,7 @@ TEST_F(HostilePublisher, OneThatNeverAnswersIsGivenUpAndTriedAgain) {
   auto with = params("/impatient");
   with.node_timeout = milliseconds(200);
   const auto impatient = make(with);
-  std::uint16_t its_port = 0;
-  listening = RawSocket::listen_on_any(its_port);
-  FakePublisher deaf(loop, its_port);
+  FakePublisher deaf(loop);
   master.set_publishers("/deaf", {deaf.uri});
   subscription = subscribe(*impatient, "/deaf");
   EXPECT_TRUE(until([&] { return deaf.asked >= 2; }));

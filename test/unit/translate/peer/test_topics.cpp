@@ -151,14 +151,12 @@ TEST_F(Topics, TranslatorsRefuseEachOther) {
 }
 
 TEST_F(Topics, AMarkedPublisherIsClosedAndNotAskedAgain) {
-  std::uint16_t port = 0;
-  const auto listening = testing::RawSocket::listen_on_any(port);
-  testing::FakePublisher fake(loop, port);
+  testing::FakePublisher fake(loop);
   const auto translator = make("/translator");
   master.set_publishers("/chat", {fake.uri});
   const auto subscription = subscribe(*translator, "/chat");
   testing::RawSocket accepted;
-  ASSERT_TRUE(until([&] { return static_cast<bool>(accepted = listening.accept()); }));
+  ASSERT_TRUE(until([&] { return static_cast<bool>(accepted = fake.listening.accept()); }));
   accepted.send(ConnectionHeader{{"type", "a/B"}, {"md5sum", "0"}, {kTranslatorKey, "/far"}});
   ASSERT_TRUE(until([&] { return accepted.drain(); }));
   for_a_while(milliseconds(300));
@@ -359,14 +357,12 @@ TEST_F(Topics, ConnectionsOutliveTheMaster) {
 }
 
 TEST_F(Topics, APublisherThatANewMasterDoesNotKnowIsKeptUntilItLeaves) {
-  std::uint16_t port = 0;
-  const auto listening = testing::RawSocket::listen_on_any(port);
-  testing::FakePublisher fake(loop, port);
+  testing::FakePublisher fake(loop);
   const auto translator = make("/translator");
   master.set_publishers("/chat", {fake.uri});
   const auto subscription = subscribe(*translator, "/chat");
   testing::RawSocket accepted;
-  ASSERT_TRUE(until([&] { return static_cast<bool>(accepted = listening.accept()); }));
+  ASSERT_TRUE(until([&] { return static_cast<bool>(accepted = fake.listening.accept()); }));
   accepted.send(ConnectionHeader{{"type", "a/B"}, {"md5sum", "0"}});
   ASSERT_TRUE(until([&] { return ups.size() == 1; }));
   master.stop();

@@ -80,10 +80,11 @@ class Topics : public TwoPeers {
   std::vector<std::string> messages, left, downs, gone, problems;
 };
 
-/// A node that says where a socket of the test listens, whatever is asked.
+/// A node that names its listening socket, whatever is asked; what the socket does is the test's matter.
 class FakePublisher {
  public:
-  FakePublisher(EventLoop& loop, std::uint16_t port) : server_(loop), port_(port) {
+  explicit FakePublisher(EventLoop& loop) : server_(loop) {
+    listening = RawSocket::listen_on_any(port_);
     const auto opened = server_.open("127.0.0.1", 0, [this](const XmlCall&, const std::string&) -> XmlValue {
       ++asked;
       return XmlArray{1, "", XmlArray{"TCPROS", "127.0.0.1", std::int32_t{port_}}};
@@ -91,11 +92,12 @@ class FakePublisher {
     if (opened) uri = "http://127.0.0.1:" + std::to_string(*opened) + "/";
   }
   std::string uri;
+  RawSocket listening;
   int asked{0};
 
  private:
   RpcServer server_;
-  std::uint16_t port_;
+  std::uint16_t port_{0};
 };
 
 }  // namespace extperfc::translate::testing

@@ -4,17 +4,12 @@
 
 #include "bytes_of.hpp"
 #include "definitions.hpp"
+#include "literal_of.hpp"
 
 using namespace extperfc;
 using namespace extperfc::translate;
 
 namespace {
-
-Literal scalar(const std::string& text) {
-  Literal literal;
-  literal.scalar = text;
-  return literal;
-}
 
 Literal list(std::vector<Literal> items) {
   Literal literal;

@@ -7,17 +7,12 @@
 
 #include "bytes_of.hpp"
 #include "definitions.hpp"
+#include "literal_of.hpp"
 
 using namespace extperfc;
 using namespace extperfc::translate;
 
 namespace {
-
-Literal scalar(const std::string& text) {
-  Literal literal;
-  literal.scalar = text;
-  return literal;
-}
 
 Source from(Path path) {
   Source source;
