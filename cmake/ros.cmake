@@ -13,7 +13,7 @@ catkin_package(
     extperfc_robot_model extperfc_simulate_worlds extperfc_simulate_render extperfc_simulate_bodies
     extperfc_simulate_control extperfc_simulate_trajectory extperfc_translate_schema extperfc_translate_plan
     extperfc_translate_peer extperfc_translate_bridge extperfc_mapping extperfc_localize
-    extperfc_sources_scan extperfc_offline extperfc_arm_collision extperfc_arm_planning extperfc_arm_trajectory
+    extperfc_sources_scan extperfc_offline extperfc_arm_kinematics extperfc_arm_collision extperfc_arm_planning extperfc_arm_trajectory
   CATKIN_DEPENDS roscpp nodelet message_runtime sensor_msgs vision_msgs)
 
 add_library(extperfc_catkin INTERFACE)

@@ -1,0 +1,48 @@
+#include "extperfc/arm/inverse_kinematics.hpp"
+
+#include "arm/kinematics/check.hpp"
+#include "arm/kinematics/reach.hpp"
+#include "arm/kinematics/solver.hpp"
+
+namespace extperfc::arm {
+namespace {
+
+bool is_usable(const IkOptions& options) {
+  return ik::is_usable(options.tolerance) && options.timeout_s >= 0 && options.max_restarts >= 0;
+}
+
+}  // namespace
+
+const char* to_string(IkReason reason) {
+  switch (reason) {
+    case IkReason::kInvalid:
+      return "invalid";
+    case IkReason::kOutOfReach:
+      return "out_of_reach";
+    case IkReason::kLimits:
+      return "limits";
+    case IkReason::kCollision:
+      return "collision";
+    case IkReason::kTimeout:
+      return "timeout";
+  }
+  return "unknown";
+}
+
+InverseKinematics::InverseKinematics(ArmChain chain) : chain_(std::move(chain)) {}
+
+IkResult InverseKinematics::solve(const Pose& target, const JointVector& seed, const IkOptions& options) const {
+  if (!ik::is_rigid(target) || !ik::is_usable(chain_, seed) || !is_usable(options)) return tl::unexpected(ik::invalid_failure());
+  const bool is_beyond = ik::is_beyond(chain_.geometry().reach, target, options.tolerance);
+  return ik::with_size(chain_.joint_count(), [&](auto size) {
+    return ik::Solver<size()>(chain_, target, options).solve(ik::Joints<size()>(seed), is_beyond);
+  });
+}
+
+IkResult InverseKinematics::solve(const KDL::Frame& target, const KDL::JntArray& seed,
+                                  const IkOptions& options) const {
+  if (seed.rows() != static_cast<unsigned>(chain_.joint_count())) return tl::unexpected(ik::invalid_failure());
+  return solve(from_kdl(target), from_kdl(seed), options);
+}
+
+}  // namespace extperfc::arm
