@@ -7,9 +7,9 @@
 #include <Eigen/Core>
 
 #include "extperfc/base/error.hpp"
-#include "extperfc/world/robot_model.hpp"
 #include "extperfc/simulate/world_spec.hpp"
 #include "extperfc/world/pose.hpp"
+#include "extperfc/world/robot_model.hpp"
 
 namespace extperfc::simulate {
 

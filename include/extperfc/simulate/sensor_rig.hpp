@@ -7,11 +7,11 @@
 #include <vector>
 
 #include "extperfc/base/error.hpp"
-#include "extperfc/world/robot_model.hpp"
 #include "extperfc/simulate/simulator.hpp"
 #include "extperfc/simulate/world_spec.hpp"
 #include "extperfc/world/camera_model.hpp"
 #include "extperfc/world/pose.hpp"
+#include "extperfc/world/robot_model.hpp"
 
 namespace extperfc::simulate {
 

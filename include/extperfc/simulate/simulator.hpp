@@ -8,9 +8,9 @@
 #include "extperfc/base/error.hpp"
 #include "extperfc/simulate/bodies.hpp"
 #include "extperfc/simulate/robot_io.hpp"
-#include "extperfc/world/robot_model.hpp"
 #include "extperfc/simulate/world_spec.hpp"
 #include "extperfc/world/pose.hpp"
+#include "extperfc/world/robot_model.hpp"
 
 namespace extperfc::simulate {
 

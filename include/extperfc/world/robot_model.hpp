@@ -8,8 +8,8 @@
 #include <Eigen/Core>
 
 #include "extperfc/base/error.hpp"
-#include "extperfc/world/shape.hpp"
 #include "extperfc/world/pose.hpp"
+#include "extperfc/world/shape.hpp"
 
 namespace extperfc {
 

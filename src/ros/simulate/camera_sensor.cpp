@@ -49,8 +49,8 @@ std::string place_of(const sensor_msgs::ImageConstPtr& image) {
 
 Result<std::unique_ptr<CameraSensor>> CameraSensor::make(const ros::NodeHandle& handle,
                                                          const ros_params::CameraInterfaceParams& params,
-                                                         const RobotModel& robot,
-                                                         std::uint64_t seed, const TruthClasses& classes) {
+                                                         const RobotModel& robot, std::uint64_t seed,
+                                                         const TruthClasses& classes) {
   const auto link = robot.link(frames::kCamera);
   if (!link)
     return fail(ErrorCode::kNotFound, std::string("the robot has no link ") + frames::kCamera +

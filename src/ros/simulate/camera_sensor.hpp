@@ -29,8 +29,8 @@ class CameraSensor : public Sensor {
  public:
   /// Errors: the robot has no camera frame.
   [[nodiscard]] static Result<std::unique_ptr<CameraSensor>> make(
-      const ros::NodeHandle& handle, const ros_params::CameraInterfaceParams& params,
-      const RobotModel& robot, std::uint64_t seed, const TruthClasses& classes);
+      const ros::NodeHandle& handle, const ros_params::CameraInterfaceParams& params, const RobotModel& robot,
+      std::uint64_t seed, const TruthClasses& classes);
 
   [[nodiscard]] const char* name() const override { return "camera"; }
   [[nodiscard]] double rate_hz() const override { return params_.rate_hz; }

@@ -7,8 +7,7 @@ namespace extperfc {
 
 Result<std::unique_ptr<LidarSensor>> LidarSensor::make(ros::NodeHandle handle,
                                                        const ros_params::LidarInterfaceParams& params,
-                                                       const RobotModel& robot,
-                                                       std::uint64_t seed) {
+                                                       const RobotModel& robot, std::uint64_t seed) {
   const auto link = robot.link(frames::kLidar);
   if (!link)
     return fail(ErrorCode::kNotFound, std::string("the robot has no link ") + frames::kLidar +

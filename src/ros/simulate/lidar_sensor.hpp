@@ -21,8 +21,8 @@ class LidarSensor : public Sensor {
  public:
   /// Errors: the robot has no lidar frame.
   [[nodiscard]] static Result<std::unique_ptr<LidarSensor>> make(
-      ros::NodeHandle handle, const ros_params::LidarInterfaceParams& params,
-      const RobotModel& robot, std::uint64_t seed);
+      ros::NodeHandle handle, const ros_params::LidarInterfaceParams& params, const RobotModel& robot,
+      std::uint64_t seed);
 
   [[nodiscard]] const char* name() const override { return "lidar"; }
   [[nodiscard]] double rate_hz() const override { return params_.lidar.rotation_hz; }

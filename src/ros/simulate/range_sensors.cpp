@@ -34,8 +34,7 @@ Result<int> link_of(const RobotModel& robot, const std::string& name) {
 }  // namespace
 
 Result<std::unique_ptr<HandRangeSensor>> HandRangeSensor::make(ros::NodeHandle handle, double rate_hz,
-                                                               simulate::Side side,
-                                                               const RobotModel& robot) {
+                                                               simulate::Side side, const RobotModel& robot) {
   const std::string name = std::string(simulate::to_string(side)) + "_hand_range";
   const auto link = link_of(robot, name);
   if (!link) return tl::unexpected(link.error());

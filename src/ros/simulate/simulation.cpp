@@ -1,8 +1,8 @@
 #include "ros/simulate/simulation.hpp"
 
 #include "extperfc/simulate/random_world.hpp"
-#include "extperfc/world/robot_model.hpp"
 #include "extperfc/simulate/world_spec.hpp"
+#include "extperfc/world/robot_model.hpp"
 
 #include "ros/simulate/camera_sensor.hpp"
 #include "ros/simulate/lidar_sensor.hpp"

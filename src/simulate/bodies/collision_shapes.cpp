@@ -7,8 +7,9 @@
 
 #include <BulletCollision/CollisionShapes/btShapeHull.h>
 
-#include "simulate/bodies/bullet_conversions.hpp"
 #include "extperfc/world/stl.hpp"
+
+#include "simulate/bodies/bullet_conversions.hpp"
 
 namespace extperfc::simulate {
 namespace {

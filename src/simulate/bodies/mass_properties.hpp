@@ -4,8 +4,8 @@
 
 #include <Eigen/Core>
 
-#include "extperfc/world/robot_model.hpp"
 #include "extperfc/world/pose.hpp"
+#include "extperfc/world/robot_model.hpp"
 
 namespace extperfc::simulate {
 

@@ -5,9 +5,9 @@
 #include <vector>
 
 #include "extperfc/base/error.hpp"
-#include "extperfc/world/robot_model.hpp"
 #include "extperfc/simulate/sensor_rig.hpp"
 #include "extperfc/simulate/world_spec.hpp"
+#include "extperfc/world/robot_model.hpp"
 
 #include "simulate/render/mesh.hpp"
 #include "simulate/render/textures.hpp"

@@ -1,8 +1,8 @@
 #pragma once
 
 #include "extperfc/base/rng.hpp"
-#include "extperfc/world/shape.hpp"
 #include "extperfc/simulate/world_spec.hpp"
+#include "extperfc/world/shape.hpp"
 
 /// What random things look like.
 namespace extperfc::simulate::worlds {

@@ -4,8 +4,8 @@
 #include <vector>
 
 #include "extperfc/base/error.hpp"
-#include "extperfc/world/robot_model.hpp"
 #include "extperfc/simulate/world_spec.hpp"
+#include "extperfc/world/robot_model.hpp"
 
 #include "report.hpp"
 

@@ -41,8 +41,8 @@ TEST(TruthClasses, TheModelsClassesComeFirst) {
 }
 
 TEST(BodyExtent, EnclosesEveryShapeWhereItIs) {
-  const auto box = extent_of(
-      body("b", "", {shape(Box{{1, 2, 3}}), shape(Sphere{0.5}, make_pose({2, 0, 0}))}));
+  const auto box =
+      extent_of(body("b", "", {shape(Box{{1, 2, 3}}), shape(Sphere{0.5}, make_pose({2, 0, 0}))}));
   EXPECT_TRUE(box.min().isApprox(Eigen::Vector3d(-0.5, -1, -1.5)));
   EXPECT_TRUE(box.max().isApprox(Eigen::Vector3d(2.5, 1, 1.5)));
 }
