@@ -20,17 +20,17 @@ namespace ik {
 struct Geometry;
 }
 
-/// 6 x joints: the velocity of the tip's origin (rows 0..2, [m/s]) and of the tip (rows 3..5, [rad/s]) per unit
-/// velocity of each joint.
+/// 6 x joints: the velocity of the tip's origin (rows 0..2, [m/s]) and of the tip (rows 3..5, [rad/s]) per
+/// unit velocity of each joint.
 using Jacobian = Eigen::Matrix<double, 6, Eigen::Dynamic, 0, 6, kMaxJoints>;
 
-/// The joints between two links of a robot. Vectors hold one value per moving joint, in the order from the root;
-/// fixed joints are merged. Immutable, cheap to copy, may be shared between threads.
+/// The joints between two links of a robot. Vectors hold one value per moving joint, in the order from the
+/// root; fixed joints are merged. Immutable, cheap to copy, may be shared between threads.
 class ArmChain {
  public:
-  /// Errors: a link that does not exist (kNotFound); a tip that the root does not carry, no moving joint between
-  /// them, or a joint whose range is empty or not finite (kInvalidArgument); a joint that follows another one, or
-  /// more than kMaxJoints of them (kUnsupported).
+  /// Errors: a link that does not exist (kNotFound); a tip that the root does not carry, no moving joint
+  /// between them, or a joint whose range is empty or not finite (kInvalidArgument); a joint that follows
+  /// another one, or more than kMaxJoints of them (kUnsupported).
   [[nodiscard]] static Result<ArmChain> make(const RobotModel& robot, const std::string& root_link,
                                              const std::string& tip_link);
 
@@ -52,7 +52,8 @@ class ArmChain {
   [[nodiscard]] JointVector difference(const JointVector& to, const JointVector& from) const;
   [[nodiscard]] bool within_limits(const JointVector& joints) const;
 
-  /// root_T_tip. Throws std::invalid_argument when `joints` has another size. O(joints), about 0.2 us for seven.
+  /// root_T_tip. Throws std::invalid_argument when `joints` has another size. O(joints), about 0.2 us for
+  /// seven.
   [[nodiscard]] Pose forward(const JointVector& joints) const;
   /// Of forward(), in the root link's frame. Throws as forward() does.
   [[nodiscard]] Jacobian jacobian(const JointVector& joints) const;

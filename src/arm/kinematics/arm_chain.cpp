@@ -21,7 +21,8 @@ Result<std::vector<int>> path(const RobotModel& robot, const std::string& root, 
   std::vector<int> joints;
   for (int link = *robot.link(tip); link != *robot.link(root);) {
     const int joint = robot.links()[link].parent_joint;
-    if (joint < 0) return fail(ErrorCode::kInvalidArgument, "link '" + root + "' does not carry '" + tip + "'");
+    if (joint < 0)
+      return fail(ErrorCode::kInvalidArgument, "link '" + root + "' does not carry '" + tip + "'");
     joints.push_back(joint);
     link = robot.joints()[joint].parent_link;
   }
@@ -31,10 +32,12 @@ Result<std::vector<int>> path(const RobotModel& robot, const std::string& root, 
 
 std::optional<Error> refuse(const Joint& joint) {
   const std::string name = "joint '" + joint.name + "' ";
-  if (joint.mimic) return Error{ErrorCode::kUnsupported, name + "follows another joint; a chain needs joints of its own"};
+  if (joint.mimic)
+    return Error{ErrorCode::kUnsupported, name + "follows another joint; a chain needs joints of its own"};
   if (joint.type == JointType::kContinuous) return std::nullopt;
   if (!std::isfinite(joint.lower) || !std::isfinite(joint.upper) || !(joint.lower < joint.upper))
-    return Error{ErrorCode::kInvalidArgument, name + "has no range: its limits must be finite, lower < upper"};
+    return Error{ErrorCode::kInvalidArgument,
+                 name + "has no range: its limits must be finite, lower < upper"};
   return std::nullopt;
 }
 

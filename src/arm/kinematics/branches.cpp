@@ -103,7 +103,8 @@ std::vector<Candidate> by_distance(const ArmChain& chain, const IkSolutionSet& s
   return candidates;
 }
 
-/// The nearest solution, found by settling the nearest candidates; a settled one that is refused does not count.
+/// The nearest solution, found by settling the nearest candidates; a settled one that is refused does not
+/// count.
 IkSolution settle_nearest(const ArmChain& chain, const Pose& target, const std::vector<Candidate>& candidates,
                           const JointVector& seed, const IkSearchOptions& options) {
   constexpr double kSteps = 2;  // no candidate comes nearer by more of these

@@ -8,12 +8,12 @@
 namespace extperfc::arm::ik {
 namespace {
 
-// Found by trying on random poses of a seven-joint arm.
+// Found by trying on random poses of a seven-joint arm; none of them matters much.
 constexpr int kMostSteps = 40;
 constexpr int kStepsPerClock = 16;
-constexpr int kMostStalls = 5;
-constexpr double kStall = 0.9;  // a step that leaves more of the cost than this
-constexpr double kLessDamping = 0.1, kMoreDamping = 10;
+constexpr int kMostStalls = 3;
+constexpr double kStall = 0.8;  // a step that leaves more of the cost than this
+constexpr double kLessDamping = 0.3, kMoreDamping = 4;
 constexpr double kLeastDamping = 1e-9;
 constexpr double kMostFactor = 1e4;
 constexpr double kLongestStep = 1.0;  // [rad] or [m] of any joint
@@ -56,8 +56,8 @@ void Descent<N>::step(Joints<N>& q) {
   here_.derivative(geometry_, task_, columns_);
 }
 
-/// One damped step in the box. A first try tells the joints that meet a limit; they go there, and the others make
-/// up for it.
+/// One damped step in the box. A first try tells the joints that meet a limit; they go there, and the others
+/// make up for it.
 template <int N>
 Joints<N> Descent<N>::proposal(const Joints<N>& q) const {
   const double damping = factor_ * here_.cost + kLeastDamping;

@@ -25,7 +25,8 @@ class Draws {
     Joints<N> q = bounds_.lower;
     for (int i = 0; i < q.size(); ++i) {
       const bool endless = std::isinf(bounds_.lower[i]);
-      q[i] = endless ? rng_->uniform(-kTurn / 2, kTurn / 2) : rng_->uniform(bounds_.lower[i], bounds_.upper[i]);
+      q[i] =
+          endless ? rng_->uniform(-kTurn / 2, kTurn / 2) : rng_->uniform(bounds_.lower[i], bounds_.upper[i]);
     }
     return q;
   }

@@ -11,7 +11,8 @@ class Enumeration {
  public:
   Enumeration(const ArmChain& chain, const Pose& target, const IkSearchOptions& options);
 
-  /// Branches in the order they were found, whatever options.accept says; empty when no descent reached the target.
+  /// Branches in the order they were found, whatever options.accept says; empty when no descent reached the
+  /// target.
   [[nodiscard]] IkSolutionSet run(const JointVector& seed);
 
  private:

@@ -33,9 +33,9 @@ struct Link {
   return {a.rotation * b.rotation, a.rotation * b.offset_m + a.offset_m};
 }
 
-/// How far the links can carry a point of the tip's frame that the last joint does not move, from a point that the
-/// first joint does not move. The points that joints are measured between may lie anywhere on their axes; they are
-/// chosen so that the sum of the distances is least.
+/// How far the links can carry a point of the tip's frame that the last joint does not move, from a point
+/// that the first joint does not move. The points that joints are measured between may lie anywhere on their
+/// axes; they are chosen so that the sum of the distances is least.
 struct Reach {
   Eigen::Vector3d anchor_m{Eigen::Vector3d::Zero()};  ///< in the root link's frame
   Eigen::Vector3d wrist_m{Eigen::Vector3d::Zero()};   ///< in the tip's frame
@@ -45,7 +45,7 @@ struct Reach {
 /// A chain whose every joint turns about, or slides along, the z axis of its own frame.
 struct Geometry {
   int count{0};
-  std::array<Link, kMaxJoints + 1> links;    ///< to joint i's frame from the one before it; [count]: to the tip
+  std::array<Link, kMaxJoints + 1> links;  ///< to joint i's frame from the one before it; [count]: to the tip
   std::array<bool, kMaxJoints> prismatic{};  ///< else revolute
   Reach reach;
 };
@@ -102,7 +102,8 @@ void jacobian(const Geometry& geometry, const Placement<N>& at, Columns<N>& out)
   }
 }
 
-/// Calls work(std::integral_constant<int, N>) with N = count where it is compiled for that, else Eigen::Dynamic.
+/// Calls work(std::integral_constant<int, N>) with N = count where it is compiled for that, else
+/// Eigen::Dynamic.
 template <typename Work>
 decltype(auto) with_size(int count, Work&& work) {
   switch (count) {

@@ -31,8 +31,10 @@ const char* to_string(IkReason reason) {
 
 InverseKinematics::InverseKinematics(ArmChain chain) : chain_(std::move(chain)) {}
 
-IkResult InverseKinematics::solve(const Pose& target, const JointVector& seed, const IkOptions& options) const {
-  if (!ik::is_rigid(target) || !ik::is_usable(chain_, seed) || !is_usable(options)) return tl::unexpected(ik::invalid_failure());
+IkResult InverseKinematics::solve(const Pose& target, const JointVector& seed,
+                                  const IkOptions& options) const {
+  if (!ik::is_rigid(target) || !ik::is_usable(chain_, seed) || !is_usable(options))
+    return tl::unexpected(ik::invalid_failure());
   const bool is_beyond = ik::is_beyond(chain_.geometry().reach, target, options.tolerance);
   return ik::with_size(chain_.joint_count(), [&](auto size) {
     return ik::Solver<size()>(chain_, target, options).solve(ik::Joints<size()>(seed), is_beyond);
@@ -41,7 +43,8 @@ IkResult InverseKinematics::solve(const Pose& target, const JointVector& seed, c
 
 IkResult InverseKinematics::solve(const KDL::Frame& target, const KDL::JntArray& seed,
                                   const IkOptions& options) const {
-  if (seed.rows() != static_cast<unsigned>(chain_.joint_count())) return tl::unexpected(ik::invalid_failure());
+  if (seed.rows() != static_cast<unsigned>(chain_.joint_count()))
+    return tl::unexpected(ik::invalid_failure());
   return solve(from_kdl(target), from_kdl(seed), options);
 }
 

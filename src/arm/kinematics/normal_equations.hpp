@@ -8,9 +8,8 @@ namespace extperfc::arm::ik {
 
 using Matrix6 = Eigen::Matrix<double, 6, 6>;
 
-/// x with m x = b by the square-root-free Cholesky factorization of a symmetric positive definite matrix (Golub
-/// and Van Loan, "Matrix Computations", 4.1.2), which is overwritten; its lower half is read. A third of the time
-/// of Eigen's general one at this size.
+/// x with m x = b by the square-root-free Cholesky factorization of a symmetric positive definite matrix
+/// (Golub and Van Loan, "Matrix Computations", 4.1.2), which is overwritten; its lower half is read.
 [[nodiscard]] Vector6 solve_in_place(Matrix6& m, Vector6 b);
 
 /// The least change of the joints that changes the task's rows by `wish`, damped:

@@ -18,7 +18,8 @@ double distance(const Geometry& geometry, const Shifts& shifts, int i) {
 
 /// The distances that depend on joint i's point.
 double beside(const Geometry& geometry, const Shifts& shifts, int i) {
-  return (i > 0 ? distance(geometry, shifts, i) : 0) + (i + 1 < geometry.count ? distance(geometry, shifts, i + 1) : 0);
+  return (i > 0 ? distance(geometry, shifts, i) : 0) +
+         (i + 1 < geometry.count ? distance(geometry, shifts, i + 1) : 0);
 }
 
 /// The least sum for joint i, which is convex in its point, by golden sections.
@@ -62,7 +63,8 @@ Reach find_reach(const Geometry& geometry, const JointLimits& limits) {
   reach.wrist_m = hand.rotation.transpose() * (shifts[last] * Eigen::Vector3d::UnitZ() - hand.offset_m);
   for (int i = 1; i < geometry.count; ++i) reach.length_m += distance(geometry, shifts, i);
   for (int i = 0; i < geometry.count; ++i)
-    if (geometry.prismatic[i]) reach.length_m += std::max(std::abs(limits.lower[i]), std::abs(limits.upper[i]));
+    if (geometry.prismatic[i])
+      reach.length_m += std::max(std::abs(limits.lower[i]), std::abs(limits.upper[i]));
   return reach;
 }
 

@@ -27,7 +27,8 @@ IkTolerance tightened(const IkTolerance& held) {
 }  // namespace
 
 int SelfMotion::redundancy(int joints, const IkTolerance& held) {
-  const auto axes = held.position_m.array().isFinite().count() + held.orientation_rad.array().isFinite().count();
+  const auto axes =
+      held.position_m.array().isFinite().count() + held.orientation_rad.array().isFinite().count();
   return joints - static_cast<int>(axes);
 }
 
@@ -99,7 +100,8 @@ bool SelfMotion::walk(JointVector heading, int most, std::vector<JointVector>& o
       if (length < kLeastStep * step_) return false;
       continue;
     }
-    if (out.size() >= kLeastRound && heading.dot(first) > 0.5 && passes_start(q, heading, length)) return true;
+    if (out.size() >= kLeastRound && heading.dot(first) > 0.5 && passes_start(q, heading, length))
+      return true;
     if (!bounds_.contain(next)) {
       to_limit(q, heading, length, out);
       return false;

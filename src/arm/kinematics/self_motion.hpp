@@ -6,9 +6,9 @@
 
 namespace extperfc::arm::ik {
 
-/// The curve of configurations that hold the tip where `start` has it: steps along the null space of the Jacobian,
-/// each corrected by Newton's method (pseudo-arclength continuation; Allgower and Georg, "Introduction to
-/// Numerical Continuation Methods", 2003, chapter 2).
+/// The curve of configurations that hold the tip where `start` has it: steps along the null space of the
+/// Jacobian, each corrected by Newton's method (pseudo-arclength continuation; Allgower and Georg,
+/// "Introduction to Numerical Continuation Methods", 2003, chapter 2).
 class SelfMotion {
  public:
   /// How many degrees of freedom this many joints have beyond the held axes, those of a finite tolerance.
@@ -25,10 +25,12 @@ class SelfMotion {
   [[nodiscard]] JointVector first_heading();
   [[nodiscard]] JointVector heading_at(const JointVector& q, const JointVector& last);
   [[nodiscard]] bool correct(JointVector& q);
-  [[nodiscard]] bool advance(const JointVector& q, const JointVector& heading, double length, JointVector& next);
+  [[nodiscard]] bool advance(const JointVector& q, const JointVector& heading, double length,
+                             JointVector& next);
   [[nodiscard]] bool walk(JointVector heading, int most, std::vector<JointVector>& out);
   [[nodiscard]] bool passes_start(const JointVector& q, const JointVector& heading, double length) const;
-  void to_limit(const JointVector& q, const JointVector& heading, double length, std::vector<JointVector>& out);
+  void to_limit(const JointVector& q, const JointVector& heading, double length,
+                std::vector<JointVector>& out);
 
   const Geometry& geometry_;
   AnyBounds bounds_;

@@ -9,7 +9,7 @@ namespace extperfc::arm::ik {
 namespace {
 
 constexpr int kMostSteps = 50;
-constexpr int kMostHalvings = 6;
+constexpr int kMostHalvings = 12;
 constexpr double kLeastChange = 1e-7;   // [rad] or [m]
 constexpr double kLeastGain = 1e-9;     // of the value
 constexpr double kLongestChange = 0.5;  // [rad] or [m]; the curvature of the task is left out
@@ -51,11 +51,12 @@ JointVector Settle::direction(const JointVector& q, const Objective& objective) 
   }
 }
 
-/// Takes the joints that stand at a limit and would leave it out of the step. False when there are none.
+/// Takes the joints that stand next to a limit and would leave it out of the step. False when there are none.
 bool Settle::block(const JointVector& q, const JointVector& change, JointVector& wish) {
   bool any = false;
   for (int i = 0; i < q.size(); ++i)
-    if ((q[i] <= bounds_.lower[i] && change[i] < 0) || (q[i] >= bounds_.upper[i] && change[i] > 0)) {
+    if ((q[i] - bounds_.lower[i] < kLeastChange && change[i] < 0) ||
+        (bounds_.upper[i] - q[i] < kLeastChange && change[i] > 0)) {
       columns_.col(i).setZero();
       wish[i] = 0;
       any = true;

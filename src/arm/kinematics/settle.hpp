@@ -18,8 +18,8 @@ struct Objective {
 [[nodiscard]] Objective mid_range(const ArmChain& chain);
 
 /// Moves a solution along the task's null space to a local minimum of an objective: sequential quadratic
-/// programming with the equalities J d = -residual and the box as an active set (Nocedal and Wright, "Numerical
-/// Optimization", 2006, chapter 18), every step corrected onto the task by a descent.
+/// programming with the equalities J d = -residual and the box as an active set (Nocedal and Wright,
+/// "Numerical Optimization", 2006, chapter 18), every step corrected onto the task by a descent.
 class Settle {
  public:
   /// Keeps references to all three.

@@ -17,8 +17,13 @@ template <int N>
 class Solver {
  public:
   Solver(const ArmChain& chain, const Pose& target, const IkOptions& options)
-      : chain_(chain), options_(options), geometry_(chain.geometry()), task_(target, options.tolerance, geometry_),
-        bounds_(bounds_of<N>(chain)), draws_(bounds_, options.rng_seed), deadline_(options.timeout_s) {}
+      : chain_(chain),
+        options_(options),
+        geometry_(chain.geometry()),
+        task_(target, options.tolerance, geometry_),
+        bounds_(bounds_of<N>(chain)),
+        draws_(bounds_, options.rng_seed),
+        deadline_(options.timeout_s) {}
 
   /// `is_beyond`: proven to be out of reach; then a few descents look for the closest approach.
   [[nodiscard]] IkResult solve(const Joints<N>& seed, bool is_beyond) {
@@ -60,7 +65,8 @@ class Solver {
     const auto bounds = bounds_of<Eigen::Dynamic>(chain_);
     JointVector settled = q;
     Settle(geometry_, task_, bounds)
-        .run(settled, options_.objective == IkObjective::kNearSeed ? near(seed) : mid_range(chain_), deadline_);
+        .run(settled, options_.objective == IkObjective::kNearSeed ? near(seed) : mid_range(chain_),
+             deadline_);
     Joints<N> out = settled;
     unwind(bounds_, seed, out);
     return out;
@@ -86,8 +92,10 @@ class Solver {
     failure.orientation_error_rad = here_.error.template tail<3>().norm();
     failure.restarts = restarts_;
     failure.refused = refused_;
-    failure.reason = is_beyond ? IkReason::kOutOfReach : refused_ > 0 ? IkReason::kCollision
-                               : late ? IkReason::kTimeout : reason_without_limits();
+    failure.reason = is_beyond      ? IkReason::kOutOfReach
+                     : refused_ > 0 ? IkReason::kCollision
+                     : late         ? IkReason::kTimeout
+                                    : reason_without_limits();
     return failure;
   }
 

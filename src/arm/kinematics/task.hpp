@@ -18,7 +18,8 @@ class Deadline {
   explicit Deadline(double timeout_s) {
     constexpr double kLongest = 1e6;
     if (timeout_s < kLongest)
-      end_ = Clock::now() + std::chrono::duration_cast<Clock::duration>(std::chrono::duration<double>(timeout_s));
+      end_ = Clock::now() +
+             std::chrono::duration_cast<Clock::duration>(std::chrono::duration<double>(timeout_s));
   }
   [[nodiscard]] bool passed() const { return end_ != Clock::time_point::max() && Clock::now() >= end_; }
 
@@ -75,8 +76,9 @@ struct Evaluation {
     cost = residual.squaredNorm();
   }
 
-  /// Of the residual. Rows within the slack are zero. Without slack the rotation's rows are the angular velocity:
-  /// the steps to a vanishing error are the same, since the error is an eigenvector of the exact derivative.
+  /// Of the residual. Rows within the slack are zero. Without slack the rotation's rows are the angular
+  /// velocity: the steps to a vanishing error are the same, since the error is an eigenvector of the exact
+  /// derivative.
   void derivative(const Geometry& geometry, const Task& task, Columns<N>& out) const {
     jacobian<N>(geometry, at, out);
     if (task.exact) return;

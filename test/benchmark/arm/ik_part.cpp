@@ -119,8 +119,8 @@ Figures measure_nr_jl(const ArmChain& chain, const std::vector<Pose>& poses) {
   });
 }
 
-/// Levenberg-Marquardt, which knows no limits, with random restarts until a result, turned back by whole turns,
-/// lies within them.
+/// Levenberg-Marquardt, which knows no limits, with random restarts until a result, turned back by whole
+/// turns, lies within them.
 Figures measure_lma(const ArmChain& chain, const std::vector<Pose>& poses) {
   KDL::ChainIkSolverPos_LMA solver(chain.kdl(), Eigen::Matrix<double, 6, 1>::Ones(), kTolerance, 100);
   Rng rng(1);

@@ -41,8 +41,8 @@ inline std::string link(const std::string& name) {
 /// `more`: origin, axis, limit, mimic.
 inline std::string joint(const std::string& name, const std::string& type, const std::string& parent,
                          const std::string& child, const std::string& more) {
-  return "<joint name='" + name + "' type='" + type + "'><parent link='" + parent + "'/><child link='" + child +
-         "'/>" + more + "</joint>";
+  return "<joint name='" + name + "' type='" + type + "'><parent link='" + parent + "'/><child link='" +
+         child + "'/>" + more + "</joint>";
 }
 
 inline std::string origin(const std::string& xyz, const std::string& rpy = "0 0 0") {
@@ -59,7 +59,8 @@ inline JointVector random_joints(const ArmChain& chain, Rng& rng) {
   JointVector joints(chain.joint_count());
   for (int i = 0; i < chain.joint_count(); ++i) {
     const bool endless = std::isinf(chain.limits().lower[i]);
-    joints[i] = endless ? rng.uniform(-3.14, 3.14) : rng.uniform(chain.limits().lower[i], chain.limits().upper[i]);
+    joints[i] =
+        endless ? rng.uniform(-3.14, 3.14) : rng.uniform(chain.limits().lower[i], chain.limits().upper[i]);
   }
   return joints;
 }

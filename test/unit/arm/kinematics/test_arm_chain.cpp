@@ -13,7 +13,8 @@ constexpr double kInf = std::numeric_limits<double>::infinity();
 /// base -- slide (along y) --> a -- turn (about -z, endless) --> b -- fixed --> tool
 std::string mixed_joints() {
   return link("base") + link("a") + link("b") + link("tool") +
-         joint("slide", "prismatic", "base", "a", origin("1 0 0.5", "0.3 0 0") + "<axis xyz='0 2 0'/>" + limit(-0.5, 0.25)) +
+         joint("slide", "prismatic", "base", "a",
+               origin("1 0 0.5", "0.3 0 0") + "<axis xyz='0 2 0'/>" + limit(-0.5, 0.25)) +
          joint("turn", "continuous", "a", "b", origin("0 0.2 0", "0 0.4 1") + "<axis xyz='0 0 -1'/>") +
          joint("hand", "fixed", "b", "tool", origin("0.3 0 0.1", "0 0 0.7"));
 }
@@ -30,7 +31,8 @@ RobotModel robot_of(const std::string& xml) {
 
 TEST(ArmChain, HasBaxtersSevenJoints) {
   const ArmChain chain = baxter_arm("left");
-  const std::vector<std::string> names{"left_s0", "left_s1", "left_e0", "left_e1", "left_w0", "left_w1", "left_w2"};
+  const std::vector<std::string> names{"left_s0", "left_s1", "left_e0", "left_e1",
+                                       "left_w0", "left_w1", "left_w2"};
   EXPECT_EQ(chain.joint_names(), names);
   EXPECT_EQ(chain.root_link(), "base");
   EXPECT_EQ(chain.tip_link(), "left_gripper");
@@ -85,9 +87,10 @@ TEST(ArmChain, RefusesJointsThatFollowOthersOrHaveNoRange) {
                                           "<axis xyz='0 0 1'/>" + limit(-1, 1) + "<mimic joint='first'/>")),
                      "base", "b"),
             ErrorCode::kUnsupported);
-  EXPECT_EQ(error_of(robot_of(two + joint("second", "revolute", "a", "b", "<axis xyz='0 0 1'/>" + limit(0, 0))),
-                     "base", "b"),
-            ErrorCode::kInvalidArgument);
+  EXPECT_EQ(
+      error_of(robot_of(two + joint("second", "revolute", "a", "b", "<axis xyz='0 0 1'/>" + limit(0, 0))),
+               "base", "b"),
+      ErrorCode::kInvalidArgument);
 }
 
 TEST(ArmChain, HoldsAsManyJointsAsAVector) {
@@ -109,8 +112,10 @@ TEST(ArmChain, RefusesVectorsOfAnotherSize) {
 
 /// Six, seven and another number of joints are compiled apart.
 std::vector<ArmChain> chains() {
-  return {baxter_arm("left"), baxter_arm("right"), ArmChain::make(baxter(), "base_link", "right_lower_forearm").value(),
-          ArmChain::make(baxter(), "left_upper_shoulder", "left_wrist").value(), chain_of(mixed_joints(), "tool")};
+  return {baxter_arm("left"), baxter_arm("right"),
+          ArmChain::make(baxter(), "base_link", "right_lower_forearm").value(),
+          ArmChain::make(baxter(), "left_upper_shoulder", "left_wrist").value(),
+          chain_of(mixed_joints(), "tool")};
 }
 
 TEST(ForwardKinematics, AgreesWithKdl) {
@@ -162,7 +167,8 @@ TEST(Jacobian, AgreesWithDifferences) {
         const Eigen::Matrix3d spin =
             (after.linear() - before.linear()) / (2 * kStep) * chain.forward(q).linear().transpose();
         EXPECT_LT((linear - jacobian.col(j).head<3>()).norm(), 1e-8);
-        EXPECT_LT((Eigen::Vector3d(spin(2, 1), spin(0, 2), spin(1, 0)) - jacobian.col(j).tail<3>()).norm(), 1e-8);
+        EXPECT_LT((Eigen::Vector3d(spin(2, 1), spin(0, 2), spin(1, 0)) - jacobian.col(j).tail<3>()).norm(),
+                  1e-8);
       }
     }
 }

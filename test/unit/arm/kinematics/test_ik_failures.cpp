@@ -91,18 +91,32 @@ TEST(IkFailure, SaysWhenOnlyTheLimitsForbidIt) {
   EXPECT_GT(limits, 0) << solved << " of 40 can be reached otherwise";
 }
 
+/// Links of 0.5 m and 0.3 m in a plane leave out the 0.2 m around the base.
 TEST(IkFailure, SaysWhenNothingIsFoundWithoutLimitsEither) {
-  // Beside the shoulder's axis, pointing down: within the links' length, but they cannot fold up so far.
-  const ArmChain& chain = left().chain();
-  Pose target = chain.forward(JointVector::Zero(7));
-  target.translation() = baxter().link_poses(std::vector<double>(baxter().joints().size(), 0.0))
-                             [*baxter().link("left_upper_shoulder")].translation();
-  target.translation() -= baxter().link_poses(std::vector<double>(baxter().joints().size(), 0.0))
-                              [*baxter().link("base")].translation();
-  const IkFailure failure = failure_of(target);
-  EXPECT_EQ(failure.reason, IkReason::kOutOfReach) << to_string(failure.reason);
-  EXPECT_FALSE(failure.proven);
-  EXPECT_GT(failure.position_error_m + failure.orientation_error_rad, 1e-3);
+  const InverseKinematics kinematics(
+      chain_of(link("base") + link("upper") + link("lower") + link("tip") +
+                   joint("q1", "revolute", "base", "upper", "<axis xyz='0 0 1'/>" + limit(-3, 3)) +
+                   joint("q2", "revolute", "upper", "lower",
+                         origin("0.5 0 0") + "<axis xyz='0 0 1'/>" + limit(-2.5, 2.5)) +
+                   joint("end", "fixed", "lower", "tip", origin("0.3 0 0")),
+               "tip"));
+  IkOptions options = patient();
+  options.tolerance.orientation_rad.setConstant(kInf);
+  const auto inside = kinematics.solve(make_pose({0.1, 0, 0}), JointVector::Zero(2), options);
+  ASSERT_FALSE(inside);
+  EXPECT_EQ(inside.error().reason, IkReason::kOutOfReach) << to_string(inside.error().reason);
+  EXPECT_FALSE(inside.error().proven);
+  // Nearest with the elbow at its limit: law of cosines at 2.5 rad.
+  const double nearest = std::sqrt(0.34 + 0.3 * std::cos(2.5));
+  EXPECT_NEAR(inside.error().position_error_m, nearest - 0.1, 1e-3);
+  // Beyond the elbow's limit but not beyond the links.
+  const auto folded = kinematics.solve(make_pose({0.22, 0, 0}), JointVector::Zero(2), options);
+  ASSERT_FALSE(folded);
+  EXPECT_EQ(folded.error().reason, IkReason::kLimits) << to_string(folded.error().reason);
+  const auto outside = kinematics.solve(make_pose({0.8001, 0, 0}), JointVector::Zero(2), options);
+  ASSERT_FALSE(outside);
+  EXPECT_EQ(outside.error().reason, IkReason::kOutOfReach);
+  EXPECT_TRUE(outside.error().proven);
 }
 
 TEST(IkFailure, SaysWhenEverySolutionWasRefused) {

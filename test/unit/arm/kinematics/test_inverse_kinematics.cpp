@@ -23,7 +23,8 @@ ArmChain two_links(double q1_limit = 3) {
   return chain_of(
       link("base") + link("upper") + link("lower") + link("tip") +
           joint("q1", "revolute", "base", "upper", "<axis xyz='0 0 1'/>" + limit(-q1_limit, q1_limit)) +
-          joint("q2", "revolute", "upper", "lower", origin("0.5 0 0") + "<axis xyz='0 0 1'/>" + limit(-2.5, 2.5)) +
+          joint("q2", "revolute", "upper", "lower",
+                origin("0.5 0 0") + "<axis xyz='0 0 1'/>" + limit(-2.5, 2.5)) +
           joint("end", "fixed", "lower", "tip", origin("0.3 0 0")),
       "tip");
 }
@@ -49,11 +50,11 @@ IkOptions patient() {
   return options;
 }
 
-class BothArms : public testing::TestWithParam<const char*> {};
-INSTANTIATE_TEST_SUITE_P(Baxter, BothArms, testing::Values("left", "right"),
-                         [](const auto& info) { return std::string(info.param); });
+class BaxterPoses : public testing::TestWithParam<const char*> {};
+INSTANTIATE_TEST_SUITE_P(Baxter, BaxterPoses, testing::Values("left", "right"),
+                         [](const auto& side) { return std::string(side.param); });
 
-TEST_P(BothArms, SolveEveryReachablePose) {
+TEST_P(BaxterPoses, SolveEveryReachablePose) {
   const InverseKinematics kinematics(baxter_arm(GetParam()));
   const ArmChain& chain = kinematics.chain();
   Rng rng(11);
@@ -66,7 +67,8 @@ TEST_P(BothArms, SolveEveryReachablePose) {
     ASSERT_TRUE(chain.within_limits(result->joints)) << "pose " << i;
     const Pose tip = target.inverse() * chain.forward(result->joints);
     ASSERT_LE(tip.translation().cwiseAbs().maxCoeff(), 1.001e-5) << "pose " << i;
-    ASSERT_LE(orientation_error(target, chain.forward(result->joints)), std::sqrt(3.0) * 1.001e-5) << "pose " << i;
+    ASSERT_LE(orientation_error(target, chain.forward(result->joints)), std::sqrt(3.0) * 1.001e-5)
+        << "pose " << i;
     ASSERT_NEAR(result->position_error_m, tip.translation().norm(), 1e-9);
     restarts += result->restarts;
   }
@@ -147,10 +149,11 @@ TEST(InverseKinematics, SolvesForAllNumbersOfJoints) {
 }
 
 TEST(InverseKinematics, KeepsEndlessJointsWithinHalfATurnOfTheSeed) {
-  const ArmChain chain = chain_of(
-      link("base") + link("a") + link("b") + joint("rail", "prismatic", "base", "a", "<axis xyz='0 0 1'/>" + limit(-1, 1)) +
-          joint("turn", "continuous", "a", "b", origin("0.2 0 0") + "<axis xyz='0 0 1'/>"),
-      "b");
+  const ArmChain chain =
+      chain_of(link("base") + link("a") + link("b") +
+                   joint("rail", "prismatic", "base", "a", "<axis xyz='0 0 1'/>" + limit(-1, 1)) +
+                   joint("turn", "continuous", "a", "b", origin("0.2 0 0") + "<axis xyz='0 0 1'/>"),
+               "b");
   const InverseKinematics kinematics(chain);
   Rng rng(16);
   for (int i = 0; i < 100; ++i) {
@@ -171,7 +174,8 @@ TEST(Tolerance, FreesTheTurnAboutTheToolAxis) {
   Rng rng(17);
   for (int i = 0; i < 300; ++i) {
     // Turned so far that w2 alone, which turns the tool, often stands at a limit.
-    const Pose target = chain.forward(random_joints(chain, rng)) * make_pose({0, 0, 0}, {0, 0, rng.uniform(-3, 3)});
+    const Pose target =
+        chain.forward(random_joints(chain, rng)) * make_pose({0, 0, 0}, {0, 0, rng.uniform(-3, 3)});
     const auto result = kinematics.solve(target, chain.mid_range(), options);
     ASSERT_TRUE(result) << i;
     const Pose tip = chain.forward(result->joints);
@@ -222,7 +226,9 @@ TEST(Objective, NearSeedAndMidRangeAreNoWorseThanNone) {
   const InverseKinematics kinematics(baxter_arm("left"));
   const ArmChain& chain = kinematics.chain();
   const JointVector half = 0.5 * (chain.limits().upper - chain.limits().lower);
-  const auto off_middle = [&](const JointVector& q) { return (q - chain.mid_range()).cwiseQuotient(half).norm(); };
+  const auto off_middle = [&](const JointVector& q) {
+    return (q - chain.mid_range()).cwiseQuotient(half).norm();
+  };
   Rng rng(19);
   double plain_seed = 0, near_seed = 0, plain_middle = 0, mid_range = 0;
   for (int i = 0; i < 300; ++i) {

@@ -19,7 +19,8 @@ IkSearchOptions patient() {
 double distance_to(const IkSolutionSet& set, const ArmChain& chain, const JointVector& q) {
   double least = kInf;
   for (const IkBranch& branch : set.branches)
-    for (const JointVector& joints : branch.joints) least = std::min(least, chain.difference(joints, q).norm());
+    for (const JointVector& joints : branch.joints)
+      least = std::min(least, chain.difference(joints, q).norm());
   return least;
 }
 
@@ -33,11 +34,11 @@ ArmChain endless_plane() {
                   "tip");
 }
 
-class BothArms : public testing::TestWithParam<const char*> {};
-INSTANTIATE_TEST_SUITE_P(Baxter, BothArms, testing::Values("left", "right"),
-                         [](const auto& info) { return std::string(info.param); });
+class BaxterSelfMotion : public testing::TestWithParam<const char*> {};
+INSTANTIATE_TEST_SUITE_P(Baxter, BaxterSelfMotion, testing::Values("left", "right"),
+                         [](const auto& side) { return std::string(side.param); });
 
-TEST_P(BothArms, SweepHoldsTheTip) {
+TEST_P(BaxterSelfMotion, SweepHoldsTheTip) {
   const InverseKinematics kinematics(baxter_arm(GetParam()));
   const ArmChain& chain = kinematics.chain();
   const IkSweepOptions options;
@@ -55,7 +56,9 @@ TEST_P(BothArms, SweepHoldsTheTip) {
       EXPECT_TRUE(chain.within_limits(q));
       EXPECT_LT(position_error(target, chain.forward(q)), 1e-9);
       EXPECT_LT(orientation_error(target, chain.forward(q)), 1e-9);
-      if (k > 0) EXPECT_LE((q - branch->joints[k - 1]).norm(), 1.31 * options.step_rad);
+      if (k > 0) {
+        EXPECT_LE((q - branch->joints[k - 1]).norm(), 1.31 * options.step_rad);
+      }
       has_start = has_start || q == start;
     }
     EXPECT_TRUE(has_start);
@@ -65,7 +68,7 @@ TEST_P(BothArms, SweepHoldsTheTip) {
 }
 
 /// An open curve ends where a joint meets its limit, so one more step would leave it.
-TEST_P(BothArms, SweepEndsAtLimits) {
+TEST_P(BaxterSelfMotion, SweepEndsAtLimits) {
   const InverseKinematics kinematics(baxter_arm(GetParam()));
   const ArmChain& chain = kinematics.chain();
   Rng rng(42);
@@ -76,7 +79,8 @@ TEST_P(BothArms, SweepEndsAtLimits) {
     if (branch->closed) continue;
     ++open;
     for (const JointVector& end : {branch->joints.front(), branch->joints.back()}) {
-      const double room = std::min((chain.limits().upper - end).minCoeff(), (end - chain.limits().lower).minCoeff());
+      const double room =
+          std::min((chain.limits().upper - end).minCoeff(), (end - chain.limits().lower).minCoeff());
       EXPECT_LT(room, 1e-3) << "case " << i;
     }
   }
@@ -135,7 +139,7 @@ TEST(Sweep, WalksAlongAFreeAxis) {
   }
 }
 
-TEST_P(BothArms, AllSolutionsHoldThePoseAndHaveTheOneItCameFrom) {
+TEST_P(BaxterSelfMotion, AllSolutionsHoldThePoseAndHaveTheOneItCameFrom) {
   const InverseKinematics kinematics(baxter_arm(GetParam()));
   const ArmChain& chain = kinematics.chain();
   Rng rng(44);
@@ -159,12 +163,13 @@ TEST_P(BothArms, AllSolutionsHoldThePoseAndHaveTheOneItCameFrom) {
 }
 
 TEST(AllSolutions, AreTheTwoOfTwoLinks) {
-  const InverseKinematics kinematics(chain_of(
-      link("base") + link("upper") + link("lower") + link("tip") +
-          joint("q1", "revolute", "base", "upper", "<axis xyz='0 0 1'/>" + limit(-3, 3)) +
-          joint("q2", "revolute", "upper", "lower", origin("0.5 0 0") + "<axis xyz='0 0 1'/>" + limit(-2.5, 2.5)) +
-          joint("end", "fixed", "lower", "tip", origin("0.3 0 0")),
-      "tip"));
+  const InverseKinematics kinematics(
+      chain_of(link("base") + link("upper") + link("lower") + link("tip") +
+                   joint("q1", "revolute", "base", "upper", "<axis xyz='0 0 1'/>" + limit(-3, 3)) +
+                   joint("q2", "revolute", "upper", "lower",
+                         origin("0.5 0 0") + "<axis xyz='0 0 1'/>" + limit(-2.5, 2.5)) +
+                   joint("end", "fixed", "lower", "tip", origin("0.3 0 0")),
+               "tip"));
   IkSearchOptions options = patient();
   options.tolerance.orientation_rad.setConstant(kInf);
   const double bend = std::acos(0.02 / 0.3);  // law of cosines at 0.6 m
@@ -203,7 +208,7 @@ TEST(AllSolutions, LeaveOutWhatIsRefused) {
 }
 
 /// The configuration that a pose was made from is a solution, so the nearest one is no farther than it.
-TEST_P(BothArms, NearestIsNoFartherThanTheGeneratingConfiguration) {
+TEST_P(BaxterSelfMotion, NearestIsNoFartherThanTheGeneratingConfiguration) {
   const InverseKinematics kinematics(baxter_arm(GetParam()));
   const ArmChain& chain = kinematics.chain();
   Rng rng(45);
