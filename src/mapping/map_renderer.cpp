@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <utility>
 
 namespace extperfc::mapping {
 
@@ -24,9 +25,7 @@ void change(std::uint32_t& count, int sign) {
 }  // namespace
 
 MapRenderer::MapRenderer(double resolution_m, double occupied_threshold)
-    : resolution_m_(resolution_m), occupied_threshold_(occupied_threshold) {
-  grid_.resolution_m = resolution_m;
-}
+    : resolution_m_(resolution_m), occupied_threshold_(occupied_threshold), picture_(resolution_m) {}
 
 bool MapRenderer::update(const std::vector<KeyFrame>& frames, const std::vector<Pose2>& poses,
                          std::size_t most_cells) {
@@ -103,6 +102,8 @@ MapRenderer::Tile& MapRenderer::tile(int tile_column, int tile_row) {
   auto& entry = tiles_[key_of(tile_column, tile_row)];
   if (!entry) {
     entry = std::make_unique<Tile>();
+    entry->column = tile_column;
+    entry->row = tile_row;
     const bool first = tiles_.size() == 1;
     left_tile_ = first ? tile_column : std::min(left_tile_, tile_column);
     right_tile_ = first ? tile_column : std::max(right_tile_, tile_column);
@@ -112,7 +113,7 @@ MapRenderer::Tile& MapRenderer::tile(int tile_column, int tile_row) {
   last_tile_ = entry.get();
   last_tile_column_ = tile_column;
   last_tile_row_ = tile_row;
-  last_tile_->changed = true;
+  if (!std::exchange(last_tile_->changed, true)) changed_tiles_.push_back(last_tile_);
   return *last_tile_;
 }
 
@@ -124,59 +125,50 @@ MapRenderer::Count& MapRenderer::cell(int column, int row) {
 }
 
 std::int8_t MapRenderer::value(const Count& count) const {
-  const std::uint32_t seen = count.hits + count.passes;
-  if (seen == 0) return OccupancyGrid::kUnknown;
+  if (count.hits == 0) return count.passes == 0 ? OccupancyGrid::kUnknown : OccupancyGrid::kFree;
+  const double seen = static_cast<double>(count.hits) + count.passes;
   return count.hits > occupied_threshold_ * seen ? OccupancyGrid::kOccupied : OccupancyGrid::kFree;
 }
 
-std::shared_ptr<const OccupancyGrid> MapRenderer::map(std::size_t most_tiles) {
+std::shared_ptr<const OccupancyGrid> MapRenderer::map(const MapBounds& bounds) {
   last_tile_ = nullptr;  // so that the next drawing marks its tile again
-  fit_grid();
-  std::size_t copied = 0;
-  complete_ = true;
-  for (const auto& [key, tile] : tiles_) {
-    if (!tile->changed) continue;
-    if (copied == most_tiles) {
-      complete_ = false;
-      break;
+  if (!changed_tiles_.empty() && picture_.open(extent(), bounds.copied_cells))
+    draw_changed_tiles(bounds.tiles);
+  complete_ = changed_tiles_.empty();
+  return picture_.show();
+}
+
+MapPicture::Extent MapRenderer::extent() const {
+  return {left_tile_ * kTileCells, bottom_tile_ * kTileCells, (right_tile_ - left_tile_ + 1) * kTileCells,
+          (top_tile_ - bottom_tile_ + 1) * kTileCells};
+}
+
+/// Tiles outside of the picture wait until it has grown.
+void MapRenderer::draw_changed_tiles(std::size_t most_tiles) {
+  const MapPicture::Extent& drawn = picture_.extent();
+  auto waiting = changed_tiles_.begin();
+  auto next = waiting;
+  for (; next != changed_tiles_.end() && most_tiles > 0; ++next) {
+    Tile& tile = **next;
+    const int column = tile.column * kTileCells - drawn.column;
+    const int row = tile.row * kTileCells - drawn.row;
+    if (column < 0 || column >= drawn.width || row < 0 || row >= drawn.height) {
+      *waiting++ = &tile;
+      continue;
     }
-    copy_tile(static_cast<int>(static_cast<std::int32_t>(key >> 32U)),
-              static_cast<int>(static_cast<std::int32_t>(key & 0xFFFFFFFFU)), *tile);
-    tile->changed = false;
-    ++copied;
+    draw_tile(tile);
+    tile.changed = false;
+    --most_tiles;
   }
-  return std::make_shared<const OccupancyGrid>(grid_);
+  changed_tiles_.erase(waiting, next);
 }
 
-/// Makes the grid cover all tiles; what it held moves with it.
-void MapRenderer::fit_grid() {
-  if (tiles_.empty()) return;
-  const auto width = static_cast<std::size_t>(right_tile_ - left_tile_ + 1) << kTileBits;
-  const auto height = static_cast<std::size_t>(top_tile_ - bottom_tile_ + 1) << kTileBits;
-  if (width == grid_.width && height == grid_.height && left_tile_ == first_tile_column_ &&
-      bottom_tile_ == first_tile_row_)
-    return;
-  std::vector<std::int8_t> wider(width * height, OccupancyGrid::kUnknown);
-  const auto right = static_cast<std::size_t>(first_tile_column_ - left_tile_) << kTileBits;
-  const auto up = static_cast<std::size_t>(first_tile_row_ - bottom_tile_) << kTileBits;
-  for (std::size_t row = 0; row < grid_.height; ++row)
-    std::copy_n(grid_.cells.begin() + static_cast<std::ptrdiff_t>(row * grid_.width), grid_.width,
-                wider.begin() + static_cast<std::ptrdiff_t>((row + up) * width + right));
-  first_tile_column_ = left_tile_;
-  first_tile_row_ = bottom_tile_;
-  grid_.width = width;
-  grid_.height = height;
-  grid_.origin = {left_tile_ * kTileCells * resolution_m_, bottom_tile_ * kTileCells * resolution_m_, 0};
-  grid_.cells = std::move(wider);
-}
-
-void MapRenderer::copy_tile(int tile_column, int tile_row, const Tile& from) {
-  const auto column = static_cast<std::size_t>(tile_column - first_tile_column_) << kTileBits;
-  const auto row = static_cast<std::size_t>(tile_row - first_tile_row_) << kTileBits;
-  constexpr auto kSide = static_cast<std::size_t>(kTileCells);
-  for (std::size_t r = 0; r < kSide; ++r)
-    for (std::size_t c = 0; c < kSide; ++c)
-      grid_.cells[(row + r) * grid_.width + column + c] = value(from.counts[r * kSide + c]);
+void MapRenderer::draw_tile(const Tile& tile) {
+  for (int row = 0; row < kTileCells; ++row) {
+    std::int8_t* cells = picture_.cells_at(tile.column * kTileCells, tile.row * kTileCells + row);
+    const Count* counts = &tile.counts[static_cast<std::size_t>(row * kTileCells)];
+    for (int column = 0; column < kTileCells; ++column) cells[column] = value(counts[column]);
+  }
 }
 
 }  // namespace extperfc::mapping

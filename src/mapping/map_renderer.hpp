@@ -12,6 +12,7 @@
 #include "extperfc/world/pose.hpp"
 
 #include "mapping/key_frame.hpp"
+#include "mapping/map_picture.hpp"
 
 namespace extperfc::mapping {
 
@@ -20,16 +21,24 @@ namespace extperfc::mapping {
 /// so a key frame that relaxing moved is redrawn alone. Memory grows with the explored area.
 class MapRenderer {
  public:
+  /// Of the work of one call of map().
+  struct MapBounds {
+    std::size_t tiles{std::numeric_limits<std::size_t>::max()};         ///< brought up to date
+    std::size_t copied_cells{std::numeric_limits<std::size_t>::max()};  ///< of a picture
+  };
+
   MapRenderer(double resolution_m, double occupied_threshold);
 
   /// Draws what is new and redraws what moved, as far as about `most_cells` cell updates go. True when
   /// everything stands where it belongs.
   bool update(const std::vector<KeyFrame>& frames, const std::vector<Pose2>& poses, std::size_t most_cells);
 
-  /// The map as it was drawn so far, with at most `most_tiles` tiles brought up to date: the rest follows
-  /// with the next calls, until complete(). O(cells), most of it copying.
-  [[nodiscard]] std::shared_ptr<const OccupancyGrid> map(
-      std::size_t most_tiles = std::numeric_limits<std::size_t>::max());
+  /// The map as it was drawn so far, as far as the bounds go: the rest follows with the next calls, until
+  /// complete(). O(what changed); where the extent grew, or somebody still holds the last map, O(cells) too,
+  /// spread over as many calls as the bounds ask for. A map that takes several calls to copy stays behind
+  /// until then.
+  [[nodiscard]] std::shared_ptr<const OccupancyGrid> map(const MapBounds& bounds);
+  [[nodiscard]] std::shared_ptr<const OccupancyGrid> map() { return map(MapBounds()); }
   [[nodiscard]] bool complete() const { return complete_; }
 
  private:
@@ -40,17 +49,20 @@ class MapRenderer {
     std::uint32_t passes{0};
   };
   struct Tile {
+    int column{0};
+    int row{0};
+    bool changed{false};  ///< since it was drawn to the picture
     std::array<Count, kTileCells * kTileCells> counts{};
-    bool changed{true};
   };
 
   /// Adds (+1) or takes back (-1) one key frame; the number of cells touched.
   std::size_t draw(const ScanPoints& points, const Pose2& map_T_base, int sign);
   std::size_t draw_ray(const Eigen::Vector2d& from, const Eigen::Vector2d& to, bool hit, int sign);
   Count& cell(int column, int row);
-  Tile& tile(int column, int row);
-  void fit_grid();
-  void copy_tile(int tile_column, int tile_row, const Tile& from);
+  Tile& tile(int tile_column, int tile_row);
+  [[nodiscard]] MapPicture::Extent extent() const;
+  void draw_changed_tiles(std::size_t most_tiles);
+  void draw_tile(const Tile& tile);
   [[nodiscard]] std::int8_t value(const Count& count) const;
 
   double resolution_m_;
@@ -60,9 +72,8 @@ class MapRenderer {
   Tile* last_tile_{nullptr};
   int last_tile_column_{0};
   int last_tile_row_{0};
-  OccupancyGrid grid_;
-  int first_tile_column_{0};  ///< of the grid
-  int first_tile_row_{0};
+  std::vector<Tile*> changed_tiles_;  ///< in the order of their first change
+  MapPicture picture_;
   int left_tile_{0};  ///< of all tiles
   int right_tile_{0};
   int bottom_tile_{0};

@@ -17,7 +17,9 @@ namespace extperfc::mapping {
 namespace {
 
 constexpr std::size_t kCellsPerMapCall = 1'500'000;  // drawn at most in one call of map()
-constexpr std::size_t kTilesPerMapCall = 600;        // brought up to date at most: 2.4 million cells
+// Brought up to date in one call: 2.4 million cells, and of a map that is copied: because its extent grew, or
+// because somebody still holds the last one.
+constexpr MapRenderer::MapBounds kMapCall{600, 6'000'000};
 constexpr double kSmallestCovariance = 1e-8;
 
 bool is_finite(const Pose2& pose) {
@@ -199,7 +201,7 @@ std::shared_ptr<const OccupancyGrid> Mapper::Impl::map() {
     if (!settled_) ++map_version_;
   }
   const bool was_complete = renderer_.complete();
-  auto map = renderer_.map(settle_at_once_ ? std::numeric_limits<std::size_t>::max() : kTilesPerMapCall);
+  auto map = settle_at_once_ ? renderer_.map() : renderer_.map(kMapCall);
   if (!renderer_.complete() || !was_complete) ++map_version_;
   return map;
 }

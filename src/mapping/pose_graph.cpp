@@ -3,13 +3,11 @@
 #include <algorithm>
 #include <cmath>
 
-#include <Eigen/SparseCholesky>
+#include "mapping/block_equations.hpp"
 
 namespace extperfc::mapping {
 
 namespace {
-
-using Sparse = Eigen::SparseMatrix<double>;
 
 // A sighting that is off by this chi-square pulls with a quarter of its weight (Geman-McClure).
 constexpr double kDoubtfulSquaredError = 40.0;
@@ -36,60 +34,52 @@ Eigen::Matrix3d jacobian_to(const Pose2& from) {
 /// Normal equations over the nodes from `first` on.
 class Equations {
  public:
-  Equations(std::size_t first, std::size_t nodes)
-      : first_(first),
-        size_(static_cast<Eigen::Index>(3 * (nodes - first))),
-        g_(Eigen::VectorXd::Zero(size_)) {}
+  Equations(std::size_t first, std::size_t nodes, const std::vector<Relation>& relations)
+      : first_(first), blocks_(nodes - first, places_of(first, relations)) {}
+
+  /// Before the relations of an iteration are added, in the order that the constructor saw.
+  void reset() {
+    constexpr double kTiny = 1e-6;  // keeps a node that nothing holds where it is
+    blocks_.reset(kTiny);
+    next_place_ = 0;
+  }
 
   void add(const Relation& relation, const Eigen::Matrix3d& j_from, const Eigen::Matrix3d& j_to,
            const Eigen::Vector3d& error, double weight) {
-    const Eigen::Matrix3d information = weight * relation.information;
+    const Eigen::Matrix3d from_side = weight * j_from.transpose() * relation.information;
+    const Eigen::Matrix3d to_side = weight * j_to.transpose() * relation.information;
     const bool from_free = relation.from >= first_;
     const bool to_free = relation.to >= first_;
-    if (from_free) add_own(relation.from, j_from, information, error);
-    if (to_free) add_own(relation.to, j_to, information, error);
-    if (from_free && to_free) {
-      // The lower triangle alone is read.
-      const bool later = relation.to > relation.from;
-      const Eigen::Matrix3d block =
-          later ? j_to.transpose() * information * j_from : j_from.transpose() * information * j_to;
-      add_block(later ? relation.to : relation.from, later ? relation.from : relation.to, block);
-    }
+    if (from_free) add_own(relation.from, from_side, j_from, error);
+    if (to_free) add_own(relation.to, to_side, j_to, error);
+    if (from_free && to_free) blocks_.add(next_place_++, to_side * j_from);
   }
 
   /// False when there is no solution.
-  bool solve(Eigen::VectorXd& move) {
-    constexpr double kTiny = 1e-6;  // keeps a node that nothing holds where it is
-    for (Eigen::Index i = 0; i < size_; ++i) entries_.emplace_back(i, i, kTiny);
-    Sparse h(size_, size_);
-    h.setFromTriplets(entries_.begin(), entries_.end());
-    const Eigen::SimplicialLDLT<Sparse, Eigen::Lower> solver(h);
-    if (solver.info() != Eigen::Success) return false;
-    move = -solver.solve(g_);
-    return move.allFinite();
+  [[nodiscard]] bool solve() { return blocks_.solve(); }
+  [[nodiscard]] const Eigen::Vector3d& move(std::size_t node) const {
+    return blocks_.solution(node - first_);
   }
 
  private:
-  [[nodiscard]] Eigen::Index row(std::size_t node) const {
-    return static_cast<Eigen::Index>(3 * (node - first_));
+  static std::vector<BlockEquations::Place> places_of(std::size_t first,
+                                                      const std::vector<Relation>& relations) {
+    std::vector<BlockEquations::Place> places;
+    for (const Relation& relation : relations)
+      if (relation.from >= first && relation.to >= first)
+        places.emplace_back(relation.to - first, relation.from - first);
+    return places;
   }
 
-  void add_own(std::size_t node, const Eigen::Matrix3d& j, const Eigen::Matrix3d& information,
+  void add_own(std::size_t node, const Eigen::Matrix3d& side, const Eigen::Matrix3d& j,
                const Eigen::Vector3d& error) {
-    add_block(node, node, j.transpose() * information * j);
-    g_.segment<3>(row(node)) += j.transpose() * information * error;
-  }
-
-  void add_block(std::size_t row_node, std::size_t column_node, const Eigen::Matrix3d& block) {
-    for (Eigen::Index r = 0; r < 3; ++r)
-      for (Eigen::Index c = 0; c < 3; ++c)
-        entries_.emplace_back(row(row_node) + r, row(column_node) + c, block(r, c));
+    blocks_.add_diagonal(node - first_, side * j);
+    blocks_.add_right_side(node - first_, -side * error);
   }
 
   std::size_t first_;
-  Eigen::Index size_;
-  Eigen::VectorXd g_;
-  std::vector<Eigen::Triplet<double>> entries_;
+  std::size_t next_place_{0};
+  BlockEquations blocks_;
 };
 
 }  // namespace
@@ -109,8 +99,9 @@ bool PoseGraph::relax(std::size_t first_free, int iterations) {
   const std::size_t first = std::max<std::size_t>(1, first_free);
   if (first >= poses_.size()) return true;
   const auto before = poses_;
+  Equations equations(first, poses_.size(), relations_);
   for (int i = 0; i < iterations; ++i) {
-    Equations equations(first, poses_.size());
+    equations.reset();
     for (const Relation& relation : relations_) {
       if (relation.from < first && relation.to < first) continue;
       const Eigen::Vector3d e = error(relation);
@@ -119,17 +110,20 @@ bool PoseGraph::relax(std::size_t first_free, int iterations) {
       equations.add(relation, jacobian_from(poses_[relation.from], poses_[relation.to]),
                     jacobian_to(poses_[relation.from]), e, weight);
     }
-    Eigen::VectorXd move;
-    if (!equations.solve(move)) {
+    double largest = 0;
+    bool finite = equations.solve();
+    for (std::size_t node = first; finite && node < poses_.size(); ++node) {
+      const Eigen::Vector3d& move = equations.move(node);
+      Pose2& pose = poses_[node];
+      pose = {pose.x + move.x(), pose.y + move.y(), wrap_angle(pose.yaw + move.z())};
+      largest = std::max(largest, move.cwiseAbs().maxCoeff());
+      finite = move.allFinite();
+    }
+    if (!finite) {
       poses_ = before;
       return false;
     }
-    for (std::size_t node = first; node < poses_.size(); ++node) {
-      const auto at = static_cast<Eigen::Index>(3 * (node - first));
-      Pose2& pose = poses_[node];
-      pose = {pose.x + move[at], pose.y + move[at + 1], wrap_angle(pose.yaw + move[at + 2])};
-    }
-    if (move.cwiseAbs().maxCoeff() < kSettledM) break;
+    if (largest < kSettledM) break;
   }
   return true;
 }

@@ -1,5 +1,8 @@
 #include <algorithm>
+#include <cstdint>
 #include <limits>
+#include <memory>
+#include <vector>
 
 #include <gtest/gtest.h>
 
@@ -201,6 +204,50 @@ TEST_F(MapRendererTest, GrowsInAllDirections) {
     for (const Pose2& pose : poses_) EXPECT_EQ(at(*map, pose.x + 0.5, pose.y), OccupancyGrid::kFree);
   }
   expect_same(*renderer.map(), *draw_from_scratch(poses_));
+}
+
+TEST_F(MapRendererTest, BoundsOfACallAreMadeUpForByMoreCalls) {
+  see({{0, 0, 0}});
+  MapRenderer renderer(kResolutionM, kOccupied);
+  ASSERT_TRUE(renderer.update(frames_, poses_, kUnbounded));
+  const auto first = renderer.map();
+  const std::size_t first_cells = first->cells.size();
+  for (const Pose2& away : {Pose2{40, 20, 1}, Pose2{-30, 50, 2}}) {
+    frames_.push_back(see_room({0, 0, 0}, rng_));
+    poses_.push_back(away);
+  }
+  ASSERT_TRUE(renderer.update(frames_, poses_, kUnbounded));
+  const auto expected = draw_from_scratch(poses_);
+  const std::size_t copied_cells = expected->cells.size() / 10;
+  std::size_t calls = 0;
+  std::size_t calls_until_grown = 0;
+  for (bool grown = false; calls == 0 || !renderer.complete(); ++calls) {
+    ASSERT_LT(calls, 200U);
+    const auto map = renderer.map({1, copied_cells});
+    grown = grown || map->cells.size() != first_cells;
+    EXPECT_EQ(map->cells.size(), grown ? expected->cells.size() : first_cells);
+    if (!grown) ++calls_until_grown;
+  }
+  EXPECT_GE(calls_until_grown, 8U) << "ten, but for whole rows";
+  EXPECT_GT(calls, calls_until_grown + 10) << "a tile a call";
+  EXPECT_EQ(renderer.map()->cells, expected->cells);
+  EXPECT_EQ(first->cells.size(), first_cells) << "held all the time";
+}
+
+TEST_F(MapRendererTest, MapsThatAreHeldStayAsTheyWere) {
+  MapRenderer renderer(kResolutionM, kOccupied);
+  std::vector<std::shared_ptr<const OccupancyGrid>> held;
+  std::vector<std::vector<std::int8_t>> cells;
+  for (int i = 0; i < 6; ++i) {
+    see({{2.0 * i, 0.3 * i, 0.5 * i}});
+    ASSERT_TRUE(renderer.update(frames_, poses_, kUnbounded));
+    held.push_back(renderer.map());
+    cells.push_back(held.back()->cells);
+    if (i > 0) {
+      EXPECT_NE(cells[cells.size() - 1], cells[cells.size() - 2]);
+    }
+  }
+  for (std::size_t i = 0; i < held.size(); ++i) EXPECT_EQ(held[i]->cells, cells[i]) << i;
 }
 
 TEST_F(MapRendererTest, SmallMovesAreNotDrawnAgain) {
