@@ -12,6 +12,7 @@
 #include "map/log_part.hpp"
 #include "map/options.hpp"
 #include "map/rows.hpp"
+#include "map/worlds_part.hpp"
 #include "report.hpp"
 #include "temporary_folder.hpp"
 
@@ -27,6 +28,11 @@ constexpr char kExplanation[] =
     "map "
     "drawn. Each run is\n"
     "a process of its own.\n";
+
+constexpr char kWorldsExplanation[] =
+    "errors: mean over pairs of poses that truly stand within 1 m of each other, 15 m of way or more apart, "
+    "when the\n"
+    "drive is over. CPU: Mapper::add alone. Each drive is a process of its own.\n";
 
 int complain(const std::string& message, int code) {
   std::cerr << "bench_map: " << message << "\n";
@@ -48,6 +54,7 @@ Result<Subject> find_subject(const std::filesystem::path& folder) {
 }
 
 Result<std::vector<Row>> measure(const MapOptions& options) {
+  if (options.only == kWorldsPart) return world_rows(options);
   const TemporaryFolder folder;
   const auto subject = find_subject(folder.path());
   if (!subject) return tl::unexpected(subject.error());
@@ -77,7 +84,8 @@ int run(const MapOptions& options) {
   const Stopwatch watch;
   const auto rows = measure(options);
   if (!rows) return complain(rows.error().message, 1);
-  std::cout << machine_description() << "\n" << kExplanation << "\n";
+  std::cout << machine_description() << "\n"
+            << (options.only == kWorldsPart ? kWorldsExplanation : kExplanation) << "\n";
   print_table(std::cout, *rows);
   std::cout << "\n" << watch.seconds() << " s\n";
   if (options.json.empty() || write_json(options.json, "map", *rows)) return 0;
@@ -93,6 +101,8 @@ int main(int argc, char** argv) {
   try {
     if (words.size() > 2 && words[0] == "--part" && words[1] == "log")
       return run_log_part({words.begin() + 2, words.end()});
+    if (words.size() > 2 && words[0] == "--part" && words[1] == "world")
+      return run_world_part({words.begin() + 2, words.end()});
     const auto options = parse_map_options(words);
     if (!options) return complain(options.error().message, 2);
     if (options->help) {

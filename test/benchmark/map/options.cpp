@@ -7,8 +7,9 @@
 namespace extperfc::benchmark {
 namespace {
 
-const std::set<std::string> kParts{"log", "peer", "rates", "hall"};
+const std::set<std::string> kParts{"log", "peer", "rates", "hall", kWorldsPart};
 constexpr int kMostSeeds = 100;
+constexpr int kMostWorlds = 1000;
 
 MapOptions quick_options() {
   MapOptions options;
@@ -17,14 +18,23 @@ MapOptions quick_options() {
   options.scans = 2'500;
   options.peer_scans = 1'000;
   options.drive_s = 60;
+  options.worlds = 1;
   return options;
+}
+
+/// From 1 on; an option that is not given leaves `count` as it is.
+Result<void> read_count(const Arguments& arguments, const std::string& option, int most, int& count) {
+  const auto given = arguments.number(option, 1, most);
+  if (!given) return tl::unexpected(given.error());
+  if (*given) count = static_cast<int>(**given);
+  return {};
 }
 
 }  // namespace
 
 Result<MapOptions> parse_map_options(const std::vector<std::string>& words) {
-  const auto arguments =
-      Arguments::read(words, {0, 0, {"--json", "--seeds", "--peer-scans", "--only"}, {"--quick", "--help"}});
+  const auto arguments = Arguments::read(
+      words, {0, 0, {"--json", "--seeds", "--peer-scans", "--only", "--worlds"}, {"--quick", "--help"}});
   if (!arguments) return tl::unexpected(arguments.error());
   MapOptions options = arguments->has("--quick") ? quick_options() : MapOptions{};
   options.help = arguments->has("--help");
@@ -32,19 +42,23 @@ Result<MapOptions> parse_map_options(const std::vector<std::string>& words) {
   options.only = arguments->last("--only").value_or("");
   if (!options.only.empty() && kParts.count(options.only) == 0)
     return fail(ErrorCode::kInvalidArgument,
-                "--only needs log, peer, rates or hall, not '" + options.only + "'");
-  const auto seeds = arguments->number("--seeds", 1, kMostSeeds);
-  if (!seeds) return tl::unexpected(seeds.error());
-  if (*seeds) options.seeds = static_cast<int>(**seeds);
+                "--only needs log, peer, rates, hall or worlds, not '" + options.only + "'");
+  if (auto read = read_count(*arguments, "--seeds", kMostSeeds, options.seeds); !read)
+    return tl::unexpected(read.error());
   const auto peer_scans = arguments->number("--peer-scans", 0, static_cast<double>(kWholeLog));
   if (!peer_scans) return tl::unexpected(peer_scans.error());
   if (*peer_scans)
     options.peer_scans = **peer_scans == 0 ? kWholeLog : static_cast<std::size_t>(**peer_scans);
+  if (arguments->has("--worlds") && options.only != kWorldsPart)
+    return fail(ErrorCode::kInvalidArgument, "--worlds goes with --only worlds");
+  if (auto read = read_count(*arguments, "--worlds", kMostWorlds, options.worlds); !read)
+    return tl::unexpected(read.error());
   return options;
 }
 
 void print_map_help(std::ostream& out) {
-  out << "usage: tools/bench map [--quick] [--seeds N] [--peer-scans N] [--only PART] [--json FILE]\n\n"
+  out << "usage: tools/bench map [--quick] [--seeds N] [--peer-scans N] [--only PART] [--json FILE]\n"
+         "       tools/bench map --only worlds [--worlds N] [--json FILE]\n\n"
          "Accuracy, CPU time and memory of the mapper on the Intel Research Lab's log (../shared/data/slam; "
          "where it is\n"
          "absent, on a generated building), against MRPT's rbpf-slam in the same run; what particles, the "
@@ -53,7 +67,9 @@ void print_map_help(std::ostream& out) {
          "  --quick       parts of everything, in less than a minute\n"
          "  --seeds       with 30 particles (default 3); at most 3 with other numbers\n"
          "  --peer-scans  of the log, for rbpf-slam (default 4000; 0: all, which takes minutes)\n"
-         "  --only        log, peer, rates or hall (default: all four)\n"
+         "  --only        log, peer, rates or hall (default: all four), or worlds: accuracy and CPU time in\n"
+         "                generated buildings of ten kinds; takes minutes, and runs only when asked for\n"
+         "  --worlds      of every kind (default 2)\n"
          "  --json        write the results too\n";
 }
 

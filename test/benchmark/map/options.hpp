@@ -10,6 +10,7 @@
 namespace extperfc::benchmark {
 
 constexpr std::size_t kWholeLog = 1'000'000'000;
+constexpr char kWorldsPart[] = "worlds";  ///< runs only when it is asked for
 
 struct MapOptions {
   int seeds{3};                   ///< with 30 particles; with other numbers at most three
@@ -17,7 +18,8 @@ struct MapOptions {
   std::size_t peer_scans{4'000};  ///< of the log, for the comparison with rbpf-slam
   double drive_s{400};            ///< length of the drives in generated buildings [s], at most
   bool quick{false};              ///< parts of everything
-  std::string only;               ///< "log", "peer", "rates", "hall", or empty: all
+  int worlds{2};                  ///< generated buildings of every kind
+  std::string only;               ///< "log", "peer", "rates", "hall", kWorldsPart, or empty: all but the last
   std::string json;
   bool help{false};
 };

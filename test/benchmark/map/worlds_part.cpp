@@ -1,0 +1,212 @@
+#include "map/worlds_part.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdlib>
+#include <iostream>
+#include <numeric>
+#include <optional>
+#include <utility>
+
+#include "extperfc/base/running_stats.hpp"
+#include "extperfc/base/stopwatch.hpp"
+#include "extperfc/mapping/mapper.hpp"
+
+#include "map/child.hpp"
+#include "map/world_kinds.hpp"
+
+namespace extperfc::benchmark {
+namespace {
+
+constexpr double kSampleEveryM = 0.5;
+constexpr double kLeastWayM = 15;  // between poses that see each other again
+constexpr double kSeenM = 1.0;     // they truly stand this near
+constexpr double kBadM = 0.5;
+
+/// A place on the drive.
+struct Sample {
+  double way_m{0};
+  Pose2 truth;
+  Pose2 mapped;
+};
+
+double distance(const Pose2& a, const Pose2& b) {
+  return std::hypot(a.x - b.x, a.y - b.y);
+}
+
+/// How far off the map has b as seen from a.
+double pair_error(const Sample& a, const Sample& b) {
+  return distance(between(a.truth, b.truth), between(a.mapped, b.mapped));
+}
+
+/// One error for every sample and every later time that the robot passes it: that of the nearest pose then.
+std::vector<double> pair_errors(const std::vector<Sample>& samples) {
+  std::vector<double> errors;
+  for (auto a = samples.begin(); a != samples.end(); ++a) {
+    const auto apart = [&](const Sample& b) { return distance(a->truth, b.truth); };
+    const auto is_near = [&](const Sample& b) { return apart(b) <= kSeenM; };
+    auto from =
+        std::find_if(a, samples.end(), [&](const Sample& b) { return b.way_m - a->way_m >= kLeastWayM; });
+    while ((from = std::find_if(from, samples.end(), is_near)) != samples.end()) {
+      const auto gone = std::find_if_not(from, samples.end(), is_near);
+      const auto nearest =
+          std::min_element(from, gone, [&](const Sample& b, const Sample& c) { return apart(b) < apart(c); });
+      errors.push_back(pair_error(*a, *nearest));
+      from = gone;
+    }
+  }
+  return errors;
+}
+
+double mean_of(const std::vector<double>& values) {
+  return std::accumulate(values.begin(), values.end(), 0.0) / static_cast<double>(values.size());
+}
+
+/// A mapper on a drive.
+class WorldRun {
+ public:
+  WorldRun(const WorldCase& world, std::uint64_t seed, mapping::Mapper mapper)
+      : has_odometry_(world.odometry.there), recorder_(world, seed), mapper_(std::move(mapper)) {}
+
+  Result<Figures> run();
+
+ private:
+  Result<void> add(const WorldRecorder::Step& step);
+  [[nodiscard]] std::vector<Sample> samples() const;
+
+  struct Passed {
+    std::size_t scan;
+    double way_m;
+    Pose2 truth;
+  };
+  bool has_odometry_;
+  WorldRecorder recorder_;
+  mapping::Mapper mapper_;
+  std::vector<double> scan_ms_;
+  std::vector<Passed> passed_;  // every half metre
+  double way_m_{0};
+};
+
+Result<void> WorldRun::add(const WorldRecorder::Step& step) {
+  way_m_ = step.way_m;
+  if (passed_.empty() || way_m_ - passed_.back().way_m >= kSampleEveryM)
+    passed_.push_back({scan_ms_.size(), way_m_, step.world_T_base});
+  const auto odometry = has_odometry_ ? std::optional<Pose2>(step.odom_T_base) : std::nullopt;
+  const double start_s = process_cpu_seconds();
+  const auto update = mapper_.add(step.scan, odometry);
+  scan_ms_.push_back(1e3 * (process_cpu_seconds() - start_s));
+  if (!update) return tl::unexpected(update.error());
+  return {};
+}
+
+std::vector<Sample> WorldRun::samples() const {
+  const Trajectory trajectory = mapper_.trajectory();
+  std::vector<Sample> samples;
+  for (const auto& [scan, way_m, truth] : passed_)
+    samples.push_back({way_m, truth, trajectory.at(scan).pose});
+  return samples;
+}
+
+Result<Figures> WorldRun::run() {
+  while (const auto step = recorder_.next())
+    if (auto added = add(*step); !added) return tl::unexpected(added.error());
+  mapper_.finish();
+  const auto errors = pair_errors(samples());
+  Figures figures;
+  figures["scans"] = static_cast<double>(scan_ms_.size());
+  figures["way_m"] = way_m_;
+  figures["loops"] = static_cast<double>(mapper_.statistics().loops);
+  figures["scan_mean_ms"] = mean_of(scan_ms_);
+  figures["scan_p99_ms"] = percentile(scan_ms_, 0.99);
+  figures["pairs"] = static_cast<double>(errors.size());
+  figures["bad_pairs"] = static_cast<double>(
+      std::count_if(errors.begin(), errors.end(), [](double error_m) { return error_m > kBadM; }));
+  if (!errors.empty()) figures["pair_error_m"] = mean_of(errors);
+  return figures;
+}
+
+Result<Figures> run_world(const std::string& kind, std::uint64_t seed) {
+  const auto world = make_world(kind, seed);
+  if (!world) return tl::unexpected(world.error());
+  auto mapper = mapping::Mapper::make({});
+  if (!mapper) return tl::unexpected(mapper.error());
+  return WorldRun(*world, seed, *std::move(mapper)).run();
+}
+
+void say(const std::string& kind, int seed, const Figures& run) {
+  std::cerr << "  " << kind << ", seed " << seed << ": " << run.at("way_m") << " m, " << run.at("scans")
+            << " scans, " << run.at("pairs") << " pairs";
+  if (run.count("pair_error_m") != 0) std::cerr << ", off by " << run.at("pair_error_m") << " m";
+  std::cerr << ", " << run.at("scan_mean_ms") << " ms per scan" << std::endl;
+}
+
+double sum_of(const std::vector<Figures>& runs, const std::string& name) {
+  return std::accumulate(runs.begin(), runs.end(), 0.0,
+                         [&](double sum, const Figures& run) { return sum + run.at(name); });
+}
+
+/// Of those runs that have this figure.
+std::vector<double> values_of(const std::vector<Figures>& runs, const std::string& name) {
+  std::vector<double> values;
+  for (const auto& run : runs)
+    if (const auto found = run.find(name); found != run.end()) values.push_back(found->second);
+  return values;
+}
+
+/// Mean of the two in the middle when they are even in number; NaN when there are none.
+double median_of(std::vector<double> values) {
+  if (values.empty()) return std::nan("");
+  std::sort(values.begin(), values.end());
+  const std::size_t half = values.size() / 2;
+  return values.size() % 2 == 1 ? values[half] : (values[half - 1] + values[half]) / 2;
+}
+
+std::vector<Row> kind_rows(const std::string& kind, const std::vector<Figures>& runs) {
+  auto errors = values_of(runs, "pair_error_m");
+  auto p99 = values_of(runs, "scan_p99_ms");
+  const std::string name =
+      kind + (runs.size() == 1 ? ", 1 seed" : ", " + std::to_string(runs.size()) + " seeds");
+  double cpu_ms = 0;
+  for (const auto& run : runs) cpu_ms += run.at("scan_mean_ms") * run.at("scans");
+  return {
+      {name, "error of pairs seen again, median seed", "m", median_of(errors)},
+      {name, "error of pairs seen again, worst seed", "m", percentile(errors, 1)},
+      {name, "pairs worse than 0.5 m, all seeds", "%",
+       100 * sum_of(runs, "bad_pairs") / sum_of(runs, "pairs")},
+      {name, "loops, all seeds", "1", sum_of(runs, "loops")},
+      {name, "CPU per scan, mean", "ms", cpu_ms / sum_of(runs, "scans")},
+      {name, "CPU per scan, p99, worst seed", "ms", percentile(p99, 1)},
+  };
+}
+
+}  // namespace
+
+Result<std::vector<Row>> world_rows(const MapOptions& options) {
+  std::vector<Row> rows;
+  for (const auto& kind : world_kinds()) {
+    std::vector<Figures> runs;
+    for (int seed = 1; seed <= options.worlds; ++seed) {
+      auto figures = run_part({"world", kind, std::to_string(seed)});
+      if (!figures) return tl::unexpected(figures.error());
+      say(kind, seed, *figures);
+      runs.push_back(*std::move(figures));
+    }
+    const auto more = kind_rows(kind, runs);
+    rows.insert(rows.end(), more.begin(), more.end());
+  }
+  return rows;
+}
+
+int run_world_part(const std::vector<std::string>& words) {
+  if (words.size() != 2) return 2;
+  const auto figures = run_world(words[0], std::strtoull(words[1].c_str(), nullptr, 10));
+  if (!figures) {
+    std::cerr << figures.error().message << "\n";
+    return EXIT_FAILURE;
+  }
+  std::cout.precision(17);
+  for (const auto& [name, value] : *figures) std::cout << name << ' ' << value << '\n';
+  return EXIT_SUCCESS;
+}
+
+}  // namespace extperfc::benchmark
