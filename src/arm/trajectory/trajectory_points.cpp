@@ -16,6 +16,8 @@ constexpr double kLeastIntervalS = 2e-5;  // nearer borders are merged: rounding
 constexpr double kOvershoot = 2e-3;       // of limits, that stretching has to take away
 constexpr int kMostMerged = 64;
 constexpr int kStretches = 8;
+constexpr int kLooks = 12;             // parts of an interval, at whose ends the distance is looked at
+constexpr double kBetweenLooks = 0.9;  // of the tolerance; between them it may be a little more
 
 /// Bezier points of the interpolation between two points, one column each; three at least.
 using Bezier = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::ColMajor, kMaxJoints, 6>;
@@ -124,10 +126,11 @@ class PointMaker {
     const auto b = point(to_s, 1);
     if (needed_stretch(a, b, trajectory_.limits()) > 1 + kOvershoot / 2) return false;
     const auto curve = interpolate(a, b);
-    for (const double y : {0.25, 0.5, 0.75}) {
+    for (int i = 1; i < kLooks; ++i) {
+      const double y = static_cast<double>(i) / kLooks;
       const double time_s = a.time_s + y * (b.time_s - a.time_s);
       const JointVector off = value(curve, y) - trajectory_.sample(time_s).position;
-      if (off.cwiseAbs().maxCoeff() > params_.tolerance_rad) return false;
+      if (off.cwiseAbs().maxCoeff() > kBetweenLooks * params_.tolerance_rad) return false;
     }
     return true;
   }

@@ -90,7 +90,7 @@ TEST_P(Followers, KeepLimitsAndPathBetweenAdaptivePoints) {
     const std::string what = "trial " + std::to_string(trial);
     expect_points_of(trajectory, *points, waypoints, what);
     EXPECT_LE(points->back().time_s, trajectory.duration_s() * 1.01) << what;
-    EXPECT_LE(measure(trajectory, *points).off_path, 1.1 * params.tolerance_rad) << what;
+    EXPECT_LE(measure(trajectory, *points).off_path, params.tolerance_rad) << what;
     for (std::size_t i = 1; i < points->size(); ++i)
       EXPECT_LE((*points)[i].time_s - (*points)[i - 1].time_s, params.max_interval_s * 1.01) << what;
   }
