@@ -1,6 +1,7 @@
 // The mapper between the threads that the nodelet has, without ROS: one gives scans, one adds them, others
 // take maps, poses and sessions meanwhile, and one puts another mapper in its place. The thread sanitizer
 // looks on.
+#include <algorithm>
 #include <atomic>
 #include <numeric>
 #include <thread>
@@ -15,6 +16,8 @@
 
 namespace extperfc::mapping {
 namespace {
+
+constexpr std::size_t kMostHeld = 64;
 
 struct HeldMap {
   std::shared_ptr<const OccupancyGrid> map;
@@ -39,11 +42,14 @@ class MapperThreads : public testing::Test {
 
   /// What its map thread does: the mapper is held while it hands the map over, not while the map is read.
   void take_maps(std::vector<HeldMap>& held) {
-    for (std::size_t i = 0; !done_; ++i) {
+    while (!done_) {
       const auto map = mapper_.with([](Mapper& mapper) { return mapper.map(); });
       (void)mapper_.with([](Mapper& mapper) { return mapper.settled(); });
       const long sum = map ? sum_of(*map) : 0;
-      if (map && i % 8 == 0) held.push_back({map, sum});
+      if (map && held.size() < kMostHeld) {
+        held.push_back({map, sum});
+        ++held_;
+      }
       std::this_thread::yield();
     }
   }
@@ -59,9 +65,16 @@ class MapperThreads : public testing::Test {
     }
   }
 
-  /// Gives all scans at once and waits until they are added.
+  /// Gives the scans in pieces, each when another map was taken, whatever share of the processors the threads
+  /// have, and waits until all are added.
   void drive_to_the_end() {
-    for (std::size_t i = 0; i < drive_.scans.size(); ++i) EXPECT_FALSE(queue_.put(i));
+    std::size_t awaited = 0;
+    for (std::size_t i = 0; i < drive_.scans.size(); ++i) {
+      EXPECT_FALSE(queue_.put(i));
+      if (i % 10 != 9 || awaited == kMostHeld) continue;
+      awaited = std::min(held_ + 1, kMostHeld);
+      while (held_ < awaited) std::this_thread::yield();
+    }
     while (added_ < drive_.scans.size()) std::this_thread::yield();
     done_ = true;
     queue_.close();
@@ -71,6 +84,7 @@ class MapperThreads : public testing::Test {
   SharedMapper mapper_{make_mapper()};
   ScanQueue<std::size_t> queue_{1000};
   std::atomic<std::size_t> added_{0};
+  std::atomic<std::size_t> held_{0};  ///< maps
   std::atomic<bool> done_{false};
 };
 
