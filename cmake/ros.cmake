@@ -1,11 +1,16 @@
 # ROS 1. Its headers are SYSTEM headers, so their warnings are not ours.
 find_package(catkin REQUIRED COMPONENTS
   actionlib baxter_core_msgs control_msgs cv_bridge diagnostic_msgs diagnostic_updater geometry_msgs image_transport
-  message_filters message_generation nav_msgs nodelet pluginlib roscpp rosgraph_msgs roslib sensor_msgs std_msgs std_srvs
+  message_filters message_generation nav_msgs nodelet pluginlib roscpp rosgraph_msgs roslib sensor_msgs shape_msgs std_msgs std_srvs
   tf2 tf2_eigen tf2_ros trajectory_msgs vision_msgs visualization_msgs)
 
-add_service_files(FILES LoadSession.srv MoveBody.srv SaveMap.srv SetFault.srv SetRealTimeFactor.srv StepSimulation.srv)
-generate_messages(DEPENDENCIES geometry_msgs std_msgs)
+catkin_python_setup()
+add_message_files(FILES ArmCode.msg ArmRequest.msg SceneObject.msg ToolConstraint.msg ToolGoal.msg)
+add_service_files(FILES
+  ApplyScene.srv CheckArmState.srv GetScene.srv LoadSession.srv MoveBody.srv SaveMap.srv SetFault.srv
+  SetRealTimeFactor.srv SolveArmIk.srv StepSimulation.srv)
+add_action_files(FILES MoveArm.action Pick.action Place.action Plan.action)
+generate_messages(DEPENDENCIES actionlib_msgs geometry_msgs sensor_msgs shape_msgs std_msgs trajectory_msgs)
 
 catkin_package(
   INCLUDE_DIRS include
@@ -13,7 +18,9 @@ catkin_package(
     extperfc_robot_model extperfc_simulate_worlds extperfc_simulate_render extperfc_simulate_bodies
     extperfc_simulate_control extperfc_simulate_trajectory extperfc_translate_schema extperfc_translate_plan
     extperfc_translate_peer extperfc_translate_bridge extperfc_mapping extperfc_localize
-    extperfc_sources_scan extperfc_offline extperfc_arm_kinematics extperfc_arm_collision extperfc_arm_planning extperfc_arm_trajectory
+    extperfc_sources_scan extperfc_offline extperfc_arm_kinematics extperfc_arm_collision
+    extperfc_arm_planning extperfc_arm_trajectory extperfc_arm_constrained extperfc_arm_cartesian
+    extperfc_arm_grasping extperfc_arm_perception extperfc_arm_motion
   CATKIN_DEPENDS roscpp nodelet message_runtime sensor_msgs vision_msgs)
 
 add_library(extperfc_catkin INTERFACE)

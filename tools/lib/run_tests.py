@@ -269,7 +269,7 @@ def all_tests():
     yield Test("sanitize/address_undefined", "sanitize", variant_runner(
         "asan", ["-DEXTPERFC_SANITIZE=address,undefined", *openvino_options()]))
     yield Test("sanitize/thread", "sanitize", variant_runner(
-        "tsan", ["-DEXTPERFC_SANITIZE=thread", "-DEXTPERFC_WITH_OPENVINO=OFF"], "latest_slot|in_order|event_loop|resolver|mapper_threads"))
+        "tsan", ["-DEXTPERFC_SANITIZE=thread", "-DEXTPERFC_WITH_OPENVINO=OFF"], "latest_slot|in_order|event_loop|resolver|mapper_threads|map_picture|planning_team"))
     yield Test("style/tidy", "style", InBackground(tidy_runner))
 
 

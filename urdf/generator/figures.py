@@ -56,10 +56,14 @@ HEAD_MAX_EFFORT, HEAD_MAX_SPEED = 10.0, 2.0
 
 # Where an arm stands on the torso; y and yaw change sign for the right one.
 ARM_MOUNT = {"xyz": (0.024645, 0.219645, 0.118588), "yaw": 0.7854}
+# The newer published effort of s1, 50 N m, does not carry the arm, whose own weight takes 50.2 N m in the pose "neutral": the
+# real shoulder has springs, which no description has. This is the older published figure.
+S1_MAX_EFFORT = 100
 # name: (parent, child, xyz, rpy, lower, upper, velocity, effort); parent and child of one side
 ARM_JOINTS = {
     "s0": ("arm_mount", "upper_shoulder", (0.055695, 0, 0.011038), (0, 0, 0), -1.70167993878, 1.70167993878, 1.5, 50),
-    "s1": ("upper_shoulder", "lower_shoulder", (0.069, 0, 0.27035), (-HALF_PI, 0, 0), -2.147, 1.047, 1.5, 50),
+    "s1": ("upper_shoulder", "lower_shoulder", (0.069, 0, 0.27035), (-HALF_PI, 0, 0), -2.147, 1.047, 1.5,
+           S1_MAX_EFFORT),
     "e0": ("lower_shoulder", "upper_elbow", (0.102, 0, 0), (HALF_PI, 0, HALF_PI),
            -3.05417993878, 3.05417993878, 1.5, 50),
     "e1": ("upper_elbow", "lower_elbow", (0.069, 0, 0.26242), (-HALF_PI, -HALF_PI, 0), -0.05, 2.618, 1.5, 50),

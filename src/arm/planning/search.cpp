@@ -10,7 +10,7 @@ namespace extperfc::arm::planning {
 
 namespace {
 
-constexpr int kFirstSamples = 500;
+constexpr int kMostSamples = 1'000'000;
 
 /// Indices of the goals, nearest first.
 std::vector<int> by_distance(const JointVector& start, const std::vector<JointVector>& goals) {
@@ -42,12 +42,14 @@ std::vector<JointSet> branches(const CollisionModel& model) {
   return result;
 }
 
-Search::Search(CollisionChecker& checker, const JointLimits& limits, const PlannerParams& params)
+Search::Search(CollisionChecker& checker, const JointLimits& limits, const PlannerParams& params,
+               int first_samples)
     : checker_(checker),
       limits_(limits),
       params_(params),
       branches_(branches(checker.model())),
-      rng_(params.seed) {}
+      rng_(params.seed),
+      samples_(first_samples) {}
 
 std::optional<Found> Search::straight(const JointVector& start, const std::vector<JointVector>& goals) {
   for (const int goal : by_distance(start, goals))
@@ -78,28 +80,34 @@ std::optional<Found> Search::branch_after_branch(const JointVector& start, const
   return found;
 }
 
+void Search::begin(const JointVector& start, const std::vector<JointVector>& goals) {
+  JointSet all(start.size());
+  std::iota(all.begin(), all.end(), 0);
+  whole_.emplace(checker_, limits_, params_, all, start, goals);
+  start_ = start;
+  nearest_ = by_distance(start, goals).front();
+  nearest_goal_ = goals[nearest_];
+}
+
+std::optional<Found> Search::turn(const std::function<bool()>& stop) {
+  const int samples = samples_;
+  samples_ = std::min(2 * samples_, kMostSamples);
+  auto order = branches_;
+  for (int i = 0; i < 2 && order.size() > 1; ++i, std::reverse(order.begin(), order.end())) {
+    auto found = branch_after_branch(start_, nearest_goal_, order, samples, stop);
+    if (!found) continue;
+    found->goal = nearest_;
+    return found;
+  }
+  return whole_->grow(samples, rng_, stop);
+}
+
 std::optional<Found> Search::run(const JointVector& start, const std::vector<JointVector>& goals,
                                  const std::function<bool()>& stop) {
   if (auto found = straight(start, goals)) return found;
-  JointSet all(start.size());
-  std::iota(all.begin(), all.end(), 0);
-  RrtConnect whole(checker_, limits_, params_, all, start, goals);
-  const int nearest = by_distance(start, goals).front();
-  const auto turn = [&](int samples) -> std::optional<Found> {
-    auto order = branches_;
-    for (int i = 0; i < 2 && order.size() > 1; ++i, std::reverse(order.begin(), order.end())) {
-      auto found = branch_after_branch(start, goals[nearest], order, samples, stop);
-      if (!found) continue;
-      found->goal = nearest;
-      return found;
-    }
-    return whole.grow(samples, rng_, stop);
-  };
+  begin(start, goals);
   std::optional<Found> found;
-  for (int samples = kFirstSamples; !found && !whole.full() && !stop();
-       samples = std::min(2 * samples, 1'000'000))
-    found = turn(samples);
-  states_ += whole.states();
+  while (!found && !exhausted() && !stop()) found = turn(stop);
   return found;
 }
 

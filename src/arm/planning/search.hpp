@@ -19,18 +19,25 @@ namespace extperfc::arm::planning {
 /// samples each time.
 class Search {
  public:
-  /// The checker must outlive it.
-  Search(CollisionChecker& checker, const JointLimits& limits, const PlannerParams& params);
+  /// The checker must outlive it. `first_samples`: of the first turn.
+  Search(CollisionChecker& checker, const JointLimits& limits, const PlannerParams& params,
+         int first_samples = 500);
 
   /// The start and all goals must be free and within the limits. Ends without a path when `stop` says so or
   /// the trees are full.
   [[nodiscard]] std::optional<Found> run(const JointVector& start, const std::vector<JointVector>& goals,
                                          const std::function<bool()>& stop);
+  /// run() in pieces: begin() once, then turn() until it finds a path, `stop` said so or it is exhausted().
+  /// The turns of two searches with the same seed are the same, whenever they are run.
+  void begin(const JointVector& start, const std::vector<JointVector>& goals);
+  [[nodiscard]] std::optional<Found> turn(const std::function<bool()>& stop);
+  [[nodiscard]] bool exhausted() const { return whole_ && whole_->full(); }
+  [[nodiscard]] std::optional<Found> straight(const JointVector& start,
+                                              const std::vector<JointVector>& goals);
   /// In the trees of all searches.
-  [[nodiscard]] int states() const { return states_; }
+  [[nodiscard]] int states() const { return states_ + (whole_ ? whole_->states() : 0); }
 
  private:
-  std::optional<Found> straight(const JointVector& start, const std::vector<JointVector>& goals);
   std::optional<Found> branch_after_branch(const JointVector& start, const JointVector& goal,
                                            const std::vector<JointSet>& order, int samples,
                                            const std::function<bool()>& stop);
@@ -40,7 +47,11 @@ class Search {
   PlannerParams params_;
   std::vector<JointSet> branches_;
   Rng rng_;
-  int states_{0};
+  std::optional<RrtConnect> whole_;  ///< all joints at once; grows from turn to turn
+  JointVector start_, nearest_goal_;
+  int nearest_{0};
+  int samples_;
+  int states_{0};  ///< but those of whole_
 };
 
 }  // namespace extperfc::arm::planning

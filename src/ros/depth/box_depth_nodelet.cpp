@@ -1,3 +1,4 @@
+#include <algorithm>
 #include <memory>
 #include <mutex>
 #include <optional>
@@ -17,8 +18,10 @@
 #include "extperfc/base/stamp_matcher.hpp"
 #include "extperfc/base/stopwatch.hpp"
 #include "extperfc/depth/box_depth.hpp"
+#include "extperfc/depth/object_fit.hpp"
 
 #include "ros/convert/detections.hpp"
+#include "ros/convert/geometry.hpp"
 #include "ros/convert/image.hpp"
 #include "ros/health/reporter.hpp"
 #include "ros/health/stream_health.hpp"
@@ -26,6 +29,29 @@
 #include "ros/params/detector_params.hpp"
 
 namespace extperfc {
+
+namespace {
+
+/// The shape of that name; nothing for other classes.
+std::optional<depth::FitShape> shape_of(const std::vector<std::string>& names, int class_index) {
+  if (class_index < 0 || class_index >= static_cast<int>(names.size())) return std::nullopt;
+  const std::string& name = names[static_cast<std::size_t>(class_index)];
+  if (name == "cube") return depth::FitShape::kCube;
+  if (name == "sphere") return depth::FitShape::kSphere;
+  if (name == "cone") return depth::FitShape::kCone;
+  return std::nullopt;
+}
+
+/// The fitted shape in place of the box's guess.
+void put(const depth::ObjectFit& fit, const Eigen::Isometry3d& target_T_optical,
+         vision_msgs::Detection3D& detection) {
+  detection.bbox.center = convert::to_message(Eigen::Isometry3d(target_T_optical * fit.camera_T_object));
+  detection.bbox.size.x = fit.size_m.x();
+  detection.bbox.size.y = fit.size_m.y();
+  detection.bbox.size.z = fit.size_m.z();
+}
+
+}  // namespace
 
 /// Puts detected boxes into space with the depth picture that belongs to them.
 ///
@@ -88,6 +114,7 @@ class BoxDepthNodelet : public nodelet::Nodelet {
   struct Objects {
     vision_msgs::Detection3DArray message;
     std::uint64_t without_depth{0};
+    std::uint64_t not_fitted{0};  ///< of a known shape, but the depth says otherwise
   };
 
   void onInit() override;
@@ -99,6 +126,7 @@ class BoxDepthNodelet : public nodelet::Nodelet {
   void on_names(const vision_msgs::VisionInfoConstPtr& message);
   void process(const Matcher::Pair& pair);
   Result<Objects> locate_all(const Matcher::Pair& pair);
+  [[nodiscard]] depth::ObjectFitParams fit_params() const;
   Result<CameraModel> camera_for(const ImageView& depth);
   Result<Eigen::Isometry3d> transform_at(const std_msgs::Header& header);
   void report(diagnostic_updater::DiagnosticStatusWrapper& status);
@@ -126,6 +154,7 @@ class BoxDepthNodelet : public nodelet::Nodelet {
   sensor_msgs::CameraInfoConstPtr info_;
   std::vector<std::string> class_names_;
   std::uint64_t without_depth_{0};
+  std::uint64_t not_fitted_{0};
   std::uint64_t unmatched_at_report_{0};
 
   LatestSlot<Matcher::Pair> pairs_;
@@ -230,6 +259,7 @@ void BoxDepthNodelet::process(const Matcher::Pair& pair) {
   {
     const std::lock_guard lock(state_mutex_);
     without_depth_ += objects->without_depth;
+    not_fitted_ += objects->not_fitted;
     names = class_names_;
   }
   const double work_ms = watch.milliseconds();
@@ -253,6 +283,11 @@ Result<BoxDepthNodelet::Objects> BoxDepthNodelet::locate_all(const Matcher::Pair
   const auto target_T_optical = transform_at(depth_message->header);
   if (!target_T_optical) return tl::unexpected(target_T_optical.error());
 
+  std::vector<std::string> names;
+  {
+    const std::lock_guard lock(state_mutex_);
+    names = class_names_;
+  }
   Objects objects;
   objects.message.header = detections->header;
   if (!params_.target_frame.empty()) objects.message.header.frame_id = params_.target_frame;
@@ -265,8 +300,24 @@ Result<BoxDepthNodelet::Objects> BoxDepthNodelet::locate_all(const Matcher::Pair
     const auto object = depth::locate(*camera, detection.box, *estimate);
     objects.message.detections.push_back(
         convert::to_message(detection, object, *target_T_optical, objects.message.header));
+    const auto shape = shape_of(names, detection.class_index);
+    if (!params_.fit_objects || !shape) continue;
+    const Eigen::Vector3d up = target_T_optical->linear().transpose() * Eigen::Vector3d::UnitZ();
+    const auto fit = depth::fit_object(depth->view, *camera, detection.box, *shape, up, fit_params());
+    if (fit)
+      put(*fit, *target_T_optical, objects.message.detections.back());
+    else
+      ++objects.not_fitted;
   }
   return objects;
+}
+
+depth::ObjectFitParams BoxDepthNodelet::fit_params() const {
+  depth::ObjectFitParams params;
+  params.min_depth_m = std::max(params_.estimate.min_depth_m, 1e-3);
+  params.max_depth_m = params_.estimate.max_depth_m;
+  params.noise = params_.estimate.noise;
+  return params;
 }
 
 Result<CameraModel> BoxDepthNodelet::camera_for(const ImageView& depth) {
@@ -310,6 +361,7 @@ void BoxDepthNodelet::report(diagnostic_updater::DiagnosticStatusWrapper& status
   work_health_.report(status);
   const std::lock_guard lock(state_mutex_);
   status.add("boxes without depth", without_depth_);
+  if (params_.fit_objects) status.add("shapes that do not fit", not_fitted_);
   status.add("detections without a depth picture", matcher_->unmatched());
   if (matcher_->unmatched() > unmatched_at_report_)
     status.mergeSummaryf(

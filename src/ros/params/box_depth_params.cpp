@@ -20,6 +20,7 @@ Result<BoxDepthNodeletParams> load_box_depth_params(const ros::NodeHandle& priva
   reader.read("noise_baseline_m", estimate.noise.baseline_m, {0.001, 1.0});
   reader.read("noise_subpixel_px", estimate.noise.subpixel_px, {0.001, 2.0});
   reader.read("target_frame", params.target_frame);
+  reader.read("fit_objects", params.fit_objects);
   reader.read("stamp_tolerance_s", params.stamp_tolerance_s, {0.0, 1.0});
   reader.read("transform_timeout_s", params.transform_timeout_s, {0.0, 5.0});
   reader.read("marker_lifetime_s", params.marker_lifetime_s, {0.0, 60.0});
@@ -31,6 +32,8 @@ Result<BoxDepthNodeletParams> load_box_depth_params(const ros::NodeHandle& priva
   } else {
     reader.complain(known.error().message);
   }
+  if (params.fit_objects && params.target_frame.empty())
+    reader.complain("fit_objects needs a target_frame whose z points up, e.g. base_footprint");
   if (auto fits = depth::validate(estimate); !fits) reader.complain(fits.error().message);
   if (auto finished = reader.finish(); !finished) return tl::unexpected(finished.error());
   return params;

@@ -12,6 +12,7 @@ namespace extperfc::ros_params {
 struct BoxDepthNodeletParams {
   depth::BoxDepthParams estimate;
   std::string target_frame;  ///< empty = the camera's optical frame
+  bool fit_objects{false};   ///< fit standing cubes, spheres and cones; needs a target frame whose z is up
   double stamp_tolerance_s{
       0.02};  ///< largest difference between a detection's and its depth picture's stamp [s]
   double transform_timeout_s{0.1};  ///< how long to wait for a transform at the picture's stamp [s]

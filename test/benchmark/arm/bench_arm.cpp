@@ -9,6 +9,8 @@
 #include "extperfc/base/arguments.hpp"
 
 #include "arm/collision_part.hpp"
+#include "arm/constrained_part.hpp"
+#include "arm/depth_part.hpp"
 #include "arm/ik_part.hpp"
 #include "arm/planning_part.hpp"
 #include "arm/trajectory_part.hpp"
@@ -42,8 +44,23 @@ Result<std::vector<Row>> trajectory(bool quick) {
   return trajectory_rows(quick);
 }
 
+Result<std::vector<Row>> constrained(bool quick) {
+  ConstrainedOptions options;
+  if (quick) {
+    options.count = 20;
+    options.peer_count = 2;
+    options.recheck_rad = 0.01;
+  }
+  return constrained_rows(options);
+}
+
 std::vector<Part> parts() {
-  return {{"ik", ik_rows}, {"collision", collision_rows}, {"planning", planning}, {"trajectory", trajectory}};
+  return {{"ik", ik_rows},
+          {"collision", collision_rows},
+          {"planning", planning},
+          {"constrained", constrained},
+          {"trajectory", trajectory},
+          {"depth", depth_rows}};
 }
 
 constexpr char kHelp[] =
@@ -54,7 +71,9 @@ constexpr char kHelp[] =
     "  collision   states per second, motions proven free, spheres against Bullet\n"
     "  planning    the problems in ../shared/data/arm, the left arm alone and both, against OMPL's "
     "RRTConnect on Bullet\n"
-    "  trajectory  time laws of random paths\n\n"
+    "  constrained a level tool over a table with boxes, against OMPL's constrained spaces\n"
+    "  trajectory  time laws of random paths\n"
+    "  depth       a depth picture as obstacles, and collision checks among its boxes\n\n"
     "  --quick   parts of everything, in less than a minute\n"
     "  --only    one part (default: all)\n"
     "  --json    write the results too\n";

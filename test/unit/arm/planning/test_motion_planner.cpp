@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include "extperfc/arm/motion_planner.hpp"
+#include "extperfc/arm/planning_team.hpp"
 #include "extperfc/base/rng.hpp"
 #include "extperfc/base/stopwatch.hpp"
 
@@ -125,6 +126,21 @@ TEST(MotionPlanner, EveryPlannerFindsAFreePath) {
     EXPECT_LT((result.waypoints.front() - kLeft).norm(), 1e-12) << name;
     EXPECT_LT((result.waypoints.back() - kRight).norm(), 1e-12) << name;
     EXPECT_TRUE(free_all_along(checker, result.waypoints)) << name;
+  }
+}
+
+// A planner of OMPL and our own in one team, for the first path and for the best of several.
+TEST(MotionPlanner, PlannersOfOmplJoinATeam) {
+  auto checker = checker_of(posts());
+  PlanningTeamParams params;
+  params.members = {{"lbkpiece", 1}, {"rrt_connect", 1}, {"ompl_rrt_connect", 1}};
+  params.threads = 3;
+  PlanningTeam team(checker, params);
+  for (const TeamEffort& effort : {TeamEffort{20, false}, TeamEffort{20, true, 6}}) {
+    const auto result = team.plan({kLeft, {kRight}, {}}, effort);
+    ASSERT_EQ(result.plan.code, PlanCode::kSuccess) << result.plan.message;
+    EXPECT_TRUE(free_all_along(checker, result.plan.waypoints));
+    EXPECT_EQ(result.attempts, effort.improve ? 6 : 0);
   }
 }
 

@@ -62,6 +62,20 @@ TEST(DynamicRobot, MotorsHoldTheArmWithTheEffortOfGravity) {
     EXPECT_NEAR(bodies->effort(joint), gravity[joint], 0.05) << mobile_baxter().joints()[joint].name;
 }
 
+/// Stretched to the front: of the published poses the one with the largest efforts.
+TEST(DynamicRobot, MotorsCarryTheArmsInThePoseNeutral) {
+  auto neutral = untucked();
+  const std::array<double, 7> values{0, -0.55, 0, 0.75, 0, 1.26, 0};
+  for (const char* side : {"left", "right"})
+    for (int i = 0; i < 7; ++i) neutral[arm_joints(side)[i]] = values[i];
+  const auto bodies = make_bodies(WorldSpec{}, mobile_baxter(), neutral, true);
+  hold(*bodies, neutral);
+  step(*bodies, 3);
+  for (const char* side : {"left", "right"})
+    for (const int joint : arm_joints(side))
+      EXPECT_NEAR(bodies->position(joint), neutral[joint], 0.002) << mobile_baxter().joints()[joint].name;
+}
+
 TEST(DynamicRobot, EffortOfGravityHoldsTheArmWithoutMotors) {
   const auto start = untucked();
   const auto bodies = make_bodies(WorldSpec{}, mobile_baxter(), start, true);

@@ -39,7 +39,8 @@ TEST(ShippedWorlds, AllLoad) {
     EXPECT_EQ(world->name, entry.path().stem().string()) << "a world is named as its file";
     names.insert(world->name);
   }
-  for (const char* name : {"lab", "office", "bookshelf", "empty"}) EXPECT_EQ(names.count(name), 1U) << name;
+  for (const char* name : {"lab", "office", "bookshelf", "empty", "grasp"})
+    EXPECT_EQ(names.count(name), 1U) << name;
 }
 
 TEST(ShippedWorlds, LabIsThePapersScenario) {
@@ -58,6 +59,24 @@ TEST(ShippedWorlds, LabIsThePapersScenario) {
       EXPECT_LE(box->size_m.x(), 0.057) << body.name << " fits the gripper";
     }
   }
+}
+
+TEST(ShippedWorlds, GraspHasOneObjectOfEachKindThatFitsTheGripperAndATrayToMove) {
+  const WorldSpec world = load("grasp");
+  const auto labels = labels_of(world);
+  for (const char* label : {"cone", "cube", "sphere"}) EXPECT_EQ(labels.at(label), 1) << label;
+  std::map<std::string, const BodySpec*> bodies;
+  for (const BodySpec& body : world.bodies) bodies[body.name] = &body;
+  for (const char* name : {"tray", "column"}) {
+    ASSERT_EQ(bodies.count(name), 1U) << name;
+    EXPECT_EQ(bodies[name]->mobility, Mobility::kMovable) << name;
+  }
+  // tools/lib/grasp_scene.py has the same figures.
+  EXPECT_EQ(std::get<Box>(bodies["tray"]->shapes[0].geometry).size_m, Eigen::Vector3d(0.46, 0.70, 0.03));
+  EXPECT_EQ(std::get<Box>(bodies["cube"]->shapes[0].geometry).size_m, Eigen::Vector3d::Constant(0.045));
+  EXPECT_EQ(std::get<Sphere>(bodies["sphere"]->shapes[0].geometry).radius_m, 0.025);
+  EXPECT_EQ(std::get<Cone>(bodies["cone"]->shapes[0].geometry).radius_m, 0.03);
+  EXPECT_EQ(std::get<Cone>(bodies["cone"]->shapes[0].geometry).height_m, 0.09);
 }
 
 TEST(ShippedWorlds, OfficeIsLargeAndFull) {

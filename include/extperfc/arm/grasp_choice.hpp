@@ -1,0 +1,86 @@
+#pragma once
+
+#include <array>
+#include <functional>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include <tl/expected.hpp>
+
+#include "extperfc/arm/collision_checker.hpp"
+#include "extperfc/arm/grasp.hpp"
+#include "extperfc/arm/inverse_kinematics.hpp"
+#include "extperfc/arm/joint_vector.hpp"
+
+namespace extperfc::arm {
+
+/// The joint values of a straight way of the tip from `from` to the pose `root_T_tip`, ends included; nothing
+/// when there is none that is free.
+using StraightWay =
+    std::function<std::optional<std::vector<JointVector>>(const JointVector& from, const Pose& root_T_tip)>;
+
+/// An arm that may grasp. What it points to must outlive the call.
+struct GraspArm {
+  std::string name;
+  const InverseKinematics* kinematics{nullptr};  ///< from the robot's root link to the hand's tip
+  /// Of a model that moves the arm's joints and perhaps more, with open fingers, in a world in which the
+  /// fingers may touch the thing: see allow_grasp().
+  CollisionChecker* checker{nullptr};
+  JointVector state;  ///< of all joints of the checker's model: where the robot is
+  /// For this arm's hand, best first; nothing: those given to choose_grasp(). May be empty.
+  const std::vector<GraspCandidate>* grasps{nullptr};
+  /// Joint values are of the arm's chain. Empty: inverse kinematics at places at most 0.01 m apart, with a
+  /// free motion proven between them.
+  StraightWay straight;
+};
+
+/// Why a candidate is none for an arm.
+enum class GraspRefusal {
+  kOutOfReach,  ///< no joint values
+  kLimits,      ///< only beyond the joints' limits
+  kCollision,   ///< every posture found collides
+  kTimeout,     ///< the solver's time was up
+  kNoWay,       ///< no straight free way between pregrasp and grasp
+};
+inline constexpr int kGraspRefusals = 5;
+
+[[nodiscard]] const char* to_string(GraspRefusal refusal);
+
+struct GraspChoiceOptions {
+  double timeout_s{2.0};            ///< wall time for all; above 0
+  double ik_timeout_s{0.01};        ///< of each call of the solver; above 0
+  int ik_restarts{15};              ///< of each call of the solver; 0 or more
+  int postures{3};                  ///< tried for each candidate and arm; 1 to 20
+  std::function<bool()> cancelled;  ///< asked between postures; may be empty
+};
+
+struct GraspChoice {
+  int arm{-1};                   ///< index
+  int candidate{-1};             ///< index in the list of this arm
+  JointVector pregrasp;          ///< of the arm's joints
+  JointVector grasp;             ///< of the arm's joints
+  std::vector<JointVector> way;  ///< from pregrasp to grasp, both included
+  int tried{0};                  ///< candidates
+};
+
+struct NoGrasp {
+  std::vector<std::array<int, kGraspRefusals>> refusals;  ///< per arm, by GraspRefusal
+  int tried{0};                                           ///< candidates of the longest list
+  bool timed_out{false};                                  ///< or cancelled: not all candidates were tried
+  std::string message;  ///< one line: per arm how many candidates failed for which reason
+};
+
+/// The first candidate that one of the arms reaches free of collisions, with a straight free way from its
+/// pregrasp. Arms with lists of their own are asked rank by rank. Where both reach theirs, the arm that has
+/// to move less (largest joint displacement). Equal inputs give equal results as long as no time is up.
+/// Throws std::invalid_argument for an arm without kinematics or checker, a state of another size, a chain
+/// with a joint that the checker's model does not move, or no arm.
+[[nodiscard]] tl::expected<GraspChoice, NoGrasp> choose_grasp(const std::vector<GraspCandidate>& candidates,
+                                                              const std::vector<GraspArm>& arms,
+                                                              const GraspChoiceOptions& options = {});
+
+/// The hand's fingers may touch the object of that name.
+void allow_grasp(CollisionWorld& world, const std::string& object, const ParallelHand& hand);
+
+}  // namespace extperfc::arm

@@ -1,0 +1,10 @@
+"""What `src/extperfc` holds becomes importable in the workspace: CMake's catkin_python_setup reads this."""
+
+from setuptools import setup
+
+from catkin_pkg.python_setup import generate_distutils_setup
+
+setup(**generate_distutils_setup(
+    packages=["extperfc", "extperfc.arm", "extperfc.arm_markers", "extperfc.training"],
+    package_dir={"": "src"},
+))

@@ -1,0 +1,75 @@
+#include "arm/constrained/shortening.hpp"
+
+#include <algorithm>
+#include <cstddef>
+#include <utility>
+
+namespace extperfc::arm::constrained {
+
+namespace {
+
+/// A gain below this is not worth a proof.
+constexpr double kLeastGainRad = 1e-3;
+
+std::vector<double> lengths_along(const States& path) {
+  std::vector<double> along{0.0};
+  for (std::size_t i = 1; i < path.size(); ++i)
+    along.push_back(along.back() + (path[i] - path[i - 1]).norm());
+  return along;
+}
+
+std::size_t index_at(const std::vector<double>& along, double length) {
+  const auto found = std::lower_bound(along.begin(), along.end(), length);
+  return std::min(static_cast<std::size_t>(found - along.begin()), along.size() - 1);
+}
+
+double length_of(const JointVector& from, const States& pieces) {
+  double length = pieces.empty() ? 0.0 : (pieces.front() - from).norm();
+  for (std::size_t i = 1; i < pieces.size(); ++i) length += (pieces[i] - pieces[i - 1]).norm();
+  return length;
+}
+
+// The coarse walk tells its length before anything is proven.
+void cut(Manifold& manifold, States* path, std::size_t from, std::size_t to, double old_length,
+         const std::function<bool()>& stop) {
+  const JointVector first = (*path)[from];
+  if ((path->at(to) - first).norm() > old_length - kLeastGainRad) return;
+  const auto walk = manifold.walk(first, path->at(to), old_length, stop);
+  if (!walk.reached || length_of(first, walk.states) > old_length - kLeastGainRad) return;
+  States pieces;
+  if (manifold.prove(first, walk.states, &pieces, stop) < walk.states.size()) return;
+  if (length_of(first, pieces) > old_length - kLeastGainRad) return;
+  const auto begin = path->begin();
+  States shorter(begin, begin + static_cast<std::ptrdiff_t>(from) + 1);
+  shorter.insert(shorter.end(), pieces.begin(), pieces.end());
+  shorter.insert(shorter.end(), begin + static_cast<std::ptrdiff_t>(to) + 1, path->end());
+  *path = std::move(shorter);
+}
+
+States leave_out(Manifold& manifold, const States& path, const std::function<bool()>& stop) {
+  States kept{path.front()};
+  for (std::size_t at = 0; at + 1 < path.size();) {
+    std::size_t next = at + 1;
+    while (next + 1 < path.size() && !stop() && manifold.holds(path[at], path[next + 1])) ++next;
+    kept.push_back(path[next]);
+    at = next;
+  }
+  return kept;
+}
+
+}  // namespace
+
+States shorten(Manifold& manifold, States waypoints, int rounds, Rng& rng,
+               const std::function<bool()>& stop) {
+  if (waypoints.size() < 3 || rounds <= 0) return waypoints;
+  for (int round = 0; round < rounds && waypoints.size() > 2 && !stop(); ++round) {
+    const auto along = lengths_along(waypoints);
+    std::size_t from = index_at(along, rng.uniform(0, along.back()));
+    std::size_t to = index_at(along, rng.uniform(0, along.back()));
+    if (from > to) std::swap(from, to);
+    if (to > from + 1) cut(manifold, &waypoints, from, to, along[to] - along[from], stop);
+  }
+  return leave_out(manifold, waypoints, stop);
+}
+
+}  // namespace extperfc::arm::constrained

@@ -1,0 +1,48 @@
+#pragma once
+
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "extperfc/arm/arm_code.hpp"
+#include "extperfc/arm/collision_checker.hpp"
+#include "extperfc/arm/motion_pipeline.hpp"
+#include "extperfc/arm/robot_arms.hpp"
+
+namespace extperfc::arm::motion {
+
+/// Why something ended, as results carry it.
+struct Ending {
+  ArmCode code{ArmCode::kInternal};
+  std::string message;
+};
+
+struct GoalSearch {
+  int samples{12};     ///< per tool
+  double time_s{0.5};  ///< wall time for all of it, at most
+  std::uint64_t seed{1};
+  std::function<bool()> stop;  ///< may be empty
+  bool collisions{true};       ///< false: solutions that collide count too
+};
+
+/// Joint values of the group that bring every target's link to its pose, free of collisions, the nearest to
+/// `start` first; at most `samples` of them. Joints that move no target's link stay as in `start`.
+/// Endings: kInvalidRequest (two targets for one arm, a link that the group does not move, a bad pose),
+/// kGoalUnreachable, kGoalInCollision, kPlanningTimeout, kCancelled.
+[[nodiscard]] tl::expected<std::vector<JointVector>, Ending> find_goals(
+    const RobotArms& arms, const ArmGroup& group, const std::vector<ToolTarget>& targets,
+    const JointVector& start, CollisionChecker& checker, const GoalSearch& search);
+
+/// The chain from the robot's root to the link, with the index in the group of each of its moving joints.
+struct GroupChain {
+  ArmChain chain;
+  std::vector<Eigen::Index> in_group;
+  /// The chain's values out of the group's, and back.
+  [[nodiscard]] JointVector take(const JointVector& group_values) const;
+  void put(const JointVector& chain_values, JointVector* group_values) const;
+};
+/// An empty link means the group's only tip. Ending: kInvalidRequest.
+[[nodiscard]] tl::expected<GroupChain, Ending> chain_to(const RobotArms& arms, const ArmGroup& group,
+                                                        const std::string& link);
+
+}  // namespace extperfc::arm::motion

@@ -1,0 +1,32 @@
+#pragma once
+
+#include <vector>
+
+#include "extperfc/arm/collision_checker.hpp"
+#include "extperfc/arm/joint_trajectory.hpp"
+#include "extperfc/arm/time_parameterization.hpp"
+#include "extperfc/base/error.hpp"
+
+namespace extperfc::arm::motion {
+
+struct ProvenTrajectory {
+  JointTrajectory trajectory;
+  std::vector<TrajectoryPoint> points;  ///< for cubic interpolation
+  int sharpened{0};                     ///< corners that had to be rounded less than asked
+};
+
+struct CornerParams {
+  std::vector<double> deviation_rad;  ///< of each waypoint, see JointPathParams
+  double point_tolerance_rad{5e-5};   ///< of one joint, between the points at corners
+};
+
+/// The fastest motion along `waypoints`, whose straight segments were proven free. Each rounded corner is
+/// proven free too, as chords that leave it by 1e-4 rad at most, and is rounded less, or stopped at, where
+/// that does not succeed. On the straight lines points leave nothing: with no rounding at all everything is
+/// on the proven lines.
+[[nodiscard]] Result<ProvenTrajectory> prove_trajectory(CollisionChecker& checker,
+                                                        const std::vector<JointVector>& waypoints,
+                                                        const TrajectoryLimits& limits,
+                                                        const TimeParams& times, const CornerParams& corners);
+
+}  // namespace extperfc::arm::motion

@@ -1,0 +1,114 @@
+#include "extperfc/arm/timed_path.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <utility>
+
+namespace extperfc::arm {
+
+namespace {
+
+Result<void> check(const std::vector<std::string>& joints, const std::vector<TrajectoryPoint>& points) {
+  const auto count = static_cast<Eigen::Index>(joints.size());
+  if (joints.empty() || joints.size() > static_cast<std::size_t>(kMaxJoints))
+    return fail(ErrorCode::kInvalidArgument,
+                "a trajectory needs 1 to " + std::to_string(kMaxJoints) + " joints");
+  if (points.empty()) return fail(ErrorCode::kInvalidArgument, "the trajectory has no points");
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    const auto& point = points[i];
+    const std::string which = "point " + std::to_string(i) + " of the trajectory ";
+    if (point.position.size() != count || point.velocity.size() != count)
+      return fail(ErrorCode::kInvalidArgument,
+                  which + "needs a position and a velocity for each of its joints");
+    if (!point.position.allFinite() || !point.velocity.allFinite() || !std::isfinite(point.time_s))
+      return fail(ErrorCode::kInvalidArgument, which + "has a value that is not finite");
+    if (point.time_s < 0.0 || (i > 0 && point.time_s <= points[i - 1].time_s))
+      return fail(ErrorCode::kInvalidArgument, which + "does not come after the one before it");
+  }
+  return {};
+}
+
+/// Cubic Hermite spline at share u in [0, 1] of an interval of h seconds.
+JointVector hermite(const TrajectoryPoint& a, const TrajectoryPoint& b, double h, double u) {
+  const double u2 = u * u, u3 = u2 * u;
+  return (2 * u3 - 3 * u2 + 1) * a.position + (u3 - 2 * u2 + u) * h * a.velocity +
+         (3 * u2 - 2 * u3) * b.position + (u3 - u2) * h * b.velocity;
+}
+
+}  // namespace
+
+Result<TimedPath> TimedPath::make(std::vector<std::string> joints, std::vector<TrajectoryPoint> points) {
+  if (auto ok = check(joints, points); !ok) return tl::unexpected(ok.error());
+  return TimedPath(std::move(joints), std::move(points));
+}
+
+JointVector TimedPath::position(double time_s) const {
+  if (time_s <= points_.front().time_s) return points_.front().position;
+  const auto next =
+      std::upper_bound(points_.begin(), points_.end(), time_s,
+                       [](double time, const TrajectoryPoint& point) { return time < point.time_s; });
+  if (next == points_.end()) return points_.back().position;
+  const auto& before = *(next - 1);
+  const double h = next->time_s - before.time_s;
+  return hermite(before, *next, h, (time_s - before.time_s) / h);
+}
+
+Result<TimedPath> TimedPath::only(const std::vector<std::string>& joints) const {
+  std::vector<Eigen::Index> chosen;
+  for (const auto& joint : joints) {
+    const auto found = std::find(joints_.begin(), joints_.end(), joint);
+    if (found == joints_.end())
+      return fail(ErrorCode::kNotFound, "the trajectory says nothing about joint " + joint);
+    chosen.push_back(found - joints_.begin());
+  }
+  std::vector<TrajectoryPoint> points;
+  for (const auto& point : points_) {
+    const auto count = static_cast<Eigen::Index>(chosen.size());
+    TrajectoryPoint part{point.time_s, JointVector(count), JointVector(count), {}};
+    for (Eigen::Index i = 0; i < count; ++i) {
+      part.position[i] = point.position[chosen[static_cast<std::size_t>(i)]];
+      part.velocity[i] = point.velocity[chosen[static_cast<std::size_t>(i)]];
+    }
+    points.push_back(std::move(part));
+  }
+  return TimedPath(joints, std::move(points));
+}
+
+double TimedPath::deviation(const JointVector& measured, double from_s, double to_s) const {
+  constexpr double kStep = 0.01;  // [s]
+  double least = std::numeric_limits<double>::infinity();
+  const double from = std::clamp(from_s, 0.0, duration_s()), to = std::clamp(to_s, from, duration_s());
+  for (double t = from;; t = std::min(t + kStep, to)) {
+    least = std::min(least, (position(t) - measured).cwiseAbs().maxCoeff());
+    if (t >= to) return least;
+  }
+}
+
+double TimedPath::free_until(CollisionChecker& checker, double from_s) const {
+  double proven = std::clamp(from_s, 0.0, duration_s());
+  JointVector from = position(proven);
+  if (!checker.is_free(from)) return proven;
+  for (std::size_t i = 0; i < points_.size(); ++i) {
+    const double end = points_[i].time_s;
+    if (end <= proven) continue;
+    // The second derivative of a cubic is largest at an end of its interval.
+    const auto& a = points_[i == 0 ? 0 : i - 1];
+    const double h = std::max(end - a.time_s, 1e-9);
+    const JointVector way = points_[i].position - a.position;
+    const double bend = std::max((6 * way - h * (4 * a.velocity + 2 * points_[i].velocity)).norm(),
+                                 (6 * way - h * (2 * a.velocity + 4 * points_[i].velocity)).norm());
+    const int chords = 1 + static_cast<int>(std::sqrt(bend / 8e-3));
+    const double begin = proven;
+    for (int c = 1; c <= chords; ++c) {
+      const double t = c == chords ? end : begin + (end - begin) * c / chords;
+      const JointVector to = position(t);
+      if (!checker.motion_free(from, to)) return proven;
+      from = to;
+      proven = t;
+    }
+  }
+  return duration_s();
+}
+
+}  // namespace extperfc::arm

@@ -1,0 +1,55 @@
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <vector>
+
+#include "extperfc/arm/depth_obstacles.hpp"
+
+#include "arm/perception/depth_rays.hpp"
+#include "arm/perception/shape_mask.hpp"
+#include "arm/perception/voxel_grid.hpp"
+
+namespace extperfc::arm::perception {
+
+/// A depth picture and where it was taken.
+struct DepthView {
+  const ImageView& depth;
+  const CameraModel& camera;
+  const Pose& root_T_camera;
+};
+
+/// What DepthObstacles holds.
+class VoxelMemory {
+ public:
+  VoxelMemory(const CollisionModel& model, const DepthObstaclesParams& params, const VoxelGrid& grid);
+
+  [[nodiscard]] DepthUpdate update(const DepthView& view, std::vector<MaskPart> parts, double time_s);
+  void clear();
+
+  const CollisionModel model;
+  const DepthObstaclesParams params;
+  const VoxelGrid grid;
+  std::optional<WorldObject> object;
+  struct Voxel {
+    int index;
+    double seen_s;
+  };
+  std::vector<Voxel> voxels;  ///< remembered, by index
+
+ private:
+  template <PixelFormat kFormat>
+  void count_points(const DepthView& view, DepthUpdate& update);
+  /// Whether all of the picture's rays about the voxel end behind it.
+  [[nodiscard]] bool seen_empty(const DepthView& view, const Pose& camera_T_root, int voxel) const;
+  void merge(const DepthView& view, double time_s, DepthUpdate& update);
+  void make_object(DepthUpdate& update);
+
+  DepthRays rays_;
+  ShapeMask mask_;
+  std::vector<std::uint16_t> counts_;  ///< points per voxel of this picture; 0 between pictures
+  std::vector<int> touched_;           ///< voxels with points
+  std::vector<unsigned char> scratch_;
+};
+
+}  // namespace extperfc::arm::perception

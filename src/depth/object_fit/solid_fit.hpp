@@ -1,0 +1,32 @@
+#pragma once
+
+#include <vector>
+
+#include <Eigen/Core>
+
+#include "depth/object_fit/solids.hpp"
+
+namespace extperfc::depth::fit {
+
+/// A point in the support's frame.
+struct Sample {
+  Eigen::Vector3d position;  ///< [m]
+  double sigma_m{0};         ///< standard deviation [m], > 0
+};
+
+using NumbersCovariance =
+    Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, 0, kMostNumbers, kMostNumbers>;
+
+struct SolidFit {
+  Numbers numbers;
+  NumbersCovariance covariance;
+  double rms{0};      ///< spread of what lies on the solid, in standard deviations
+  double rms_m{0};    ///< the same [m]
+  double fitting{0};  ///< share of the samples within 3 standard deviations
+};
+
+/// The solid of this shape that lies nearest to the samples; the best of several starts. `independent`: how
+/// many measurements a sample counts for.
+[[nodiscard]] SolidFit fit_solid(FitShape shape, const std::vector<Sample>& samples, double independent);
+
+}  // namespace extperfc::depth::fit

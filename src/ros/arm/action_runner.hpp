@@ -1,0 +1,92 @@
+#pragma once
+
+#include <atomic>
+#include <exception>
+#include <functional>
+#include <string>
+#include <utility>
+
+#include <actionlib/server/simple_action_server.h>
+#include <ros/node_handle.h>
+
+#include "ros/arm/ending.hpp"
+#include "ros/arm/executor.hpp"
+
+namespace extperfc::arm_node {
+
+/// An action whose goals are worked off one after the other in a thread of its own; a newer goal preempts.
+/// Results need `code` and `message`, feedback `stage`.
+template <typename Action>
+class ActionRunner {
+ public:
+  using Server = actionlib::SimpleActionServer<Action>;
+  using Goal = typename Server::GoalConstPtr::element_type;
+  using Result = typename Action::_action_result_type::_result_type;
+  using Feedback = typename Action::_action_feedback_type::_feedback_type;
+  /// Fills the result but for code and message. The hooks' `interrupted` covers cancelling and preemption.
+  using Work = std::function<Ending(const Goal& goal, const Hooks& hooks, Result& result)>;
+
+  ActionRunner(const ros::NodeHandle& handle, const std::string& name, Work work)
+      : work_(std::move(work)),
+        server_(
+            handle, name, [this](const typename Server::GoalConstPtr& goal) { run(*goal); }, false) {
+    server_.start();
+  }
+  /// Ends what runs.
+  ~ActionRunner() {
+    closing_ = true;
+    server_.shutdown();
+  }
+  ActionRunner(const ActionRunner&) = delete;
+  ActionRunner& operator=(const ActionRunner&) = delete;
+
+ private:
+  [[nodiscard]] std::optional<Ending> interrupted() {
+    using arm::ArmCode;
+    if (closing_) return Ending{ArmCode::kCancelled, "the node ends"};
+    if (!server_.isPreemptRequested()) return std::nullopt;
+    if (server_.isNewGoalAvailable()) return Ending{ArmCode::kPreempted, "a newer goal came"};
+    return Ending{ArmCode::kCancelled, "cancelled"};
+  }
+
+  void report(const std::string& stage, double executed) {
+    Feedback feedback;
+    feedback.stage = stage;
+    set_executed(feedback, executed, 0);
+    server_.publishFeedback(feedback);
+  }
+  template <typename Message>
+  static auto set_executed(Message& message, double executed, int) -> decltype(message.executed, void()) {
+    message.executed = executed;
+  }
+  template <typename Message>
+  static void set_executed(Message&, double, long) {}
+
+  void run(const Goal& goal) {
+    Result result;
+    Ending ending;
+    const Hooks hooks{[this] { return interrupted(); },
+                      [this](const std::string& stage, double executed) { report(stage, executed); },
+                      {}};
+    try {
+      ending = work_(goal, hooks, result);
+    } catch (const std::exception& error) {
+      ending = {arm::ArmCode::kInternal, error.what()};
+    }
+    result.code = static_cast<int>(ending.code);
+    result.message = ending.message;
+    const std::string text = std::string(to_string(ending.code)) + ": " + ending.message;
+    if (ending.code == arm::ArmCode::kSuccess)
+      server_.setSucceeded(result, text);
+    else if (server_.isPreemptRequested())
+      server_.setPreempted(result, text);
+    else
+      server_.setAborted(result, text);
+  }
+
+  Work work_;
+  std::atomic<bool> closing_{false};
+  Server server_;
+};
+
+}  // namespace extperfc::arm_node

@@ -1,0 +1,28 @@
+#include <memory>
+#include <stdexcept>
+
+#include <nodelet/nodelet.h>
+#include <pluginlib/class_list_macros.hpp>
+
+#include "ros/arm/arm_node.hpp"
+
+namespace extperfc {
+
+/// arm_node::ArmNode as a nodelet.
+class ArmNodelet : public nodelet::Nodelet {
+ private:
+  void onInit() override {
+    auto node = arm_node::ArmNode::make(getMTNodeHandle(), getMTPrivateNodeHandle(), getName());
+    if (!node) {
+      NODELET_FATAL("%s", node.error().message.c_str());
+      throw std::runtime_error(node.error().message);
+    }
+    node_ = std::move(*node);
+  }
+
+  std::unique_ptr<arm_node::ArmNode> node_;
+};
+
+}  // namespace extperfc
+
+PLUGINLIB_EXPORT_CLASS(extperfc::ArmNodelet, nodelet::Nodelet)

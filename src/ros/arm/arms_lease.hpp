@@ -1,0 +1,59 @@
+#pragma once
+
+#include <condition_variable>
+#include <cstdint>
+#include <mutex>
+
+namespace extperfc::arm_node {
+
+/// Who may move the arms: one at a time, and the newest who asks. Thread-safe.
+class ArmsLease {
+ public:
+  /// The right to move, until it is destroyed.
+  class Hold {
+   public:
+    Hold(ArmsLease& lease, std::uint64_t ticket, bool holds)
+        : lease_(lease), ticket_(ticket), holds_(holds) {}
+    Hold(const Hold&) = delete;
+    Hold& operator=(const Hold&) = delete;
+    ~Hold() {
+      if (holds_) lease_.give_back();
+    }
+    /// Somebody newer waits: stop soon. From the start on when it came while this one waited.
+    [[nodiscard]] bool superseded() const { return lease_.newest() != ticket_; }
+
+   private:
+    ArmsLease& lease_;
+    const std::uint64_t ticket_;
+    const bool holds_;
+  };
+
+  /// Waits until the holder before has let go, or until somebody newer comes.
+  [[nodiscard]] Hold take() {
+    std::unique_lock lock(mutex_);
+    const std::uint64_t ticket = ++newest_;
+    changed_.notify_all();
+    changed_.wait(lock, [&] { return !held_ || newest_ != ticket; });
+    const bool holds = newest_ == ticket;
+    if (holds) held_ = true;
+    return {*this, ticket, holds};
+  }
+
+ private:
+  void give_back() {
+    const std::lock_guard lock(mutex_);
+    held_ = false;
+    changed_.notify_all();
+  }
+  [[nodiscard]] std::uint64_t newest() const {
+    const std::lock_guard lock(mutex_);
+    return newest_;
+  }
+
+  mutable std::mutex mutex_;
+  std::condition_variable changed_;
+  std::uint64_t newest_{0};
+  bool held_{false};
+};
+
+}  // namespace extperfc::arm_node

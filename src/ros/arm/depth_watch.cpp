@@ -1,0 +1,269 @@
+#include "ros/arm/depth_watch.hpp"
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <limits>
+#include <utility>
+
+#include <ros/console.h>
+
+#include "extperfc/base/stopwatch.hpp"
+
+#include "ros/convert/image.hpp"
+
+namespace extperfc::arm_node {
+
+using arm::JointVector;
+
+namespace {
+
+constexpr double kJointSpan = 3.0;     ///< of the joints' history [s]
+constexpr double kJointWait = 0.2;     ///< for joint states as new as the picture [s of wall time]
+constexpr double kJointBeyond = 0.05;  ///< that joint states may be older than the picture [s]
+constexpr double kPatience = 0.5;      ///< see arm::VoxelNews [s]
+constexpr double kWorldRetry = 5.0;    ///< before a frame that tf lacks is looked for again [s of wall time]
+constexpr double kEarly = 0.9;         ///< of the period: stamps of cameras jitter
+
+/// "both_arms", or else the group with the most joints.
+const arm::ArmGroup& widest_group(const arm::RobotArms& arms) {
+  if (const auto both = arms.group("both_arms")) return **both;
+  return *std::max_element(arms.groups().begin(), arms.groups().end(),
+                           [](const auto& a, const auto& b) { return a.joints.size() < b.joints.size(); });
+}
+
+/// Whether one of `joints` carries the joint.
+bool carried_by(const RobotModel& robot, int joint, const std::vector<std::string>& joints) {
+  while ((joint = robot.links()[robot.joints()[joint].parent_link].parent_joint) >= 0)
+    if (std::find(joints.begin(), joints.end(), robot.joints()[joint].name) != joints.end()) return true;
+  return false;
+}
+
+/// The arms' joints, and those of the hands as far as there is room.
+std::vector<std::string> watched_joints(const arm::RobotArms& arms) {
+  const auto& own = widest_group(arms).joints;
+  std::vector<std::string> joints = own;
+  for (int i = 0; i < static_cast<int>(arms.robot().joints().size()); ++i) {
+    const Joint& joint = arms.robot().joints()[i];
+    const bool known = std::find(own.begin(), own.end(), joint.name) != own.end();
+    if (joint.type == JointType::kFixed || joint.mimic || known || !carried_by(arms.robot(), i, own))
+      continue;
+    if (joints.size() < static_cast<std::size_t>(arm::kMaxJoints)) joints.push_back(joint.name);
+  }
+  return joints;
+}
+
+/// Joints of the arms must be heard of; a hand's count as at 0, or their nearest limit, until they are.
+JointVector unheard(const arm::RobotArms& arms, const arm::CollisionModel& model) {
+  const std::size_t own = widest_group(arms).joints.size();
+  JointVector initial = JointVector::Constant(model.joint_count(), std::numeric_limits<double>::quiet_NaN());
+  for (auto i = static_cast<Eigen::Index>(own); i < initial.size(); ++i)
+    initial[i] = std::clamp(0.0, model.limits().lower[i], model.limits().upper[i]);
+  return initial;
+}
+
+/// The farthest that a corner of the watched box moves.
+double farthest(const Pose& motion, const arm::DepthObstaclesParams& box) {
+  double most = 0;
+  for (int corner = 0; corner < 8; ++corner) {
+    Eigen::Vector3d at;
+    for (int axis = 0; axis < 3; ++axis)
+      at[axis] = (corner >> axis & 1) != 0 ? box.high_m[axis] : box.low_m[axis];
+    most = std::max(most, (motion * at - at).norm());
+  }
+  return most;
+}
+
+}  // namespace
+
+Result<std::unique_ptr<DepthWatch>> DepthWatch::make(Uses uses, const ros_params::DepthWatchParams& params) {
+  arm::CollisionModelParams shapes;
+  shapes.joints = watched_joints(uses.arms);
+  auto model = arm::CollisionModel::make(uses.arms.robot(), shapes);
+  if (!model) return fail(model.error().code, "depth: " + model.error().message);
+  auto own = params;
+  own.obstacles.name = SceneKeeper::kSeenName;
+  auto obstacles = arm::DepthObstacles::make(*model, own.obstacles);
+  if (!obstacles) return fail(obstacles.error().code, "depth: " + obstacles.error().message);
+  return std::unique_ptr<DepthWatch>(new DepthWatch(std::move(uses), own, *model, std::move(*obstacles)));
+}
+
+DepthWatch::DepthWatch(Uses uses, const ros_params::DepthWatchParams& params,
+                       const arm::CollisionModel& model, arm::DepthObstacles obstacles)
+    : uses_(std::move(uses)),
+      params_(params),
+      joints_(model.joint_names(), unheard(uses_.arms, model), kJointSpan),
+      obstacles_(std::move(obstacles)),
+      news_(params.obstacles.low_m, params.obstacles.voxel_m, kPatience) {}
+
+void DepthWatch::start(ros::NodeHandle handle) {
+  worker_ = std::thread([this] {
+    while (const auto picture = pictures_.take()) process(*picture);
+  });
+  for (auto* input : {&picture_health_, &info_health_}) input->listening(true);
+  subscribers_.push_back(handle.subscribe("robot/joint_states", 20, &DepthWatch::on_joints, this,
+                                          ros::TransportHints().tcpNoDelay()));
+  subscribers_.push_back(handle.subscribe(kInfoTopic, 1, &DepthWatch::on_info, this));
+  subscribers_.push_back(handle.subscribe(kPictureTopic, 1, &DepthWatch::on_picture, this));
+}
+
+DepthWatch::~DepthWatch() {
+  for (auto& subscriber : subscribers_) subscriber.shutdown();
+  {
+    const std::lock_guard lock(input_mutex_);
+    closing_ = true;
+  }
+  joints_changed_.notify_all();
+  pictures_.close();
+  if (worker_.joinable()) worker_.join();
+}
+
+void DepthWatch::on_picture(const PictureEvent& event) {
+  const auto& message = event.getConstMessage();
+  const ros::Time& stamp = message->header.stamp;
+  picture_health_.received(stamp, message->data.data(), health::came_by_pointer(event));
+  {
+    const std::lock_guard lock(input_mutex_);
+    const double since = stamp.toSec() - taken_.toSec();
+    if (since >= 0 && since < kEarly / params_.rate_hz) {
+      ++passed_over_;
+      return;
+    }
+    taken_ = stamp;
+  }
+  pictures_.put(message);
+}
+
+void DepthWatch::on_info(const InfoEvent& event) {
+  const auto& message = event.getConstMessage();
+  info_health_.received(message->header.stamp, message.get(), health::came_by_pointer(event));
+  const std::lock_guard lock(input_mutex_);
+  info_ = message;
+}
+
+void DepthWatch::on_joints(const sensor_msgs::JointStateConstPtr& message) {
+  const std::lock_guard lock(input_mutex_);
+  joints_.add(message->header.stamp.toSec(), message->name, message->position);
+  joints_changed_.notify_all();
+}
+
+void DepthWatch::process(const sensor_msgs::ImageConstPtr& picture) {
+  const auto fail_with = [&](const std::string& message) {
+    // Messages of tf have times in them, so that each is new.
+    if (work_health_.failed(message)) ROS_ERROR_STREAM_THROTTLE(5.0, "depth: " << message);
+  };
+  const auto image = convert::share_image(picture);
+  if (!image) return fail_with(image.error().message);
+  const auto view = view_of(picture->header);
+  if (!view) return fail_with(view.error().message);
+  const Stopwatch watch;
+  Result<bool> changed = false;
+  {
+    const std::lock_guard lock(mutex_);
+    changed = update(image->view, *view, picture->header.stamp.toSec());
+  }
+  if (!changed) return fail_with(changed.error().message);
+  work_health_.done(watch.milliseconds(), health::age_ms(picture->header.stamp));
+  if (*changed) uses_.changed();
+}
+
+Result<DepthWatch::View> DepthWatch::view_of(const std_msgs::Header& header) {
+  if (header.frame_id.empty() || header.stamp.isZero())
+    return fail(ErrorCode::kInvalidArgument, "the picture has no frame or no stamp in its header");
+  sensor_msgs::CameraInfoConstPtr info;
+  {
+    const std::lock_guard lock(input_mutex_);
+    info = info_;
+  }
+  if (!info)
+    return fail(ErrorCode::kNotFound,
+                std::string("no camera info on ") + kInfoTopic + " yet: is it published?");
+  const auto camera = convert::to_camera_model(*info);
+  if (!camera) return tl::unexpected(camera.error());
+  const auto root_T_camera = uses_.frames.root_T_frame(header.frame_id, header.stamp);
+  if (!root_T_camera) return fail(ErrorCode::kNotFound, root_T_camera.error().message);
+  auto positions = positions_at(header.stamp);
+  if (!positions) return tl::unexpected(positions.error());
+  auto known = uses_.scene.world();
+  if (!known) return fail(ErrorCode::kNotFound, known.error().message);
+  return View{*camera, *root_T_camera, *positions, std::move(*known), world_T_root(header.stamp)};
+}
+
+Result<JointVector> DepthWatch::positions_at(const ros::Time& stamp) {
+  const double time_s = stamp.toSec();
+  std::unique_lock lock(input_mutex_);
+  joints_changed_.wait_for(lock, std::chrono::duration<double>(kJointWait),
+                           [&] { return closing_ || joints_.newest_s() >= time_s; });
+  if (const auto positions = joints_.at(time_s, kJointBeyond)) return *positions;
+  if (!std::isfinite(joints_.newest_s()))
+    return fail(ErrorCode::kNotFound, "robot/joint_states has not named all joints of the arms yet");
+  return fail(ErrorCode::kNotFound,
+              "robot/joint_states has nothing of the picture's time: is it published, do the clocks agree?");
+}
+
+std::optional<Pose> DepthWatch::world_T_root(const ros::Time& stamp) {
+  if (!no_world_.isZero() && (ros::WallTime::now() - no_world_).toSec() < kWorldRetry) return std::nullopt;
+  const auto root_T_world = uses_.frames.root_T_frame(uses_.world_frame, stamp);
+  no_world_ = root_T_world ? ros::WallTime() : ros::WallTime::now();
+  if (!root_T_world) return std::nullopt;
+  return root_T_world->inverse();
+}
+
+void DepthWatch::begin(const View& view, double time_s) {
+  const auto& box = params_.obstacles;
+  if (time_s_ && time_s < *time_s_) obstacles_.clear();
+  time_s_ = time_s;
+  if (!view.world_T_root) return;
+  if (origin_T_root_ && farthest(origin_T_root_->inverse() * *view.world_T_root, box) <= box.voxel_m) return;
+  if (origin_T_root_) {
+    obstacles_.clear();
+    ++moves_;
+  }
+  origin_T_root_ = view.world_T_root;
+}
+
+Result<bool> DepthWatch::update(const ImageView& picture, const View& view, double time_s) {
+  begin(view, time_s);
+  const auto done =
+      obstacles_.update(picture, view.camera, view.root_T_camera, view.positions, view.known, time_s);
+  if (!done) return tl::unexpected(done.error());
+  latest_ = *done;
+  const bool noticeable = news_.news(obstacles_.voxels(), time_s);
+  if (auto set = uses_.scene.set_seen(obstacles_.object(), noticeable); !set)
+    return tl::unexpected(set.error());
+  return noticeable;
+}
+
+void DepthWatch::clear() {
+  {
+    const std::lock_guard lock(mutex_);
+    obstacles_.clear();
+    latest_ = {};
+    if (!news_.news({}, time_s_.value_or(0.0))) return;
+    [[maybe_unused]] const auto set = uses_.scene.set_seen(std::nullopt, true);  // nothing cannot be wrong
+  }
+  uses_.changed();
+}
+
+void DepthWatch::report(diagnostic_updater::DiagnosticStatusWrapper& status) {
+  status.summary(diagnostic_msgs::DiagnosticStatus::OK, "watching");
+  picture_health_.report(status, kPictureTopic, params_.timeout_s);
+  info_health_.report(status, kInfoTopic, params_.timeout_s);
+  work_health_.report(status);
+  status.add("dropped", pictures_.dropped());
+  {
+    const std::lock_guard lock(input_mutex_);
+    status.add("passed over for depth/rate_hz", passed_over_);
+    status.add("newest joint states before the newest picture [s]", taken_.toSec() - joints_.newest_s());
+  }
+  const std::lock_guard lock(mutex_);
+  status.add("points", latest_.points);
+  status.add("points on the robot", latest_.robot_points);
+  status.add("points on known objects", latest_.object_points);
+  status.add("voxels", latest_.voxels);
+  status.add("boxes", latest_.boxes);
+  status.add("grid of the boxes [m]", latest_.box_grid_m);
+  status.add("forgotten because the robot moved", moves_);
+}
+
+}  // namespace extperfc::arm_node

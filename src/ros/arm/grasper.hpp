@@ -1,0 +1,83 @@
+#pragma once
+
+#include <memory>
+#include <string>
+#include <vector>
+
+#include <extperfc/PickAction.h>
+#include <extperfc/PlaceAction.h>
+
+#include "extperfc/arm/grasp.hpp"
+#include "extperfc/arm/grasp_choice.hpp"
+#include "extperfc/arm/parallel_hand.hpp"
+
+#include "ros/arm/commander.hpp"
+#include "ros/arm/gripper.hpp"
+
+namespace extperfc::arm_node {
+
+/// Picks things of the scene up and puts them down. Not thread-safe: whoever calls has the arms.
+class Grasper {
+ public:
+  /// Errors: a hand that the robot does not have, see arm::hand_of(). The commander is kept.
+  [[nodiscard]] static Result<std::unique_ptr<Grasper>> make(const ros::NodeHandle& handle,
+                                                             Commander& commander);
+
+  [[nodiscard]] Ending pick(const extperfc::PickGoal& goal, const Hooks& hooks, extperfc::PickResult& result);
+  [[nodiscard]] Ending place(const extperfc::PlaceGoal& goal, const Hooks& hooks,
+                             extperfc::PlaceResult& result);
+
+ private:
+  struct Hand {
+    ros_params::HandParams names;
+    arm::ParallelHand shape;
+    arm::InverseKinematics kinematics;
+    std::unique_ptr<Gripper> gripper;
+  };
+  struct Choice {
+    Hand* hand{nullptr};
+    SceneItem item;
+    arm::GraspCandidate grasp;
+    arm::JointPositions pregrasp;
+    int tried{0};
+  };
+  template <typename T>
+  using Maybe = tl::expected<T, Ending>;
+
+  Grasper(Commander& commander, std::vector<Hand> hands) : commander_(commander), hands_(std::move(hands)) {}
+
+  [[nodiscard]] Maybe<std::vector<Hand*>> free_hands(const std::string& arm);
+  [[nodiscard]] Maybe<Choice> choose(const extperfc::PickGoal& goal, const Hooks& hooks);
+  [[nodiscard]] Maybe<Choice> choose(const SceneItem& item, const std::vector<Hand*>& hands, double lift_m,
+                                     const Hooks& hooks);
+  /// Approach and lift of a candidate, straight and free, for choose().
+  [[nodiscard]] arm::StraightWay straight_ways(const Hand& hand, arm::CollisionChecker& checker,
+                                               double lift_m) const;
+  [[nodiscard]] Ending let_go(Hand& hand, const std::string& name, const Ending& why);
+  [[nodiscard]] Ending grasp(const Choice& choice, double lift_m, double time_s, const Hooks& hooks,
+                             extperfc::PickResult& result);
+  [[nodiscard]] Maybe<Hand*> holding(const extperfc::PlaceGoal& goal, SceneItem* item);
+  /// Where to put it: a candidate with joint values above it, from where the ways down and back are free.
+  struct Spot {
+    arm::PlaceCandidate where;
+    arm::JointPositions above;
+  };
+  [[nodiscard]] Maybe<Spot> choose_spot(const Hand& hand, const SceneItem& item,
+                                        const std::vector<arm::PlaceCandidate>& candidates,
+                                        const Hooks& hooks);
+  [[nodiscard]] Ending put_down(Hand& hand, const SceneItem& item, const Spot& spot, double time_s,
+                                const Hooks& hooks);
+
+  [[nodiscard]] Ending move_joints(const Hand& hand, const arm::JointPositions& goal, double time_s,
+                                   const Hooks& hooks);
+  [[nodiscard]] Ending move_tip(const Hand& hand, const Pose& root_T_tip, arm::MotionKind kind, double time_s,
+                                const Hooks& hooks, double minimum_fraction = 1.0);
+  [[nodiscard]] Maybe<arm::MotionRequest> request(const Hand& hand, double time_s) const;
+  [[nodiscard]] Ending change(std::uint8_t operation, const std::string& name, const Hand* hand);
+  [[nodiscard]] Maybe<Pose> tip_now(const Hand& hand) const;
+
+  Commander& commander_;
+  std::vector<Hand> hands_;
+};
+
+}  // namespace extperfc::arm_node

@@ -1,0 +1,294 @@
+#include "ros/arm/scene_keeper.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <variant>
+
+#include "ros/convert/arm.hpp"
+#include "ros/convert/geometry.hpp"
+
+namespace extperfc::arm_node {
+
+using arm::ArmCode;
+using extperfc::SceneObject;
+
+namespace {
+
+tl::expected<SceneItem*, Ending> known(std::map<std::string, SceneItem>& items, const std::string& name) {
+  const auto found = items.find(name);
+  if (found == items.end())
+    return end(ArmCode::kUnknownObject, "there is no object '" + name + "' in the scene");
+  return &found->second;
+}
+
+bool removes_all(const SceneObject& message) {
+  return message.operation == SceneObject::REMOVE && message.name.empty();
+}
+
+void set_color(visualization_msgs::Marker& marker, float red, float green, float blue) {
+  marker.color.r = red;
+  marker.color.g = green;
+  marker.color.b = blue;
+  marker.color.a = 0.75F;
+}
+
+visualization_msgs::Marker marker_of(const Shape& shape) {
+  visualization_msgs::Marker marker;
+  marker.action = visualization_msgs::Marker::ADD;
+  const auto size = [&](double x, double y, double z) { marker.scale = convert::to_vector({x, y, z}); };
+  if (const auto* box = std::get_if<Box>(&shape.geometry)) {
+    marker.type = visualization_msgs::Marker::CUBE;
+    size(box->size_m.x(), box->size_m.y(), box->size_m.z());
+  } else if (const auto* sphere = std::get_if<Sphere>(&shape.geometry)) {
+    marker.type = visualization_msgs::Marker::SPHERE;
+    size(2 * sphere->radius_m, 2 * sphere->radius_m, 2 * sphere->radius_m);
+  } else if (const auto* cylinder = std::get_if<Cylinder>(&shape.geometry)) {
+    marker.type = visualization_msgs::Marker::CYLINDER;
+    size(2 * cylinder->radius_m, 2 * cylinder->radius_m, cylinder->length_m);
+  } else if (const auto* cone = std::get_if<Cone>(&shape.geometry)) {
+    marker.type = visualization_msgs::Marker::TRIANGLE_LIST;
+    size(1, 1, 1);
+    constexpr int kSides = 24;
+    const auto rim = [&](int i) {
+      const double angle = 2 * M_PI * i / kSides;
+      return convert::to_point(
+          {cone->radius_m * std::cos(angle), cone->radius_m * std::sin(angle), -cone->height_m / 2});
+    };
+    for (int i = 0; i < kSides; ++i) {
+      marker.points.push_back(convert::to_point({0, 0, cone->height_m / 2}));
+      marker.points.push_back(rim(i));
+      marker.points.push_back(rim(i + 1));
+    }
+  }
+  return marker;
+}
+
+}  // namespace
+
+tl::expected<void, Ending> SceneKeeper::apply(const std::vector<SceneObject>& objects) {
+  const std::lock_guard lock(mutex_);
+  Items items = items_;
+  for (const auto& object : objects)
+    if (auto done = change(object, items); !done)
+      return end(done.error().code, "object '" + object.name + "': " + done.error().message);
+  if (items.size() > kMostObjects)
+    return end(ArmCode::kInvalidRequest,
+               "the scene would have more than " + std::to_string(kMostObjects) + " objects: remove some");
+  if (auto world = world_of(items); !world) return tl::unexpected(world.error());
+  items_ = std::move(items);
+  if (std::any_of(objects.begin(), objects.end(), removes_all)) seen_.clear();
+  ++version_;
+  return {};
+}
+
+tl::expected<void, Ending> SceneKeeper::change(const SceneObject& message, Items& items) const {
+  if (removes_all(message)) {
+    items.clear();
+    return {};
+  }
+  if (message.name.empty()) return end(ArmCode::kInvalidRequest, "an object needs a name");
+  switch (message.operation) {
+    case SceneObject::ADD:
+      return add(message, items);
+    case SceneObject::REMOVE:
+      if (items.erase(message.name) > 0) return {};
+      return end(ArmCode::kUnknownObject, "it is not in the scene");
+    case SceneObject::MOVE: {
+      auto item = known(items, message.name);
+      if (!item) return tl::unexpected(item.error());
+      const auto pose = frames_.root_T_pose(message.pose);
+      if (!pose) return tl::unexpected(pose.error());
+      (*item)->held = false;
+      return place(*pose, **item);
+    }
+    case SceneObject::ATTACH:
+      return attach(message, items);
+    case SceneObject::DETACH:
+      return detach(message.name, items);
+    default:
+      return end(ArmCode::kInvalidRequest, "operation " + std::to_string(message.operation) + " is unknown");
+  }
+}
+
+/// Where a thing that stands still is remembered.
+tl::expected<void, Ending> SceneKeeper::place(const Pose& root_T_object, SceneItem& item) const {
+  const auto root_T_world = frames_.root_T_frame(world_frame_, ros::Time());
+  item.frame = root_T_world ? world_frame_ : "";  // a robot without such a frame does not drive
+  item.frame_T_object = root_T_world ? root_T_world->inverse() * root_T_object : root_T_object;
+  return {};
+}
+
+tl::expected<void, Ending> SceneKeeper::add(const SceneObject& message, Items& items) const {
+  if (frames_.is_link(message.name))
+    return end(ArmCode::kInvalidRequest, "a link of the robot has that name");
+  if (message.name == kSeenName)
+    return end(ArmCode::kInvalidRequest, "what the depth camera sees has that name");
+  if (!message.meshes.empty())
+    return end(ArmCode::kInvalidRequest, "meshes are not supported: use primitives");
+  auto shapes = convert::to_shapes(message);
+  if (!shapes) return end(ArmCode::kInvalidRequest, shapes.error().message);
+  if (shapes->empty()) return end(ArmCode::kInvalidRequest, "it has no shapes");
+  const auto pose = frames_.root_T_pose(message.pose);
+  if (!pose) return tl::unexpected(pose.error());
+  SceneItem item;
+  item.name = message.name;
+  item.label = message.label;
+  item.shapes = std::move(*shapes);
+  if (auto placed = place(*pose, item); !placed) return placed;
+  items[message.name] = std::move(item);
+  return {};
+}
+
+tl::expected<void, Ending> SceneKeeper::attach(const SceneObject& message, Items& items) const {
+  if (!frames_.is_link(message.link))
+    return end(ArmCode::kInvalidRequest, "'" + message.link + "' is no link of the robot");
+  if (!message.primitives.empty() || !message.meshes.empty())
+    if (auto added = add(message, items); !added) return added;
+  auto item = known(items, message.name);
+  if (!item) return tl::unexpected(item.error());
+  const auto root_T_link = frames_.root_T_frame(message.link, ros::Time());
+  if (!root_T_link) return tl::unexpected(root_T_link.error());
+  const auto root_T_frame = frames_.root_T_frame((*item)->frame, ros::Time());
+  if (!root_T_frame) return tl::unexpected(root_T_frame.error());
+  (*item)->frame_T_object = root_T_link->inverse() * *root_T_frame * (*item)->frame_T_object;
+  (*item)->frame = message.link;
+  (*item)->held = true;
+  (*item)->touch_links = message.touch_links;
+  return {};
+}
+
+tl::expected<void, Ending> SceneKeeper::detach(const std::string& name, Items& items) const {
+  auto item = known(items, name);
+  if (!item) return tl::unexpected(item.error());
+  if (!(*item)->held) return end(ArmCode::kNothingHeld, "no hand holds it");
+  const auto root_T_link = frames_.root_T_frame((*item)->frame, ros::Time());
+  if (!root_T_link) return tl::unexpected(root_T_link.error());
+  (*item)->held = false;
+  (*item)->touch_links.clear();
+  return place(*root_T_link * (*item)->frame_T_object, **item);
+}
+
+Result<void> SceneKeeper::set_seen(std::optional<arm::WorldObject> object, bool noticeable) {
+  arm::CollisionWorld seen;
+  if (object) {
+    object->name = kSeenName;
+    if (auto added = seen.add(*object); !added) return added;
+  }
+  const std::lock_guard lock(mutex_);
+  seen_ = std::move(seen);
+  if (noticeable) ++version_;
+  return {};
+}
+
+std::uint64_t SceneKeeper::version() const {
+  const std::lock_guard lock(mutex_);
+  return version_;
+}
+
+tl::expected<arm::CollisionWorld, Ending> SceneKeeper::world() const {
+  const std::lock_guard lock(mutex_);
+  return world_of(items_);
+}
+
+tl::expected<arm::CollisionWorld, Ending> SceneKeeper::world_of(const Items& items) const {
+  arm::CollisionWorld world = seen_;
+  std::map<std::string, Pose> frames;
+  for (const auto& [name, item] : items) {
+    Result<void> done;
+    if (item.held) {
+      done = world.attach({name, item.frame, item.shapes, item.frame_T_object, item.touch_links});
+    } else {
+      auto frame = frames.find(item.frame);
+      if (frame == frames.end()) {
+        const auto pose = frames_.root_T_frame(item.frame, ros::Time());
+        if (!pose) return tl::unexpected(pose.error());
+        frame = frames.emplace(item.frame, *pose).first;
+      }
+      done = world.add({name, item.shapes, frame->second * item.frame_T_object});
+    }
+    if (!done) return end(ArmCode::kInvalidRequest, done.error().message);
+  }
+  return world;
+}
+
+tl::expected<std::vector<SceneItem>, Ending> SceneKeeper::find(const std::string& name_or_label) const {
+  const std::lock_guard lock(mutex_);
+  std::vector<SceneItem> found;
+  for (const auto& [name, item] : items_)
+    if (name == name_or_label) found = {item};
+  if (found.empty())
+    for (const auto& [name, item] : items_)
+      if (item.label == name_or_label) found.push_back(item);
+  if (found.empty())
+    return end(ArmCode::kUnknownObject,
+               "nothing in the scene has the name or the label '" + name_or_label + "'");
+  for (auto& item : found) {
+    const auto root_T_frame = frames_.root_T_frame(item.frame, ros::Time());
+    if (!root_T_frame) return tl::unexpected(root_T_frame.error());
+    item.frame_T_object = *root_T_frame * item.frame_T_object;
+  }
+  return found;
+}
+
+std::optional<SceneItem> SceneKeeper::held_by(const std::string& link) const {
+  const std::lock_guard lock(mutex_);
+  for (const auto& [name, item] : items_)
+    if (item.held && item.frame == link) return item;
+  return std::nullopt;
+}
+
+tl::expected<std::vector<SceneObject>, Ending> SceneKeeper::messages() const {
+  const std::lock_guard lock(mutex_);
+  std::vector<SceneObject> messages;
+  for (const auto& [name, item] : items_) {
+    SceneObject message;
+    message.operation = item.held ? SceneObject::ATTACH : SceneObject::ADD;
+    message.name = name;
+    message.label = item.label;
+    message.pose.header.frame_id = item.frame;
+    message.pose.pose = convert::to_message(item.frame_T_object);
+    if (item.held) message.link = item.frame;
+    message.touch_links = item.touch_links;
+    convert::fill_shapes(item.shapes, message);
+    messages.push_back(std::move(message));
+  }
+  return messages;
+}
+
+visualization_msgs::MarkerArray SceneKeeper::markers(const std::string& root_link) const {
+  const std::lock_guard lock(mutex_);
+  visualization_msgs::MarkerArray array;
+  visualization_msgs::Marker clear;
+  clear.action = visualization_msgs::Marker::DELETEALL;
+  array.markers.push_back(clear);
+  for (const auto& [name, item] : items_) {
+    int id = 0;
+    for (const auto& shape : item.shapes) {
+      auto marker = marker_of(shape);
+      marker.ns = name;
+      marker.id = id++;
+      marker.header.frame_id = item.frame.empty() ? root_link : item.frame;
+      marker.frame_locked = true;
+      marker.pose = convert::to_message(item.frame_T_object * shape.body_T_shape);
+      if (item.held)
+        set_color(marker, 0.75F, 0.45F, 0.75F);
+      else
+        set_color(marker, 0.30F, 0.60F, 0.35F);
+      array.markers.push_back(marker);
+    }
+  }
+  for (const auto& [name, seen] : seen_.objects())
+    for (const auto& shape : seen->object.shapes) {
+      auto marker = marker_of(shape);
+      marker.ns = name;
+      marker.id = static_cast<int>(array.markers.size());
+      marker.header.frame_id = root_link;
+      marker.frame_locked = true;
+      marker.pose = convert::to_message(seen->object.root_T_object * shape.body_T_shape);
+      set_color(marker, 0.90F, 0.55F, 0.15F);
+      array.markers.push_back(std::move(marker));
+    }
+  return array;
+}
+
+}  // namespace extperfc::arm_node

@@ -1,0 +1,163 @@
+#include "ros/convert/arm.hpp"
+
+#include <cmath>
+#include <optional>
+#include <utility>
+#include <variant>
+
+#include "ros/convert/geometry.hpp"
+
+namespace extperfc::convert {
+
+namespace {
+
+using shape_msgs::SolidPrimitive;
+
+Result<Geometry> to_geometry(const SolidPrimitive& primitive) {
+  const auto& size = primitive.dimensions;
+  const auto has = [&](std::size_t count) {
+    if (size.size() != count) return false;
+    for (const double value : size)
+      if (!(value > 0.0) || !std::isfinite(value)) return false;
+    return true;
+  };
+  switch (primitive.type) {
+    case SolidPrimitive::BOX:
+      if (has(3)) return Box{{size[0], size[1], size[2]}};
+      return fail(ErrorCode::kInvalidArgument, "a box needs three lengths above 0 m");
+    case SolidPrimitive::SPHERE:
+      if (has(1)) return Sphere{size[0]};
+      return fail(ErrorCode::kInvalidArgument, "a sphere needs a radius above 0 m");
+    case SolidPrimitive::CYLINDER:
+      if (has(2))
+        return Cylinder{size[SolidPrimitive::CYLINDER_RADIUS], size[SolidPrimitive::CYLINDER_HEIGHT]};
+      return fail(ErrorCode::kInvalidArgument, "a cylinder needs a height and a radius above 0 m");
+    case SolidPrimitive::CONE:
+      if (has(2)) return Cone{size[SolidPrimitive::CONE_RADIUS], size[SolidPrimitive::CONE_HEIGHT]};
+      return fail(ErrorCode::kInvalidArgument, "a cone needs a height and a radius above 0 m");
+    default:
+      return fail(ErrorCode::kInvalidArgument,
+                  "type " + std::to_string(primitive.type) + " is none of shape_msgs/SolidPrimitive");
+  }
+}
+
+std::optional<SolidPrimitive> to_primitive(const Geometry& geometry) {
+  SolidPrimitive primitive;
+  if (const auto* box = std::get_if<Box>(&geometry)) {
+    primitive.type = SolidPrimitive::BOX;
+    primitive.dimensions = {box->size_m.x(), box->size_m.y(), box->size_m.z()};
+  } else if (const auto* sphere = std::get_if<Sphere>(&geometry)) {
+    primitive.type = SolidPrimitive::SPHERE;
+    primitive.dimensions = {sphere->radius_m};
+  } else if (const auto* cylinder = std::get_if<Cylinder>(&geometry)) {
+    primitive.type = SolidPrimitive::CYLINDER;
+    primitive.dimensions = {cylinder->length_m, cylinder->radius_m};
+  } else if (const auto* cone = std::get_if<Cone>(&geometry)) {
+    primitive.type = SolidPrimitive::CONE;
+    primitive.dimensions = {cone->height_m, cone->radius_m};
+  } else {
+    return std::nullopt;
+  }
+  return primitive;
+}
+
+arm::JointVector to_vector(const std::vector<double>& values) {
+  return Eigen::Map<const Eigen::VectorXd>(values.data(), static_cast<Eigen::Index>(values.size()));
+}
+
+}  // namespace
+
+Result<Pose> to_pose(const geometry_msgs::Pose& message) {
+  const Eigen::Vector3d position(message.position.x, message.position.y, message.position.z);
+  const Eigen::Quaterniond turn(message.orientation.w, message.orientation.x, message.orientation.y,
+                                message.orientation.z);
+  if (!position.allFinite() || !turn.coeffs().allFinite())
+    return fail(ErrorCode::kInvalidArgument, "the pose has a value that is not finite");
+  if (std::abs(turn.norm() - 1.0) > 0.01)
+    return fail(ErrorCode::kInvalidArgument,
+                "the pose's quaternion has the norm " + std::to_string(turn.norm()) + " instead of 1");
+  Pose pose = Pose::Identity();
+  pose.translation() = position;
+  pose.linear() = turn.normalized().toRotationMatrix();
+  return pose;
+}
+
+Result<arm::JointPositions> to_positions(const sensor_msgs::JointState& message) {
+  if (message.name.size() != message.position.size())
+    return fail(ErrorCode::kInvalidArgument, std::to_string(message.name.size()) + " joints have " +
+                                                 std::to_string(message.position.size()) + " positions");
+  arm::JointPositions positions;
+  for (std::size_t i = 0; i < message.name.size(); ++i) {
+    if (!std::isfinite(message.position[i]))
+      return fail(ErrorCode::kInvalidArgument, "the position of " + message.name[i] + " is not finite");
+    if (!positions.emplace(message.name[i], message.position[i]).second)
+      return fail(ErrorCode::kInvalidArgument, "joint " + message.name[i] + " is named twice");
+  }
+  return positions;
+}
+
+sensor_msgs::JointState to_message(const arm::JointPositions& positions) {
+  sensor_msgs::JointState message;
+  for (const auto& [name, value] : positions) {
+    message.name.push_back(name);
+    message.position.push_back(value);
+  }
+  return message;
+}
+
+trajectory_msgs::JointTrajectory to_message(const std::vector<std::string>& joints,
+                                            const std::vector<arm::TrajectoryPoint>& points) {
+  trajectory_msgs::JointTrajectory message;
+  message.joint_names = joints;
+  for (const auto& point : points) {
+    trajectory_msgs::JointTrajectoryPoint out;
+    out.positions.assign(point.position.begin(), point.position.end());
+    out.velocities.assign(point.velocity.begin(), point.velocity.end());
+    out.time_from_start = ros::Duration(point.time_s);
+    message.points.push_back(std::move(out));
+  }
+  return message;
+}
+
+Result<arm::TimedPath> to_path(const trajectory_msgs::JointTrajectory& message) {
+  std::vector<arm::TrajectoryPoint> points;
+  for (const auto& point : message.points) {
+    if (point.positions.size() > arm::kMaxJoints || point.velocities.size() > arm::kMaxJoints)
+      return fail(ErrorCode::kInvalidArgument,
+                  "a trajectory has at most " + std::to_string(arm::kMaxJoints) + " joints");
+    points.push_back(
+        {point.time_from_start.toSec(), to_vector(point.positions), to_vector(point.velocities), {}});
+  }
+  return arm::TimedPath::make(message.joint_names, std::move(points));
+}
+
+Result<std::vector<Shape>> to_shapes(const extperfc::SceneObject& message) {
+  if (!message.primitive_poses.empty() && message.primitive_poses.size() != message.primitives.size())
+    return fail(ErrorCode::kInvalidArgument, std::to_string(message.primitives.size()) + " primitives have " +
+                                                 std::to_string(message.primitive_poses.size()) + " poses");
+  std::vector<Shape> shapes;
+  for (std::size_t i = 0; i < message.primitives.size(); ++i) {
+    auto geometry = to_geometry(message.primitives[i]);
+    if (!geometry) return tl::unexpected(geometry.error());
+    Shape shape;
+    shape.geometry = *geometry;
+    if (!message.primitive_poses.empty()) {
+      const auto pose = to_pose(message.primitive_poses[i]);
+      if (!pose) return tl::unexpected(pose.error());
+      shape.body_T_shape = *pose;
+    }
+    shapes.push_back(shape);
+  }
+  return shapes;
+}
+
+void fill_shapes(const std::vector<Shape>& shapes, extperfc::SceneObject& message) {
+  for (const auto& shape : shapes) {
+    const auto primitive = to_primitive(shape.geometry);
+    if (!primitive) continue;
+    message.primitives.push_back(*primitive);
+    message.primitive_poses.push_back(to_message(shape.body_T_shape));
+  }
+}
+
+}  // namespace extperfc::convert

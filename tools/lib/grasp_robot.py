@@ -1,0 +1,264 @@
+"""The simulated robot before its tray, as a program sees it: puts objects, waits for detections, picks, places, asks the truth."""
+
+import math
+import threading
+import time
+
+import numpy
+
+import grasp_scene as scene
+
+PARKING = {"cube": (-1.5, 1.5), "sphere": (-1.2, 1.5), "cone": (-0.9, 1.5)}  # on the side table
+PARKING_TOP_M = 0.7
+OPTICAL_FRAME = "camera_color_optical_frame"
+ACTION_S = 180.0  # simulated seconds after which an action that has not answered is given up
+
+
+class Stalled(Exception):
+    """What should have happened did not, within a time that is long for every machine."""
+
+
+def matrix(pose):
+    """4 x 4 of a geometry_msgs/Pose."""
+    x, y, z, w = pose.orientation.x, pose.orientation.y, pose.orientation.z, pose.orientation.w
+    result = numpy.eye(4)
+    result[:3, :3] = [[1 - 2 * (y * y + z * z), 2 * (x * y - z * w), 2 * (x * z + y * w)],
+                      [2 * (x * y + z * w), 1 - 2 * (x * x + z * z), 2 * (y * z - x * w)],
+                      [2 * (x * z - y * w), 2 * (y * z + x * w), 1 - 2 * (x * x + y * y)]]
+    result[:3, 3] = (pose.position.x, pose.position.y, pose.position.z)
+    return result
+
+
+class GraspRobot:
+    """One per process; call after rospy.init_node. `alive()` tells whether the simulation still runs; `with_arm` False: objects
+    and detections only."""
+
+    def __init__(self, alive, with_arm):
+        import geometry_msgs.msg
+        import rospy
+        import tf2_ros
+        import vision_msgs.msg
+
+        self.rospy = rospy
+        self.alive = alive
+        self.geometry = geometry_msgs.msg
+        self.lock = threading.Lock()
+        self.names = {}     # topic: class names
+        self.truth = None   # vision_msgs/Detection3DArray
+        self.found = None
+        self.tf = tf2_ros.Buffer()
+        self.listener = tf2_ros.TransformListener(self.tf)
+        rospy.Subscriber("sim/truth/vision_info", vision_msgs.msg.VisionInfo, self._on_info, "truth")
+        rospy.Subscriber("vision_info", vision_msgs.msg.VisionInfo, self._on_info, "found")
+        rospy.Subscriber("sim/truth/objects", vision_msgs.msg.Detection3DArray, self._on_truth, queue_size=2)
+        rospy.Subscriber("detections_3d", vision_msgs.msg.Detection3DArray, self._on_found, queue_size=2)
+        self.actions = self._actions() if with_arm else {}
+
+    def _actions(self):
+        import actionlib
+        import extperfc.msg as messages
+        kinds = {"move_arm": messages.MoveArmAction, "pick": messages.PickAction, "place": messages.PlaceAction}
+        return {name: actionlib.SimpleActionClient(name, kind) for name, kind in kinds.items()}
+
+    def _on_info(self, message, key):
+        self.names[key] = self.rospy.get_param(message.database_location, [])
+
+    def _on_truth(self, message):
+        with self.lock:
+            self.truth = message
+
+    def _on_found(self, message):
+        with self.lock:
+            self.found = message
+
+    def now(self):
+        return self.rospy.Time.now().to_sec()
+
+    def wait(self, condition, what, real_s=90.0):
+        deadline = time.monotonic() + real_s
+        while not condition():
+            if not self.alive() or self.rospy.is_shutdown():
+                raise Stalled("the simulation ended")
+            if time.monotonic() > deadline:
+                raise Stalled(f"waited {real_s:.0f} s for {what}")
+            time.sleep(0.02)
+
+    def sleep(self, seconds):
+        """Of simulated time."""
+        end = self.now() + seconds
+        self.wait(lambda: self.now() >= end, "simulated time", 60 + 20 * seconds)
+
+    def ready(self):
+        """Waits until everything was heard once."""
+        self.wait(lambda: self.now() > 0 and self.truth is not None and "truth" in self.names, "the simulator's truth")
+        self.wait(lambda: self.found is not None and "found" in self.names, "detections")
+        for name, client in self.actions.items():
+            if not client.wait_for_server(self.rospy.Duration(60)):
+                raise Stalled(f"no action server {name}")
+
+    def camera(self):
+        """(width, height, focal length, cx, cy) [px] and map_T_camera."""
+        import sensor_msgs.msg
+        info = self.rospy.wait_for_message("camera/color/camera_info", sensor_msgs.msg.CameraInfo, 30)
+        self.wait(lambda: self.tf.can_transform("map", OPTICAL_FRAME, self.rospy.Time(0)), "tf of the camera")
+        return (info.width, info.height, info.K[0], info.K[2], info.K[5]), self.transform("map", OPTICAL_FRAME)
+
+    def transform(self, target, source):
+        """target_T_source now, 4 x 4."""
+        found = self.tf.lookup_transform(target, source, self.rospy.Time(0), self.rospy.Duration(5)).transform
+        pose = self.geometry.Pose()
+        pose.position.x, pose.position.y, pose.position.z = found.translation.x, found.translation.y, found.translation.z
+        pose.orientation = found.rotation
+        return matrix(pose)
+
+    def pose(self, position, yaw=0.0):
+        result = self.geometry.Pose()
+        result.position.x, result.position.y, result.position.z = map(float, position)
+        result.orientation.z, result.orientation.w = math.sin(yaw / 2), math.cos(yaw / 2)
+        return result
+
+    # The simulator.
+
+    def move_body(self, name, position, yaw=0.0):
+        import extperfc.srv
+        request = extperfc.srv.MoveBodyRequest(name=name, pose=self.pose(position, yaw))
+        answer = self.rospy.ServiceProxy("sim/move_body", extperfc.srv.MoveBody)(request)
+        if not answer.success:
+            raise Stalled(f"sim/move_body {name}: {answer.message}")
+
+    def park(self, shape):
+        self.move_body(shape, scene.body_position(shape, scene.Spot(*PARKING[shape], PARKING_TOP_M, 0.0)))
+
+    def put(self, shape, spot):
+        """Tray and object where they are wanted, the other objects out of the way. The object comes to rest."""
+        for other in scene.SHAPES:
+            self.park(other)
+        under = spot.top - scene.TRAY_SIZE[2]
+        self.move_body("tray", (*scene.TRAY_XY, under))
+        self.move_body("column", (*scene.COLUMN_XY, under - scene.COLUMN_HEIGHT))
+        self.move_body(shape, scene.body_position(shape, spot) + (0, 0, 5e-4), spot.yaw)
+        self.sleep(1.0)
+        off = numpy.linalg.norm(self.true_pose(shape)[:3, 3] - scene.body_position(shape, spot))
+        if off > 0.005:
+            raise Stalled(f"the {shape} does not stand where it was put, but {off:.3f} m off")
+
+    def true_pose(self, shape):
+        """map_T_body of the first object of this class, 4 x 4."""
+        with self.lock:
+            for thing in self.truth.detections:
+                if self.names["truth"][thing.results[0].id] == shape:
+                    return matrix(thing.results[0].pose.pose)
+        raise Stalled(f"no {shape} in sim/truth/objects")
+
+    # Detection.
+
+    def wait_detected(self, shape, true_middle, within_m=0.15, seconds=5.0):
+        """The first estimate of the object that is newer than this call (vision_msgs/BoundingBox3D), None: not found in time;
+        and the simulated time that it took. The truth is asked for no more than to tell the object from false detections."""
+        begin = self.now()
+        self.wait(lambda: self.now() > begin, "simulated time")
+        while self.now() < begin + seconds:
+            with self.lock:
+                message = self.found
+            if message.header.stamp.to_sec() > begin:
+                for thing in message.detections:
+                    if self.names["found"][thing.results[0].id] != shape:
+                        continue
+                    if numpy.linalg.norm(matrix(thing.bbox.center)[:3, 3] - true_middle) < within_m:
+                        return thing.bbox, self.now() - begin
+            time.sleep(0.02)
+        return None, self.now() - begin
+
+    # The arm node.
+
+    def act(self, name, goal):
+        """Result of an action, and its simulated time. Without an answer in time it is cancelled: result None."""
+        client, begin = self.actions[name], self.now()
+        client.send_goal(goal)
+        terminal = (2, 3, 4, 5, 8, 9)  # actionlib_msgs/GoalStatus: preempted ... lost
+        while client.get_state() not in terminal:
+            if not self.alive():
+                raise Stalled("the simulation ended")
+            if self.now() > begin + ACTION_S:
+                client.cancel_goal()
+                return None, self.now() - begin
+            time.sleep(0.02)
+        # The status may come before the result.
+        late = time.monotonic() + 10.0
+        while client.get_result() is None and time.monotonic() < late:
+            time.sleep(0.02)
+        return client.get_result(), self.now() - begin
+
+    def move_home(self):
+        """Both arms to the pose neutral, out of the picture. Returns an error, or an empty text."""
+        import extperfc.msg as messages
+        for side in ("left", "right"):
+            goal = messages.MoveArmGoal()
+            goal.request.group, goal.request.named_state = side + "_arm", "neutral"
+            result, _ = self.act("move_arm", goal)
+            if result is None or result.code != 0:
+                return f"{side} arm: {'no answer' if result is None else result.message}"
+        return ""
+
+    def open_grippers(self):
+        import baxter_core_msgs.msg as baxter
+        for side in ("left", "right"):
+            publisher = self.rospy.Publisher(f"robot/end_effector/{side}_gripper/command", baxter.EndEffectorCommand, queue_size=5)
+            self.wait(lambda: publisher.get_num_connections() > 0, "the gripper's topic")
+            for command, args in (("calibrate", ""), ("go", '{"position": 100.0}')):
+                publisher.publish(baxter.EndEffectorCommand(id=65664, command=command, args=args, sender="trial_grasp"))
+                self.sleep(2.5 if command == "calibrate" else 0.5)
+
+    def show_support(self, spot):
+        """Tells the arm node about tray and column: what arms must not touch besides what it sees itself."""
+        import extperfc.msg as messages
+        import extperfc.srv
+        from shape_msgs.msg import SolidPrimitive
+        request = extperfc.srv.ApplySceneRequest()
+        under = spot.top - scene.TRAY_SIZE[2]
+        request.objects.append(messages.SceneObject(operation=messages.SceneObject.REMOVE, name=""))
+        for name, position, primitive in (
+                ("tray", (*scene.TRAY_XY, under + scene.TRAY_SIZE[2] / 2),
+                 SolidPrimitive(type=SolidPrimitive.BOX, dimensions=list(scene.TRAY_SIZE))),
+                ("column", (*scene.COLUMN_XY, under - scene.COLUMN_HEIGHT / 2),
+                 SolidPrimitive(type=SolidPrimitive.CYLINDER, dimensions=[scene.COLUMN_HEIGHT, scene.COLUMN_DIAMETER / 2]))):
+            thing = messages.SceneObject(operation=messages.SceneObject.ADD, name=name, primitives=[primitive])
+            thing.pose.header.frame_id, thing.pose.pose = "map", self.pose(position)
+            request.objects.append(thing)
+        answer = self.rospy.ServiceProxy("arm/apply_scene", extperfc.srv.ApplyScene)(request)
+        if not answer.success:
+            raise Stalled("arm/apply_scene: " + answer.message)
+
+    def show_object(self, shape, box):
+        """Tells the arm node about an object that was detected."""
+        import extperfc.msg as messages
+        import extperfc.srv
+        from shape_msgs.msg import SolidPrimitive
+        size = box.size
+        primitive = {"cube": SolidPrimitive(type=SolidPrimitive.BOX, dimensions=[size.x, size.y, size.z]),
+                     "sphere": SolidPrimitive(type=SolidPrimitive.SPHERE, dimensions=[size.x / 2]),
+                     "cone": SolidPrimitive(type=SolidPrimitive.CONE, dimensions=[size.z, size.x / 2])}[shape]
+        thing = messages.SceneObject(operation=messages.SceneObject.ADD, name=shape + "_1", label=shape, primitives=[primitive])
+        thing.pose.header.frame_id, thing.pose.pose = "map", box.center
+        if matrix(box.center)[2, 2] < 0.99:  # an estimate along the camera's axes: what stands is upright
+            thing.pose.pose = self.pose(matrix(box.center)[:3, 3])
+        answer = self.rospy.ServiceProxy("arm/apply_scene", extperfc.srv.ApplyScene)(
+            extperfc.srv.ApplySceneRequest(objects=[thing]))
+        if not answer.success:
+            raise Stalled("arm/apply_scene: " + answer.message)
+
+    def pick(self, shape, lift_m):
+        import extperfc.msg as messages
+        return self.act("pick", messages.PickGoal(object=shape, lift=lift_m))
+
+    def place(self, shape, spot):
+        """At the spot, turned as is easiest. The pose is that of the object's middle."""
+        import extperfc.msg as messages
+        goal = messages.PlaceGoal(any_yaw=True)
+        goal.pose.header.frame_id, goal.pose.pose = "map", self.pose(scene.middle(shape, spot), spot.yaw)
+        return self.act("place", goal)
+
+    def from_tip(self, shape):
+        """Distance [m] of the object's origin from the nearer gripper's tip."""
+        body = self.true_pose(shape)[:3, 3]
+        return min(numpy.linalg.norm(self.transform("map", f"{side}_gripper")[:3, 3] - body) for side in ("left", "right"))
