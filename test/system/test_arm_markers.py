@@ -245,8 +245,9 @@ class ArmMarkers(unittest.TestCase):
             with heard:
                 self.assertTrue(heard.wait_for(lambda: ends, 20))
                 ends.clear()
+            # Whoever runs the tests may ignore SIGHUP, as nohup does; children would too.
             program = subprocess.Popen([sys.executable, "-c", PROGRAM.format(wait=wait)], stdout=subprocess.PIPE, text=True,
-                                       stderr=subprocess.DEVNULL)
+                                       stderr=subprocess.DEVNULL, preexec_fn=lambda: signal.signal(signal.SIGHUP, signal.SIG_DFL))
             with self.subTest(number), program:
                 self.assertEqual("moving", program.stdout.readline().strip())
                 if number is not None:

@@ -41,6 +41,9 @@ struct MotionRequest {
   /// A state, joint values (joints of the group that are not named stay), or tools.
   std::variant<NamedState, JointPositions, std::vector<ToolTarget>> goal;
   MotionKind kind{MotionKind::kFree};
+  /// Not empty: these states of the group one after the other, the first of which is where the robot is (to
+  /// 0.05 rad); `goal` and `kind` do not count. Proven again.
+  std::vector<JointVector> path;
   /// Kept on the whole way, as at the start where they have no target of their own; to 1e-4 m or rad. Not
   /// with kLinear.
   std::vector<ToolConstraint> constraints;

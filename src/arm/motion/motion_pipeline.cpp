@@ -32,6 +32,7 @@ MotionOutcome ended(ArmCode code, std::string message) {
   return outcome;
 }
 
+constexpr double kPathStart = 0.05;        // of the robot from a path's first state [rad]
 constexpr double kFineCorner = 5e-5;       // where way points are dense [rad]
 constexpr double kConstraintError = 1e-4;  // of the motion as the robot makes it [m] or [rad]
 
@@ -145,6 +146,7 @@ class Run {
 
   MotionOutcome run() {
     if (auto wrong = prepare(true)) return *wrong;
+    if (!request_.path.empty()) return follow_path();
     if (request_.kind == MotionKind::kLinear) return plan_linear();
     auto goals = find_goals();
     // What the padding alone forbids is tried without it: a hand beside the thing that it lets go, for one.
@@ -250,6 +252,31 @@ class Run {
     std::vector<double> deviations(found.waypoints.size(),
                                    padded_ ? pipeline_.params().corner_deviation_rad : 0.0);
     return put_in_time(std::move(found.waypoints), {std::move(deviations), kFineCorner}, 1.0);
+  }
+
+  MotionOutcome follow_path() {
+    auto waypoints = request_.path;
+    for (const auto& state : waypoints)
+      if (state.size() != start_.size() || !state.allFinite())
+        return finish(ended(ArmCode::kInvalidRequest, "a state of the path does not fit the group"));
+    if ((waypoints.front() - start_).cwiseAbs().maxCoeff() > kPathStart)
+      return finish(ended(ArmCode::kStartMoved, "the robot is not where the path starts"));
+    waypoints.front() = start_;
+    if (waypoints.size() == 1) waypoints.push_back(request_.path.back());
+    if (!proven(waypoints)) {
+      if (auto made = make_checker(false); !made)
+        return ended(ArmCode::kInvalidRequest, made.error().message);
+      if (!proven(waypoints))
+        return finish(ended(ArmCode::kPathBlocked, "something is in the way of the path"));
+    }
+    std::vector<double> deviations(waypoints.size(), kFineCorner);
+    return put_in_time(std::move(waypoints), {std::move(deviations), kFineCorner}, 1.0);
+  }
+
+  bool proven(const std::vector<JointVector>& waypoints) {
+    for (std::size_t i = 1; i < waypoints.size(); ++i)
+      if (!checker_->motion_free(waypoints[i - 1], waypoints[i])) return false;
+    return true;
   }
 
   PlanResult search(const PlanRequest& asked) {

@@ -1,6 +1,7 @@
 #include "ros/arm/grasper.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 #include <utility>
@@ -20,7 +21,8 @@ using extperfc::SceneObject;
 
 namespace {
 
-constexpr double kLeastLift = 0.5;  ///< share of the lift that is one
+constexpr double kLeastLift = 0.75;     ///< share of the lift that is one
+constexpr double kLeastApproach = 0.5;  ///< share of the approach where there is no room for all of it
 constexpr double kBelow = 0.01;  ///< things whose top is at most so much above a thing's bottom carry it [m]
 
 /// Lowest and highest z of a shape at a pose.
@@ -67,6 +69,27 @@ Hooks with(const Hooks& hooks, const char* stage, std::function<void(arm::Collis
     if (report) report(stage, executed);
   };
   return changed;
+}
+
+/// The way that starts where another one ended; empty when there is none.
+std::vector<JointVector> way_on(const std::vector<std::vector<JointVector>>& ways, const JointVector& from) {
+  for (const auto& way : ways)
+    if (way.front().isApprox(from, 1e-9)) return way;
+  return {};
+}
+
+/// Ended by somebody or by the robot itself: nothing more is to move.
+bool ended_from_outside(const Ending& ending) {
+  return ending.code == ArmCode::kCancelled || ending.code == ArmCode::kPreempted ||
+         ending.code == ArmCode::kRobotStopped || ending.code == ArmCode::kRobotNotEnabled;
+}
+
+/// Many candidates are tried: none shall cost much.
+arm::CartesianParams quick() {
+  arm::CartesianParams params;
+  params.max_attempts = 4;
+  params.timeout_s = 0.1;
+  return params;
 }
 
 Ending success() {
@@ -132,20 +155,27 @@ Grasper::Maybe<Grasper::Choice> Grasper::choose(const extperfc::PickGoal& goal, 
   std::stable_sort(items->begin(), items->end(), [](const SceneItem& a, const SceneItem& b) {
     return a.frame_T_object.translation().head<2>().norm() < b.frame_T_object.translation().head<2>().norm();
   });
-  const double lift_m = or_else(goal.lift, commander_.shared().params.grasp.grasp.lift_m);
+  const auto& wanted = commander_.shared().params.grasp.grasp;
+  const double lift_m = or_else(goal.lift, wanted.lift_m);
+  // First with room for everything, then with less and more directions to come from.
+  const std::array<Room, 2> rooms{
+      Room{wanted.approach_m, lift_m, wanted.tilt_step_rad, true},
+      Room{std::max(0.02, kLeastApproach * wanted.approach_m), kLeastLift * lift_m,
+           std::max(0.05, 0.5 * wanted.tilt_step_rad), false}};
   Ending last;
   int tried = 0;
-  for (const auto& item : *items) {
-    auto choice = choose(item, *hands, lift_m, hooks);
-    if (choice) return choice->tried += tried, choice;
-    last = choice.error();
-    if (last.code != ArmCode::kNoGrasp) break;
-  }
+  for (const auto& room : rooms)
+    for (const auto& item : *items) {
+      auto choice = choose(item, *hands, room, hooks);
+      if (choice) return choice->tried += tried, choice;
+      last = choice.error();
+      if (last.code != ArmCode::kNoGrasp) return tl::unexpected(last);
+    }
   return tl::unexpected(last);
 }
 
 Grasper::Maybe<Grasper::Choice> Grasper::choose(const SceneItem& item, const std::vector<Hand*>& hands,
-                                                double lift_m, const Hooks& hooks) {
+                                                const Room& room, const Hooks& hooks) {
   const auto& shared = commander_.shared();
   if (item.shapes.size() != 1)
     return end(ArmCode::kNoGrasp, item.name + " has " + std::to_string(item.shapes.size()) +
@@ -158,14 +188,19 @@ Grasper::Maybe<Grasper::Choice> Grasper::choose(const SceneItem& item, const std
   object.geometry = item.shapes.front().geometry;
   object.root_T_object = item.frame_T_object * item.shapes.front().body_T_shape;
   object.support_z_m = heights(object.geometry, object.root_T_object).first;
+  auto params = shared.params.grasp.grasp;
+  params.approach_m = room.approach_m;
+  params.tilt_step_rad = room.tilt_step_rad;
+  params.most_candidates = 400;
   std::vector<std::vector<arm::GraspCandidate>> grasps(hands.size());
   std::vector<arm::CollisionChecker> checkers;
   checkers.reserve(hands.size());
+  std::vector<WaysOn> lifts(hands.size());
   std::vector<arm::GraspArm> arms;
   std::string why;
   for (std::size_t i = 0; i < hands.size(); ++i) {
     const Hand& hand = *hands[i];
-    auto made = arm::generate_grasps(hand.shape, object, shared.params.grasp.grasp);
+    auto made = arm::generate_grasps(hand.shape, object, params);
     if (!made) {
       why += (why.empty() ? "" : "; ") + hand.names.name + ": " + made.error().message;
       continue;
@@ -177,13 +212,13 @@ Grasper::Maybe<Grasper::Choice> Grasper::choose(const SceneItem& item, const std
     open[hand.names.finger_joint] = joints[static_cast<std::size_t>(*finger)].upper;
     auto allowed = *world;
     arm::allow_grasp(allowed, item.name, hand.shape);
-    auto checker = commander_.pipeline().checker(hand.names.group, open, allowed, false);
+    auto checker = commander_.pipeline().checker(hand.names.group, open, allowed, room.padded);
     if (!checker) return end(ArmCode::kInternal, checker.error().message);
     checkers.push_back(std::move(*checker));
     const auto state = arm::RobotArms::select(**shared.arms.group(hand.names.group), open);
     if (!state) return end(ArmCode::kNoJointStates, state.error().message);
     arms.push_back({hand.names.name, &hand.kinematics, &checkers.back(), *state, &grasps[i],
-                    straight_ways(hand, checkers.back(), lift_m)});
+                    straight_ways(hand, checkers.back(), room.lift_m, &lifts[i])});
   }
   if (arms.empty()) return end(ArmCode::kNoGrasp, item.name + ": " + why);
   arm::GraspChoiceOptions options;
@@ -200,26 +235,34 @@ Grasper::Maybe<Grasper::Choice> Grasper::choose(const SceneItem& item, const std
   choice.item = item;
   choice.grasp = (*arm.grasps)[static_cast<std::size_t>(chosen->candidate)];
   choice.tried = chosen->tried;
+  choice.approach = chosen->way;
+  choice.lift = way_on(
+      lifts[static_cast<std::size_t>(std::find(hands.begin(), hands.end(), choice.hand) - hands.begin())],
+      chosen->way.back());
   const auto& names = choice.hand->kinematics.chain().joint_names();
   for (std::size_t i = 0; i < names.size(); ++i)
     choice.pregrasp[names[i]] = chosen->pregrasp[static_cast<Eigen::Index>(i)];
   return choice;
 }
 
-arm::StraightWay Grasper::straight_ways(const Hand& hand, arm::CollisionChecker& checker,
-                                        double lift_m) const {
-  return [&hand, &checker, lift_m](const JointVector& from,
-                                   const Pose& root_T_tip) -> std::optional<std::vector<JointVector>> {
-    auto planner = arm::CartesianPlanner::make(checker, hand.kinematics.chain(), {});
-    if (!planner) return std::nullopt;
-    auto way = planner->plan({from, {root_T_tip}, {}});
-    if (way.end != arm::CartesianEnd::kComplete) return std::nullopt;
-    Pose lifted = root_T_tip;
-    lifted.translation().z() += lift_m;
-    if (planner->plan({way.waypoints.back(), {lifted}, {}}).end != arm::CartesianEnd::kComplete)
-      return std::nullopt;
-    return std::move(way.waypoints);
-  };
+arm::StraightWay Grasper::straight_ways(const Hand& hand, arm::CollisionChecker& checker, double lift_m,
+                                        WaysOn* lifts) const {
+  // Asked for from the grasp back to the pregrasp.
+  return
+      [&hand, &checker, lift_m, lifts](
+          const JointVector& grasp, const Pose& root_T_pregrasp) -> std::optional<std::vector<JointVector>> {
+        const auto& chain = hand.kinematics.chain();
+        auto planner = arm::CartesianPlanner::make(checker, chain, quick());
+        if (!planner) return std::nullopt;
+        auto way = planner->plan({grasp, {root_T_pregrasp}, {}});
+        if (way.end != arm::CartesianEnd::kComplete) return std::nullopt;
+        Pose lifted = chain.forward(grasp);
+        lifted.translation().z() += lift_m;
+        auto up = planner->plan({grasp, {lifted}, {}});
+        if (up.end != arm::CartesianEnd::kComplete) return std::nullopt;
+        lifts->push_back(std::move(up.waypoints));
+        return std::move(way.waypoints);
+      };
 }
 
 /// Opens the hand where it is; the thing is in the scene again.
@@ -244,20 +287,17 @@ Ending Grasper::pick(const extperfc::PickGoal& goal, const Hooks& hooks, extperf
   result.object = choice->item.name;
   result.arm = choice->hand->names.name;
   result.grasps = static_cast<std::uint32_t>(choice->tried);
-  return grasp(*choice, or_else(goal.lift, params.grasp.grasp.lift_m),
-               or_else(goal.planning_time, params.planning_time_s), hooks, result);
+  return grasp(*choice, or_else(goal.planning_time, params.planning_time_s), hooks, result);
 }
 
-Ending Grasper::grasp(const Choice& choice, double lift_m, double time_s, const Hooks& hooks,
-                      extperfc::PickResult& result) {
+Ending Grasper::grasp(const Choice& choice, double time_s, const Hooks& hooks, extperfc::PickResult& result) {
   Hand& hand = *choice.hand;
   const std::string& name = choice.item.name;
   if (auto opened = hand.gripper->open(hooks); !opened) return opened.error();
   if (auto moved = move_joints(hand, choice.pregrasp, time_s, with(hooks, "approaching", {})); failed(moved))
     return moved;
   const auto touch = [&](arm::CollisionWorld& world) { arm::allow_grasp(world, name, hand.shape); };
-  if (auto moved = move_tip(hand, choice.grasp.root_T_tip, arm::MotionKind::kLinear, time_s,
-                            with(hooks, "approaching", touch));
+  if (auto moved = move_along(hand, choice.approach, time_s, with(hooks, "approaching", touch));
       failed(moved))
     return moved;
   hooks.progress("grasping", 0.0);
@@ -275,11 +315,8 @@ Ending Grasper::grasp(const Choice& choice, double lift_m, double time_s, const 
   if (auto done = change(SceneObject::ATTACH, name, &hand); failed(done)) return done;
   const double bottom = heights(choice.item.shapes, choice.item.frame_T_object).first;
   const auto rise = [&](arm::CollisionWorld& world) { allow_support(world, name, bottom); };
-  Pose lifted = *tip;
-  lifted.translation().z() += lift_m;
-  const auto moved =
-      move_tip(hand, lifted, arm::MotionKind::kLinear, time_s, with(hooks, "lifting", rise), kLeastLift);
-  if (failed(moved)) return moved.code == ArmCode::kPathIncomplete ? let_go(hand, name, moved) : moved;
+  if (auto moved = move_along(hand, choice.lift, time_s, with(hooks, "lifting", rise)); failed(moved))
+    return ended_from_outside(moved) ? moved : let_go(hand, name, moved);
   // Closing again moves nothing when something is held, and tells.
   const auto still = hand.gripper->close(hooks);
   if (!still) return still.error();
@@ -329,7 +366,9 @@ Ending Grasper::place(const extperfc::PlaceGoal& goal, const Hooks& hooks, extpe
                              0.002};
   const auto candidates = arm::place_poses((*hand)->shape, request, how);
   if (!candidates) return {ArmCode::kGoalUnreachable, candidates.error().message};
-  const auto spot = choose_spot(**hand, item, *candidates, hooks);
+  auto spot = choose_spot(**hand, item, *candidates, true, hooks);
+  if (!spot && spot.error().code == ArmCode::kGoalUnreachable)
+    spot = choose_spot(**hand, item, *candidates, false, hooks);
   if (!spot) return spot.error();
   const auto ending =
       put_down(**hand, item, *spot, or_else(goal.planning_time, params.planning_time_s), hooks);
@@ -342,7 +381,7 @@ Ending Grasper::place(const extperfc::PlaceGoal& goal, const Hooks& hooks, extpe
 
 Grasper::Maybe<Grasper::Spot> Grasper::choose_spot(const Hand& hand, const SceneItem& item,
                                                    const std::vector<arm::PlaceCandidate>& candidates,
-                                                   const Hooks& hooks) {
+                                                   bool padded, const Hooks& hooks) {
   const auto& shared = commander_.shared();
   const auto positions = shared.watch.positions();
   if (!positions) return tl::unexpected(positions.error());
@@ -354,21 +393,24 @@ Grasper::Maybe<Grasper::Spot> Grasper::choose_spot(const Hand& hand, const Scene
   const auto& group = **shared.arms.group(hand.names.group);
   const auto state = arm::RobotArms::select(group, *positions);
   if (!state) return end(ArmCode::kNoJointStates, state.error().message);
-  auto full = commander_.pipeline().checker(group.name, *positions, *carrying, false);
-  auto after = commander_.pipeline().checker(group.name, *positions, empty, false);
+  auto full = commander_.pipeline().checker(group.name, *positions, *carrying, padded);
+  auto after = commander_.pipeline().checker(group.name, *positions, empty, padded);
   if (!full || !after) return end(ArmCode::kInternal, (full ? after : full).error().message);
-  // Down with the thing, back without it; the candidate of a way down is known by its end.
-  const auto ways = [&](const JointVector& from,
-                        const Pose& root_T_tip) -> std::optional<std::vector<JointVector>> {
-    auto down = arm::CartesianPlanner::make(*full, hand.kinematics.chain(), {});
-    auto back = arm::CartesianPlanner::make(*after, hand.kinematics.chain(), {});
+  WaysOn backs;
+  // Down with the thing (asked for from below), back without it; a candidate is known by its pose above.
+  const auto ways = [&](const JointVector& low,
+                        const Pose& root_T_above) -> std::optional<std::vector<JointVector>> {
+    auto down = arm::CartesianPlanner::make(*full, hand.kinematics.chain(), quick());
+    auto back = arm::CartesianPlanner::make(*after, hand.kinematics.chain(), quick());
     if (!down || !back) return std::nullopt;
-    auto way = down->plan({from, {root_T_tip}, {}});
+    auto way = down->plan({low, {root_T_above}, {}});
     if (way.end != arm::CartesianEnd::kComplete) return std::nullopt;
-    for (const auto& one : candidates)
-      if (one.root_T_tip.isApprox(root_T_tip, 1e-9) &&
-          back->plan({way.waypoints.back(), {one.root_T_retreat}, {}}).end != arm::CartesianEnd::kComplete)
-        return std::nullopt;
+    for (const auto& one : candidates) {
+      if (!one.root_T_above.isApprox(root_T_above, 1e-9)) continue;
+      auto retreat = back->plan({low, {one.root_T_retreat}, {}});
+      if (retreat.end != arm::CartesianEnd::kComplete) return std::nullopt;
+      backs.push_back(std::move(retreat.waypoints));
+    }
     return std::move(way.waypoints);
   };
   std::vector<arm::GraspCandidate> poses;
@@ -388,7 +430,10 @@ Grasper::Maybe<Grasper::Spot> Grasper::choose_spot(const Hand& hand, const Scene
     if (const auto ended = hooks.interrupted()) return tl::unexpected(*ended);
   if (!chosen)
     return end(ArmCode::kGoalUnreachable, "no way to put " + item.name + " there: " + chosen.error().message);
-  Spot spot{candidates[static_cast<std::size_t>(chosen->candidate)], {}};
+  Spot spot;
+  spot.where = candidates[static_cast<std::size_t>(chosen->candidate)];
+  spot.down = chosen->way;
+  spot.back = way_on(backs, chosen->way.back());
   const auto& names = hand.kinematics.chain().joint_names();
   for (std::size_t i = 0; i < names.size(); ++i)
     spot.above[names[i]] = chosen->pregrasp[static_cast<Eigen::Index>(i)];
@@ -401,16 +446,13 @@ Ending Grasper::put_down(Hand& hand, const SceneItem& item, const Spot& spot, do
   const auto stand = [&](arm::CollisionWorld& world) { allow_support(world, item.name, bottom); };
   if (auto moved = move_joints(hand, spot.above, time_s, with(hooks, "carrying", {})); failed(moved))
     return moved;
-  if (auto moved = move_tip(hand, spot.where.root_T_tip, arm::MotionKind::kLinear, time_s,
-                            with(hooks, "lowering", stand));
-      failed(moved))
+  if (auto moved = move_along(hand, spot.down, time_s, with(hooks, "lowering", stand)); failed(moved))
     return moved;
   hooks.progress("releasing", 0.0);
   if (auto opened = hand.gripper->open(hooks); !opened) return opened.error();
   if (auto done = change(SceneObject::DETACH, item.name, nullptr); failed(done)) return done;
   const auto touch = [&](arm::CollisionWorld& world) { arm::allow_grasp(world, item.name, hand.shape); };
-  return move_tip(hand, spot.where.root_T_retreat, arm::MotionKind::kLinear, time_s,
-                  with(hooks, "retreating", touch));
+  return move_along(hand, spot.back, time_s, with(hooks, "retreating", touch));
 }
 
 // Motions.
@@ -435,18 +477,15 @@ Ending Grasper::move_joints(const Hand& hand, const JointPositions& goal, double
   return commander_.move(std::move(*asked), 2, hooks).ending;
 }
 
-Ending Grasper::move_tip(const Hand& hand, const Pose& root_T_tip, arm::MotionKind kind, double time_s,
-                         const Hooks& hooks, double minimum_fraction) {
+/// Near things, so slowly.
+Ending Grasper::move_along(const Hand& hand, const std::vector<JointVector>& path, double time_s,
+                           const Hooks& hooks) {
   auto asked = request(hand, time_s);
   if (!asked) return asked.error();
-  asked->minimum_fraction = minimum_fraction;
-  arm::ToolTarget target;
-  target.link = hand.names.tip;
-  target.root_T_tool = root_T_tip;
-  asked->goal = std::vector<arm::ToolTarget>{target};
-  asked->kind = kind;
-  if (kind == arm::MotionKind::kLinear) asked->velocity_scale *= commander_.shared().params.grasp.slow;
-  return commander_.move(std::move(*asked), kind == arm::MotionKind::kFree ? 2 : 0, hooks).ending;
+  if (path.empty()) return {ArmCode::kInternal, "a way is missing"};
+  asked->path = path;
+  asked->velocity_scale *= commander_.shared().params.grasp.slow;
+  return commander_.move(std::move(*asked), 0, hooks).ending;
 }
 
 Ending Grasper::change(std::uint8_t operation, const std::string& name, const Hand* hand) {

@@ -39,6 +39,8 @@ class Grasper {
     SceneItem item;
     arm::GraspCandidate grasp;
     arm::JointPositions pregrasp;
+    std::vector<arm::JointVector> approach;  ///< from pregrasp to grasp
+    std::vector<arm::JointVector> lift;
     int tried{0};
   };
   template <typename T>
@@ -48,30 +50,39 @@ class Grasper {
 
   [[nodiscard]] Maybe<std::vector<Hand*>> free_hands(const std::string& arm);
   [[nodiscard]] Maybe<Choice> choose(const extperfc::PickGoal& goal, const Hooks& hooks);
-  [[nodiscard]] Maybe<Choice> choose(const SceneItem& item, const std::vector<Hand*>& hands, double lift_m,
+  /// What a grasp has to have room for; `tilt_step_rad` between the approaches that are tried.
+  struct Room {
+    double approach_m, lift_m, tilt_step_rad;
+    bool padded;  ///< with the distance that plans keep: what is planned again later succeeds again
+  };
+  [[nodiscard]] Maybe<Choice> choose(const SceneItem& item, const std::vector<Hand*>& hands, const Room& room,
                                      const Hooks& hooks);
-  /// Approach and lift of a candidate, straight and free, for choose().
+  /// Where a way ends, and the way that goes on from there.
+  using WaysOn = std::vector<std::vector<arm::JointVector>>;
+  /// Approach and lift of a candidate, straight and free, for choose(). Every lift found is added to `lifts`.
   [[nodiscard]] arm::StraightWay straight_ways(const Hand& hand, arm::CollisionChecker& checker,
-                                               double lift_m) const;
+                                               double lift_m, WaysOn* lifts) const;
   [[nodiscard]] Ending let_go(Hand& hand, const std::string& name, const Ending& why);
-  [[nodiscard]] Ending grasp(const Choice& choice, double lift_m, double time_s, const Hooks& hooks,
+  [[nodiscard]] Ending grasp(const Choice& choice, double time_s, const Hooks& hooks,
                              extperfc::PickResult& result);
   [[nodiscard]] Maybe<Hand*> holding(const extperfc::PlaceGoal& goal, SceneItem* item);
   /// Where to put it: a candidate with joint values above it, from where the ways down and back are free.
   struct Spot {
     arm::PlaceCandidate where;
     arm::JointPositions above;
+    std::vector<arm::JointVector> down;
+    std::vector<arm::JointVector> back;
   };
   [[nodiscard]] Maybe<Spot> choose_spot(const Hand& hand, const SceneItem& item,
-                                        const std::vector<arm::PlaceCandidate>& candidates,
+                                        const std::vector<arm::PlaceCandidate>& candidates, bool padded,
                                         const Hooks& hooks);
   [[nodiscard]] Ending put_down(Hand& hand, const SceneItem& item, const Spot& spot, double time_s,
                                 const Hooks& hooks);
 
   [[nodiscard]] Ending move_joints(const Hand& hand, const arm::JointPositions& goal, double time_s,
                                    const Hooks& hooks);
-  [[nodiscard]] Ending move_tip(const Hand& hand, const Pose& root_T_tip, arm::MotionKind kind, double time_s,
-                                const Hooks& hooks, double minimum_fraction = 1.0);
+  [[nodiscard]] Ending move_along(const Hand& hand, const std::vector<arm::JointVector>& path, double time_s,
+                                  const Hooks& hooks);
   [[nodiscard]] Maybe<arm::MotionRequest> request(const Hand& hand, double time_s) const;
   [[nodiscard]] Ending change(std::uint8_t operation, const std::string& name, const Hand* hand);
   [[nodiscard]] Maybe<Pose> tip_now(const Hand& hand) const;

@@ -24,7 +24,7 @@ struct ExecutionParams {
   double follow_tolerance_rad{0.25};  ///< a joint farther from the trajectory does not follow, [0.001, 3]
   double follow_delay_s{0.5};         ///< that the robot may lag behind, [0, 5]
   double start_tolerance_rad{0.05};   ///< how far the robot may be from a trajectory's start, [0.001, 1]
-  double joint_state_timeout_s{0.5};  ///< older joint states are none [s], [0.05, 10]
+  double joint_state_timeout_s{1.0};  ///< older joint states are none [s], [0.05, 10]
   double finish_time_s{3.0};          ///< beyond the trajectory's duration that it may take, [0.1, 60]
   double connect_timeout_s{3.0};      ///< wait for a trajectory server [s of wall time], [0, 60]
   bool robot_state{true};             ///< robot/state tells whether the robot is enabled
