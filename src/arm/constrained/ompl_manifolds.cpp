@@ -7,6 +7,7 @@
 #include <mutex>
 #include <utility>
 
+#include <Eigen/Cholesky>
 #include <ompl/base/ConstrainedSpaceInformation.h>
 #include <ompl/base/Constraint.h>
 #include <ompl/base/PlannerTerminationCondition.h>
@@ -51,6 +52,22 @@ class Equations : public ob::Constraint {
   }
   void jacobian(const Eigen::Ref<const Eigen::VectorXd>& x, Eigen::Ref<Eigen::MatrixXd> out) const override {
     out = constraint_.jacobian(x);
+  }
+  /// As OMPL's own, but for the decomposition: the one in its library does not work in programs that have
+  /// Eigen's singular values compiled otherwise (an assertion there ends them).
+  bool project(Eigen::Ref<Eigen::VectorXd> x) const override {
+    Eigen::VectorXd value(getCoDimension());
+    Eigen::MatrixXd slope(getCoDimension(), getAmbientDimension());
+    for (unsigned i = 0; i <= getMaxIterations(); ++i) {
+      function(x, value);
+      if (!value.allFinite()) return false;
+      if (value.norm() < getTolerance()) return true;
+      jacobian(x, slope);
+      Eigen::MatrixXd square = slope * slope.transpose();
+      square.diagonal().array() += 1e-12;
+      x -= slope.transpose() * square.ldlt().solve(value);
+    }
+    return false;
   }
 
  private:
