@@ -116,7 +116,7 @@ Ending ArmNode::plan(const extperfc::PlanGoal& goal, const Hooks& hooks, extperf
   const auto outcome = planner_.plan(*request);
   result.fraction = outcome.fraction;
   result.planning_time = outcome.times.sum_s();
-  const Ending ending = stopped ? *stopped : Ending{outcome.code, outcome.message};
+  Ending ending = stopped ? *stopped : Ending{outcome.code, outcome.message};
   note("plan", ending);
   if (ending.code != ArmCode::kSuccess) return ending;
   result.trajectory = convert::to_message(outcome.joints, outcome.points);
@@ -139,7 +139,7 @@ Ending ArmNode::pick(const extperfc::PickGoal& goal, const Hooks& hooks, extperf
   const auto hold = lease_.take();
   const Hooks stops = with_stops(hooks, hold);
   const auto interrupted = stops.interrupted();
-  const Ending ending = interrupted ? *interrupted : grasper_->pick(goal, stops, result);
+  Ending ending = interrupted ? *interrupted : grasper_->pick(goal, stops, result);
   publish_scene();
   note("pick", ending);
   return ending;
@@ -149,7 +149,7 @@ Ending ArmNode::place(const extperfc::PlaceGoal& goal, const Hooks& hooks, extpe
   const auto hold = lease_.take();
   const Hooks stops = with_stops(hooks, hold);
   const auto interrupted = stops.interrupted();
-  const Ending ending = interrupted ? *interrupted : grasper_->place(goal, stops, result);
+  Ending ending = interrupted ? *interrupted : grasper_->place(goal, stops, result);
   publish_scene();
   note("place", ending);
   return ending;

@@ -112,7 +112,7 @@ class Executor::Motion {
 
   /// Whether it may begin.
   std::optional<Ending> look_first() {
-    if (const auto obstacle = executor_.watch_.obstacle()) return obstacle;
+    if (auto obstacle = executor_.watch_.obstacle()) return obstacle;
     const auto positions = executor_.watch_.positions();
     if (!positions) return positions.error();
     const auto measured = arm::RobotArms::select(group_, *positions);
@@ -155,7 +155,7 @@ class Executor::Motion {
       if (!state.isDone() || state == SimpleClientGoalState::SUCCEEDED) continue;
       // What ended the motion may be known from the robot's state a little later.
       for (int i = 0; i < 15 && !executor_.watch_.obstacle(); ++i) ros::WallDuration(0.02).sleep();
-      if (const auto obstacle = executor_.watch_.obstacle()) return obstacle;
+      if (auto obstacle = executor_.watch_.obstacle()) return obstacle;
       return ending_of(
           controller->action, controller->client->getResult().get(),
           state == SimpleClientGoalState::LOST ? "it lost the goal" : "ended as " + state.toString());

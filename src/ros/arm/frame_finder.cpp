@@ -32,7 +32,7 @@ tl::expected<Pose, Ending> FrameFinder::root_T_frame(const std::string& given, c
 tl::expected<Pose, Ending> FrameFinder::root_T_pose(const geometry_msgs::PoseStamped& pose) const {
   const auto frame_T_pose = convert::to_pose(pose.pose);
   if (!frame_T_pose) return end(ArmCode::kInvalidRequest, frame_T_pose.error().message);
-  const auto root_T_frame = this->root_T_frame(pose.header.frame_id, pose.header.stamp);
+  auto root_T_frame = this->root_T_frame(pose.header.frame_id, pose.header.stamp);
   if (!root_T_frame) return root_T_frame;
   return *root_T_frame * *frame_T_pose;
 }

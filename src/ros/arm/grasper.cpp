@@ -370,8 +370,7 @@ Ending Grasper::place(const extperfc::PlaceGoal& goal, const Hooks& hooks, extpe
   if (!spot && spot.error().code == ArmCode::kGoalUnreachable)
     spot = choose_spot(**hand, item, *candidates, false, hooks);
   if (!spot) return spot.error();
-  const auto ending =
-      put_down(**hand, item, *spot, or_else(goal.planning_time, params.planning_time_s), hooks);
+  auto ending = put_down(**hand, item, *spot, or_else(goal.planning_time, params.planning_time_s), hooks);
   if (failed(ending)) return ending;
   result.placed.header.frame_id = commander_.shared().arms.root_link();
   result.placed.header.stamp = ros::Time::now();
