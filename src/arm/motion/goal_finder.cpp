@@ -181,12 +181,14 @@ tl::expected<GroupChain, Ending> chain_to(const RobotArms& arms, const ArmGroup&
   const std::string& tip = link.empty() ? group.tips.front() : link;
   auto chain = ArmChain::make(arms.robot(), arms.root_link(), tip);
   if (!chain) return end(ArmCode::kInvalidRequest, "the goal's link: " + chain.error().message);
+  const auto foreign = [&](const std::string& joint) {
+    return "link " + tip + " is moved by " + joint + ", which is not in the group " + group.name;
+  };
   std::vector<Eigen::Index> in_group;
   for (const auto& joint : chain->joint_names()) {
     const auto found = std::find(group.joints.begin(), group.joints.end(), joint);
     if (found == group.joints.end())
-      return end(ArmCode::kInvalidRequest,
-                 "link " + tip + " is moved by " + joint + ", which is not in the group " + group.name);
+      return end(ArmCode::kInvalidRequest, foreign(joint));
     in_group.push_back(found - group.joints.begin());
   }
   return GroupChain{std::move(*chain), std::move(in_group)};

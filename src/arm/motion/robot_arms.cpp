@@ -128,11 +128,14 @@ Result<JointPositions> RobotArms::named_state(const ArmGroup& group, const std::
   if (known.count(state) == 0)
     return fail(ErrorCode::kNotFound,
                 "group " + group.name + " has no state '" + state + "': use one of " + listed(known));
+  const auto silent_about = [&](const std::string& joint) {
+    return "the state " + state + " says nothing about " + joint;
+  };
   JointPositions result;
   for (const auto& joint : group.joints) {
     const auto found = all.find(joint);
     if (found == all.end())
-      return fail(ErrorCode::kInvalidArgument, "the state " + state + " says nothing about " + joint);
+      return fail(ErrorCode::kInvalidArgument, silent_about(joint));
     result.insert(*found);
   }
   return result;

@@ -1,3 +1,5 @@
+#include <algorithm>
+
 #include <gtest/gtest.h>
 
 #include "extperfc/arm/collision_matrix.hpp"
@@ -25,6 +27,8 @@ constexpr const char* kRobot = R"(<robot name="three">
     <origin xyz="1 0 0"/><limit lower="-.1" upper=".1" effort="1" velocity="1"/></joint>
   <joint name="jt" type="fixed"><parent link="lower"/><child link="tip"/><origin xyz="1.9 0 0"/></joint>
 </robot>)";
+
+constexpr const char* kTucked = "Tucked";
 
 std::string reason(const std::vector<DisabledPair>& pairs, const std::string& a, const std::string& b) {
   for (const auto& pair : pairs)
@@ -61,9 +65,42 @@ TEST(CollisionMatrix, OfBaxterFitsTheShippedFile) {
   const auto found = find_disabled_pairs(test::baxter(), params).value();
   // Fewer samples find more that never touch, never less; the other reasons do not depend on rare events.
   for (const auto& shipped : test::baxter_srdf().disabled) {
+    if (shipped.reason == kTucked) continue;
     const std::string now = reason(found, shipped.link_a, shipped.link_b);
     EXPECT_EQ(shipped.reason, now) << shipped.link_a << " " << shipped.link_b;
   }
+}
+
+// Pairs that are left out by hand since the maker's tucked pose presses the described bodies into each other:
+// nothing else touches there, and each of the pairs does.
+TEST(CollisionMatrix, TheTuckedPoseNeedsThePairsThatBearItsName) {
+  CollisionModelParams params = test::group_params("both_arms");
+  JointVector tucked(14);
+  for (const auto& state : test::baxter_srdf().states)
+    for (const auto& [joint, position] : state.positions)
+      if (state.name == "tuck")
+        tucked[std::find(params.joints.begin(), params.joints.end(), joint) - params.joints.begin()] =
+            position;
+  const auto contact = [&](const CollisionModelParams& with) {
+    const auto model = CollisionModel::make(test::baxter(), with).value();
+    return CollisionChecker::make(model, {}).value().contact(tucked);
+  };
+  EXPECT_FALSE(contact(params));
+  int pairs = 0;
+  for (const auto& shipped : test::baxter_srdf().disabled) {
+    if (shipped.reason != kTucked) continue;
+    ++pairs;
+    Srdf fewer = test::baxter_srdf();
+    const auto same = [&](const DisabledPair& pair) {
+      return pair.link_a == shipped.link_a && pair.link_b == shipped.link_b;
+    };
+    fewer.disabled.erase(std::remove_if(fewer.disabled.begin(), fewer.disabled.end(), same),
+                         fewer.disabled.end());
+    CollisionModelParams without = params;
+    without.allowed = allowed_pairs(fewer);
+    EXPECT_TRUE(contact(without)) << shipped.link_a << " " << shipped.link_b;
+  }
+  EXPECT_GT(pairs, 0);
 }
 
 TEST(Srdf, GroupsOfBaxter) {
