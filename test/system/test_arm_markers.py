@@ -68,6 +68,12 @@ class Scene:
         return " ".join(marker.text for marker in self.of(f"{side}_text")).replace("\n", " ")
 
 
+def heed_signals():
+    """For a child: whoever runs the tests may ignore these, as nohup and the background of a shell do, and children would too."""
+    for number in (signal.SIGINT, signal.SIGHUP):
+        signal.signal(number, signal.SIG_DFL)
+
+
 class ArmMarkers(unittest.TestCase):
     @classmethod
     def setUpClass(cls):
@@ -245,9 +251,8 @@ class ArmMarkers(unittest.TestCase):
             with heard:
                 self.assertTrue(heard.wait_for(lambda: ends, 20))
                 ends.clear()
-            # Whoever runs the tests may ignore SIGHUP, as nohup does; children would too.
             program = subprocess.Popen([sys.executable, "-c", PROGRAM.format(wait=wait)], stdout=subprocess.PIPE, text=True,
-                                       stderr=subprocess.DEVNULL, preexec_fn=lambda: signal.signal(signal.SIGHUP, signal.SIG_DFL))
+                                       stderr=subprocess.DEVNULL, preexec_fn=heed_signals)
             with self.subTest(number), program:
                 self.assertEqual("moving", program.stdout.readline().strip())
                 if number is not None:

@@ -167,6 +167,23 @@ class ArmMoves(unittest.TestCase):
         self.left.scene.detach("rod")
         self.assertEqual("", self.left.scene.objects["rod"].link)
 
+    def test_meshes_count_as_their_hulls(self):
+        joints = self.left.solve_ik(AHEAD, frame="base")
+        corners = [(x, y, z) for x in (-0.05, 0.05) for y in (-0.05, 0.05) for z in (-0.05, 0.05)]
+        sides = [(0, 1, 3), (4, 5, 7), (0, 1, 5), (2, 3, 7)]  # a box that is open on two sides
+        with tempfile.NamedTemporaryFile("w", suffix=".obj") as file:
+            file.writelines(f"v {x} {y} {z}\n" for x, y, z in corners)
+            file.writelines(f"f {a + 1} {b + 1} {c + 1}\n" for a, b, c in sides)
+            file.flush()
+            self.left.scene.add_mesh("vase", file.name, (AHEAD[0], AHEAD[1], AHEAD[2] + 1.0), frame="base", label="vase")
+            self.assertTrue(self.left.check(joints).free)
+            self.left.scene.add_mesh("vase", file.name, AHEAD[:3], frame="base", label="vase")
+        found = self.left.check(joints)
+        self.assertFalse(found.free)
+        self.assertIn("vase", (found.first, found.second))
+        self.assertEqual(4, len(self.left.scene.objects["vase"].meshes[0].triangles))
+        self.fails(ArmCode.NO_GRASP, self.left.pick, "vase")
+
     def test_inverse_kinematics_and_states(self):
         joints = self.left.solve_ik(AHEAD, frame="base")
         self.assertEqual(7, len(joints))

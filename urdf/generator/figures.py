@@ -56,8 +56,8 @@ HEAD_MAX_EFFORT, HEAD_MAX_SPEED = 10.0, 2.0
 
 # Where an arm stands on the torso; y and yaw change sign for the right one.
 ARM_MOUNT = {"xyz": (0.024645, 0.219645, 0.118588), "yaw": 0.7854}
-# The newer published effort of s1, 50 N m, does not carry the arm, whose own weight takes 50.2 N m in the pose "neutral": the
-# real shoulder has springs, which no description has. This is the older published figure.
+# The published effort of s1, 50 N m, does not carry the arm, whose own weight takes 50.2 N m in the pose "neutral": our own
+# choice, see docs/robot.md.
 S1_MAX_EFFORT = 100
 # name: (parent, child, xyz, rpy, lower, upper, velocity, effort); parent and child of one side
 ARM_JOINTS = {

@@ -1,6 +1,8 @@
 #pragma once
 
+#include <array>
 #include <filesystem>
+#include <memory>
 #include <optional>
 #include <string_view>
 #include <variant>
@@ -28,12 +30,15 @@ struct Cone {
   double radius_m{0};
   double height_m{0};
 };
-/// Triangles of a binary STL file of our own.
-struct MeshFile {
-  std::filesystem::path path;
+/// Corners, counter-clockwise seen from outside.
+using Triangle = std::array<Eigen::Vector3f, 3>;
+/// Triangles of a binary STL file, or in memory; see triangles_of().
+struct TriangleMesh {
+  std::filesystem::path path;  ///< of the file; in memory a name for messages
   Eigen::Vector3d scale{Eigen::Vector3d::Ones()};
+  std::shared_ptr<const std::vector<Triangle>> triangles{nullptr};  ///< instead of the file
 };
-using Geometry = std::variant<Box, Cylinder, Sphere, Cone, MeshFile>;
+using Geometry = std::variant<Box, Cylinder, Sphere, Cone, TriangleMesh>;
 
 /// Pattern that is multiplied with the colour; made by the program itself, from a seed.
 enum class Texture { kNone, kWood, kTiles, kPlaster, kCloth, kCarpet, kMarble, kChecker, kBooks };

@@ -42,15 +42,15 @@ Made make(const Cone& cone) {
   return round_or_box(PartKind::kCone, {cone.radius_m, cone.radius_m, cone.height_m / 2});
 }
 
-Made make(const MeshFile& mesh) {
-  const auto triangles = read_stl_triangles(mesh.path);
+Made make(const TriangleMesh& mesh) {
+  const auto triangles = triangles_of(mesh);
   if (!triangles) return tl::unexpected<Error>(triangles.error());
   if (!mesh.scale.allFinite() || mesh.scale.cwiseAbs().minCoeff() <= 0)
     return fail(ErrorCode::kInvalidArgument,
                 "scale of mesh " + mesh.path.string() + " must be finite and not 0");
   std::vector<Eigen::Vector3d> corners;
-  corners.reserve(3 * triangles->size());
-  for (const auto& triangle : *triangles)
+  corners.reserve(3 * (*triangles)->size());
+  for (const auto& triangle : **triangles)
     for (const auto& corner : triangle) corners.emplace_back(corner.cast<double>().cwiseProduct(mesh.scale));
   auto hull = convex_hull(corners);
   if (!hull) return fail(hull.error().code, "mesh " + mesh.path.string() + ": " + hull.error().message);

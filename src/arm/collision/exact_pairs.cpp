@@ -171,7 +171,7 @@ Separation ExactPairs::separation(int index, const Placement& placement) {
   const btPointCollector found = closest(pair, placement, false);
   if (!found.m_hasResult || found.m_distance <= 0) return {Eigen::Vector3d::UnitZ(), -1};
   const btVector3& n = found.m_normalOnBInWorld;
-  const Separation result = along(pair, placement, Eigen::Vector3d(n.x(), n.y(), n.z()).normalized());
+  Separation result = along(pair, placement, Eigen::Vector3d(n.x(), n.y(), n.z()).normalized());
   axes_[index] = placement.bodies()[pair.ancestor].linear().transpose() * result.normal;
   return result;
 }

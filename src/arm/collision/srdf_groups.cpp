@@ -56,10 +56,11 @@ class Collector {
   Result<void> add_chain(const std::string& base, const std::string& tip) {
     const auto first = robot_.link(base), last = robot_.link(tip);
     if (!first || !last) return fail(ErrorCode::kNotFound, "the robot has no link " + (first ? tip : base));
+    const std::string none = "no chain leads from " + base + " to " + tip;
     std::vector<int> chain;
     for (int link = *last; link != *first;) {
       const int carrier = robot_.links()[link].parent_joint;
-      if (carrier < 0) return fail(ErrorCode::kInvalidArgument, "no chain leads from " + base + " to " + tip);
+      if (carrier < 0) return fail(ErrorCode::kInvalidArgument, none);
       chain.push_back(carrier);
       link = robot_.joints()[carrier].parent_link;
     }

@@ -189,7 +189,7 @@ class Generator {
 };
 
 Result<void> check_object(const GraspObject& object) {
-  if (std::holds_alternative<MeshFile>(object.geometry))
+  if (std::holds_alternative<TriangleMesh>(object.geometry))
     return fail(ErrorCode::kUnsupported,
                 "no grasps of a mesh: give a box, cylinder, sphere or cone about it");
   if (!object.root_T_object.matrix().allFinite() || !object.root_T_object.linear().isUnitary(1e-6))

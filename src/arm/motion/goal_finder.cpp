@@ -187,8 +187,7 @@ tl::expected<GroupChain, Ending> chain_to(const RobotArms& arms, const ArmGroup&
   std::vector<Eigen::Index> in_group;
   for (const auto& joint : chain->joint_names()) {
     const auto found = std::find(group.joints.begin(), group.joints.end(), joint);
-    if (found == group.joints.end())
-      return end(ArmCode::kInvalidRequest, foreign(joint));
+    if (found == group.joints.end()) return end(ArmCode::kInvalidRequest, foreign(joint));
     in_group.push_back(found - group.joints.begin());
   }
   return GroupChain{std::move(*chain), std::move(in_group)};

@@ -134,8 +134,7 @@ Result<JointPositions> RobotArms::named_state(const ArmGroup& group, const std::
   JointPositions result;
   for (const auto& joint : group.joints) {
     const auto found = all.find(joint);
-    if (found == all.end())
-      return fail(ErrorCode::kInvalidArgument, silent_about(joint));
+    if (found == all.end()) return fail(ErrorCode::kInvalidArgument, silent_about(joint));
     result.insert(*found);
   }
   return result;

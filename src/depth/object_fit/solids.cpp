@@ -109,6 +109,7 @@ std::vector<Numbers> starts(FitShape shape, const std::vector<Eigen::Vector3d>& 
   if (shape == FitShape::kSphere) return {numbers_of({middle.x(), middle.y(), 0.5 * top})};
   if (shape == FitShape::kCone) return {numbers_of({middle.x(), middle.y(), half_width(points), 1.05 * top})};
   std::vector<Numbers> all;
+  all.reserve(kYaws);
   for (int i = 0; i < kYaws; ++i)
     all.push_back(numbers_of({middle.x(), middle.y(), top, i * kQuarter / kYaws}));
   return all;

@@ -44,6 +44,13 @@ Result<std::unique_ptr<ArmNode>> ArmNode::make(const ros::NodeHandle& handle,
     if (!depth) return tl::unexpected(depth.error());
     node->depth_ = std::move(*depth);
   }
+  if (params->objects.enabled) {
+    auto objects = ObjectWatch::make(
+        {node->frames_, node->scene_, params->world_frame, [own = node.get()] { own->publish_scene(); }},
+        params->objects);
+    if (!objects) return tl::unexpected(objects.error());
+    node->objects_ = std::move(*objects);
+  }
   node->advertise();
   return node;
 }
@@ -100,8 +107,12 @@ void ArmNode::advertise() {
   if (depth_)
     reporter_.add("depth",
                   [this](diagnostic_updater::DiagnosticStatusWrapper& status) { depth_->report(status); });
+  if (objects_)
+    reporter_.add("objects",
+                  [this](diagnostic_updater::DiagnosticStatusWrapper& status) { objects_->report(status); });
   reporter_.start();
   if (depth_) depth_->start(handle_);
+  if (objects_) objects_->start(handle_);
 }
 
 Ending ArmNode::plan(const extperfc::PlanGoal& goal, const Hooks& hooks, extperfc::PlanResult& result) {

@@ -21,6 +21,7 @@
 #include "ros/arm/depth_watch.hpp"
 #include "ros/arm/grasper.hpp"
 #include "ros/arm/jog_server.hpp"
+#include "ros/arm/object_watch.hpp"
 #include "ros/health/reporter.hpp"
 #include "ros/params/arm_params.hpp"
 
@@ -47,6 +48,7 @@ namespace extperfc::arm_node {
 ///   robot/state          baxter_core_msgs/AssemblyState, with execution/robot_state
 ///   /tf, /tf_static      for poses in frames that are no links of the robot
 ///   a depth camera's pictures, with depth/enabled: see DepthWatch
+///   a detector's objects, with objects/enabled: see ObjectWatch
 /// Publishes:
 ///   arm/display_trajectory   trajectory_msgs/JointTrajectory, latched: planned last
 ///   arm/markers              visualization_msgs/MarkerArray, latched: the scene, when it changes
@@ -113,7 +115,8 @@ class ArmNode {
 
   ros::Publisher trajectory_publisher_;
   ros::Publisher marker_publisher_;
-  std::unique_ptr<DepthWatch> depth_;  ///< nothing without depth/enabled
+  std::unique_ptr<DepthWatch> depth_;     ///< nothing without depth/enabled
+  std::unique_ptr<ObjectWatch> objects_;  ///< nothing without objects/enabled
   std::vector<ros::ServiceServer> services_;
   health::Reporter reporter_;
   std::unique_ptr<ActionRunner<extperfc::PlanAction>> plan_action_;

@@ -22,7 +22,7 @@ using extperfc::SceneObject;
 namespace {
 
 constexpr double kLeastLift = 0.75;     ///< share of the lift that is one
-constexpr double kLeastApproach = 0.5;  ///< share of the approach where there is no room for all of it
+constexpr double kLeastApproach = 0.5;  ///< share of other straight ways where there is no room for all
 constexpr double kBelow = 0.01;  ///< things whose top is at most so much above a thing's bottom carry it [m]
 
 /// Lowest and highest z of a shape at a pose.
@@ -38,7 +38,16 @@ std::pair<double, double> heights(const Geometry& geometry, const Pose& root_T_s
   else if (const auto* cone = std::get_if<Cone>(&geometry))
     half = 0.5 * cone->height_m * std::abs(up.z()) + cone->radius_m * std::hypot(up.x(), up.y());
   const double z = root_T_shape.translation().z();
-  return {z - half, z + half};
+  const auto* mesh = std::get_if<TriangleMesh>(&geometry);
+  if (mesh == nullptr || !mesh->triangles) return {z - half, z + half};
+  std::pair<double, double> all{std::numeric_limits<double>::infinity(),
+                                -std::numeric_limits<double>::infinity()};
+  for (const auto& triangle : *mesh->triangles)
+    for (const auto& corner : triangle) {
+      const double at = z + up.dot(corner.cast<double>().cwiseProduct(mesh->scale));
+      all = {std::min(all.first, at), std::max(all.second, at)};
+    }
+  return all;
 }
 
 std::pair<double, double> heights(const std::vector<Shape>& shapes, const Pose& root_T_object) {
@@ -282,8 +291,11 @@ Ending Grasper::pick(const extperfc::PickGoal& goal, const Hooks& hooks, extperf
     return {ArmCode::kInvalidRequest, "the planning time must be 0 s or more"};
   hooks.progress("choosing", 0.0);
   if (const auto obstacle = commander_.shared().watch.obstacle()) return *obstacle;
+  // From looking at it until it is in the hand, fingers hide it and push it.
+  auto still = commander_.shared().scene.hold(goal.object);
   const auto choice = choose(goal, hooks);
   if (!choice) return choice.error();
+  still = commander_.shared().scene.hold(choice->item.name);
   result.object = choice->item.name;
   result.arm = choice->hand->names.name;
   result.grasps = static_cast<std::uint32_t>(choice->tried);
@@ -362,13 +374,7 @@ Ending Grasper::place(const extperfc::PlaceGoal& goal, const Hooks& hooks, extpe
   request.any_yaw = goal.any_yaw != 0;
   request.opening_m = (*hand)->shape.opening_max_m;
   request.support_z_m = heights(item.shapes, *target).first;
-  const arm::PlaceParams how{params.grasp.lower_m, or_else(goal.retreat, params.grasp.retreat_m), 0.3927,
-                             0.002};
-  const auto candidates = arm::place_poses((*hand)->shape, request, how);
-  if (!candidates) return {ArmCode::kGoalUnreachable, candidates.error().message};
-  auto spot = choose_spot(**hand, item, *candidates, true, hooks);
-  if (!spot && spot.error().code == ArmCode::kGoalUnreachable)
-    spot = choose_spot(**hand, item, *candidates, false, hooks);
+  const auto spot = choose_spot(**hand, item, request, or_else(goal.retreat, params.grasp.retreat_m), hooks);
   if (!spot) return spot.error();
   auto ending = put_down(**hand, item, *spot, or_else(goal.planning_time, params.planning_time_s), hooks);
   if (failed(ending)) return ending;
@@ -376,6 +382,30 @@ Ending Grasper::place(const extperfc::PlaceGoal& goal, const Hooks& hooks, extpe
   result.placed.header.stamp = ros::Time::now();
   result.placed.pose = convert::to_message(spot->where.root_T_object);
   return ending;
+}
+
+Grasper::Maybe<Grasper::Spot> Grasper::choose_spot(const Hand& hand, const SceneItem& item,
+                                                   const arm::PlaceRequest& request, double retreat_m,
+                                                   const Hooks& hooks) {
+  const double lower_m = commander_.shared().params.grasp.lower_m;
+  const auto less = [](double way_m) { return std::min(way_m, std::max(0.02, kLeastApproach * way_m)); };
+  struct Way {
+    arm::PlaceParams how;
+    bool padded;
+  };
+  // First with room for everything, then nearer to things, then with shorter ways and more turns.
+  const std::array<Way, 3> ways{Way{{lower_m, retreat_m, 0.3927, 0.002}, true},
+                                Way{{lower_m, retreat_m, 0.3927, 0.002}, false},
+                                Way{{less(lower_m), less(retreat_m), 0.1963, 0.002}, false}};
+  Ending last;
+  for (const auto& way : ways) {
+    const auto candidates = arm::place_poses(hand.shape, request, way.how);
+    if (!candidates) return end(ArmCode::kGoalUnreachable, candidates.error().message);
+    auto spot = choose_spot(hand, item, *candidates, way.padded, hooks);
+    if (spot || spot.error().code != ArmCode::kGoalUnreachable) return spot;
+    last = spot.error();
+  }
+  return tl::unexpected(last);
 }
 
 Grasper::Maybe<Grasper::Spot> Grasper::choose_spot(const Hand& hand, const SceneItem& item,
@@ -441,6 +471,7 @@ Grasper::Maybe<Grasper::Spot> Grasper::choose_spot(const Hand& hand, const Scene
 
 Ending Grasper::put_down(Hand& hand, const SceneItem& item, const Spot& spot, double time_s,
                          const Hooks& hooks) {
+  const auto still = commander_.shared().scene.hold(item.name);  // until the fingers are away from it
   const double bottom = heights(item.shapes, spot.where.root_T_object).first;
   const auto stand = [&](arm::CollisionWorld& world) { allow_support(world, item.name, bottom); };
   if (auto moved = move_joints(hand, spot.above, time_s, with(hooks, "carrying", {})); failed(moved))

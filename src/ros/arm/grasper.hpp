@@ -74,6 +74,9 @@ class Grasper {
     std::vector<arm::JointVector> back;
   };
   [[nodiscard]] Maybe<Spot> choose_spot(const Hand& hand, const SceneItem& item,
+                                        const arm::PlaceRequest& request, double retreat_m,
+                                        const Hooks& hooks);
+  [[nodiscard]] Maybe<Spot> choose_spot(const Hand& hand, const SceneItem& item,
                                         const std::vector<arm::PlaceCandidate>& candidates, bool padded,
                                         const Hooks& hooks);
   [[nodiscard]] Ending put_down(Hand& hand, const SceneItem& item, const Spot& spot, double time_s,

@@ -59,6 +59,12 @@ visualization_msgs::Marker marker_of(const Shape& shape) {
       marker.points.push_back(rim(i));
       marker.points.push_back(rim(i + 1));
     }
+  } else if (const auto* mesh = std::get_if<TriangleMesh>(&shape.geometry);
+             mesh != nullptr && mesh->triangles) {
+    marker.type = visualization_msgs::Marker::TRIANGLE_LIST;
+    size(mesh->scale.x(), mesh->scale.y(), mesh->scale.z());
+    for (const auto& triangle : *mesh->triangles)
+      for (const auto& corner : triangle) marker.points.push_back(convert::to_point(corner.cast<double>()));
   }
   return marker;
 }
@@ -123,8 +129,6 @@ tl::expected<void, Ending> SceneKeeper::add(const SceneObject& message, Items& i
     return end(ArmCode::kInvalidRequest, "a link of the robot has that name");
   if (message.name == kSeenName)
     return end(ArmCode::kInvalidRequest, "what the depth camera sees has that name");
-  if (!message.meshes.empty())
-    return end(ArmCode::kInvalidRequest, "meshes are not supported: use primitives");
   auto shapes = convert::to_shapes(message);
   if (!shapes) return end(ArmCode::kInvalidRequest, shapes.error().message);
   if (shapes->empty()) return end(ArmCode::kInvalidRequest, "it has no shapes");

@@ -2,8 +2,10 @@
 
 #include <cstdint>
 #include <map>
+#include <memory>
 #include <mutex>
 #include <optional>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -26,6 +28,8 @@ struct SceneItem {
   Pose frame_T_object{Pose::Identity()};
   bool held{false};
   std::vector<std::string> touch_links;  ///< of a held one
+  bool found{false};                     ///< it came from set_found(), and nobody has replaced it
+  bool still{false};                     ///< of items(): set_found() leaves it alone
 };
 
 /// What arms must not touch, and what hands hold. Things that were given in a frame that is no link of the
@@ -45,6 +49,16 @@ class SceneKeeper {
   /// everything. The version grows only with a `noticeable` change. Errors: an object that CollisionWorld
   /// refuses.
   [[nodiscard]] Result<void> set_seen(std::optional<arm::WorldObject> object, bool noticeable);
+
+  /// What detections found, each in a frame that it stands still in; what the call before brought and this
+  /// one does not goes. Things of the same name that a hand holds, that hold() keeps, or that apply() put in
+  /// stay as they are. True when something changed: then the version grew. Endings: a name that a link has,
+  /// more than kMostObjects, what CollisionWorld refuses; nothing has changed then.
+  [[nodiscard]] tl::expected<bool, Ending> set_found(const std::vector<SceneItem>& found);
+  /// Until all copies of what it returns are gone, set_found() leaves things of this name or label alone.
+  [[nodiscard]] std::shared_ptr<const void> hold(const std::string& name_or_label);
+  /// As they are remembered: frame_T_object in their own frames.
+  [[nodiscard]] std::vector<SceneItem> items() const;
 
   /// Grows with every change that a caller made.
   [[nodiscard]] std::uint64_t version() const;
@@ -70,12 +84,14 @@ class SceneKeeper {
   [[nodiscard]] tl::expected<void, Ending> detach(const std::string& name, Items& items) const;
   [[nodiscard]] tl::expected<void, Ending> place(const Pose& root_T_object, SceneItem& item) const;
   [[nodiscard]] tl::expected<arm::CollisionWorld, Ending> world_of(const Items& items) const;
+  [[nodiscard]] bool stays(const SceneItem& item) const;
 
   const FrameFinder& frames_;
   const std::string world_frame_;
   mutable std::mutex mutex_;
   Items items_;
-  arm::CollisionWorld seen_;  ///< nothing, or one object
+  arm::CollisionWorld seen_;          ///< nothing, or one object
+  std::multiset<std::string> holds_;  ///< names and labels, see hold()
   std::uint64_t version_{0};
 };
 

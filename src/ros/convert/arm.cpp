@@ -1,6 +1,10 @@
 #include "ros/convert/arm.hpp"
 
+#include <array>
 #include <cmath>
+#include <cstdint>
+#include <map>
+#include <memory>
 #include <optional>
 #include <utility>
 #include <variant>
@@ -12,6 +16,8 @@ namespace extperfc::convert {
 namespace {
 
 using shape_msgs::SolidPrimitive;
+
+constexpr std::size_t kMostTriangles = 100'000;  ///< of one mesh
 
 Result<Geometry> to_geometry(const SolidPrimitive& primitive) {
   const auto& size = primitive.dimensions;
@@ -59,6 +65,67 @@ std::optional<SolidPrimitive> to_primitive(const Geometry& geometry) {
     return std::nullopt;
   }
   return primitive;
+}
+
+Result<Geometry> to_geometry(const shape_msgs::Mesh& mesh) {
+  if (mesh.triangles.empty() || mesh.triangles.size() > kMostTriangles)
+    return fail(ErrorCode::kInvalidArgument, "a mesh has from 1 to " + std::to_string(kMostTriangles) +
+                                                 " triangles, not " + std::to_string(mesh.triangles.size()));
+  auto triangles = std::make_shared<std::vector<Triangle>>();
+  triangles->reserve(mesh.triangles.size());
+  for (const auto& corners : mesh.triangles) {
+    Triangle triangle;
+    for (std::size_t i = 0; i < triangle.size(); ++i) {
+      const std::size_t index = corners.vertex_indices[i];
+      if (index >= mesh.vertices.size())
+        return fail(ErrorCode::kInvalidArgument, "a triangle of a mesh has the vertex " +
+                                                     std::to_string(index) + ", of " +
+                                                     std::to_string(mesh.vertices.size()));
+      const auto& at = mesh.vertices[index];
+      triangle[i] = Eigen::Vector3d(at.x, at.y, at.z).cast<float>();
+    }
+    triangles->push_back(triangle);
+  }
+  return TriangleMesh{"in the message", Eigen::Vector3d::Ones(), std::move(triangles)};
+}
+
+shape_msgs::Mesh to_mesh(const std::vector<Triangle>& triangles) {
+  shape_msgs::Mesh mesh;
+  std::map<std::array<float, 3>, std::uint32_t> known;
+  for (const auto& triangle : triangles) {
+    shape_msgs::MeshTriangle corners;
+    for (std::size_t i = 0; i < triangle.size(); ++i) {
+      const Eigen::Vector3f& at = triangle[i];
+      const auto next = static_cast<std::uint32_t>(mesh.vertices.size());
+      const auto [place, is_new] = known.try_emplace({at.x(), at.y(), at.z()}, next);
+      if (is_new) mesh.vertices.push_back(to_point(at.cast<double>()));
+      corners.vertex_indices[i] = place->second;
+    }
+    mesh.triangles.push_back(corners);
+  }
+  return mesh;
+}
+
+/// Adds the shapes of one kind. Poses: none, or one for each.
+template <typename Message>
+Result<void> add_shapes(const std::vector<Message>& messages, const std::vector<geometry_msgs::Pose>& poses,
+                        const char* kind, std::vector<Shape>& shapes) {
+  if (!poses.empty() && poses.size() != messages.size())
+    return fail(ErrorCode::kInvalidArgument, std::to_string(messages.size()) + " " + kind + " have " +
+                                                 std::to_string(poses.size()) + " poses");
+  for (std::size_t i = 0; i < messages.size(); ++i) {
+    auto geometry = to_geometry(messages[i]);
+    if (!geometry) return tl::unexpected(geometry.error());
+    Shape shape;
+    shape.geometry = std::move(*geometry);
+    if (!poses.empty()) {
+      const auto pose = to_pose(poses[i]);
+      if (!pose) return tl::unexpected(pose.error());
+      shape.body_T_shape = *pose;
+    }
+    shapes.push_back(std::move(shape));
+  }
+  return {};
 }
 
 arm::JointVector to_vector(const std::vector<double>& values) {
@@ -132,31 +199,23 @@ Result<arm::TimedPath> to_path(const trajectory_msgs::JointTrajectory& message) 
 }
 
 Result<std::vector<Shape>> to_shapes(const extperfc::SceneObject& message) {
-  if (!message.primitive_poses.empty() && message.primitive_poses.size() != message.primitives.size())
-    return fail(ErrorCode::kInvalidArgument, std::to_string(message.primitives.size()) + " primitives have " +
-                                                 std::to_string(message.primitive_poses.size()) + " poses");
   std::vector<Shape> shapes;
-  for (std::size_t i = 0; i < message.primitives.size(); ++i) {
-    auto geometry = to_geometry(message.primitives[i]);
-    if (!geometry) return tl::unexpected(geometry.error());
-    Shape shape;
-    shape.geometry = *geometry;
-    if (!message.primitive_poses.empty()) {
-      const auto pose = to_pose(message.primitive_poses[i]);
-      if (!pose) return tl::unexpected(pose.error());
-      shape.body_T_shape = *pose;
-    }
-    shapes.push_back(shape);
-  }
+  if (auto done = add_shapes(message.primitives, message.primitive_poses, "primitives", shapes); !done)
+    return tl::unexpected(done.error());
+  if (auto done = add_shapes(message.meshes, message.mesh_poses, "meshes", shapes); !done)
+    return tl::unexpected(done.error());
   return shapes;
 }
 
 void fill_shapes(const std::vector<Shape>& shapes, extperfc::SceneObject& message) {
   for (const auto& shape : shapes) {
-    const auto primitive = to_primitive(shape.geometry);
-    if (!primitive) continue;
-    message.primitives.push_back(*primitive);
-    message.primitive_poses.push_back(to_message(shape.body_T_shape));
+    if (const auto* mesh = std::get_if<TriangleMesh>(&shape.geometry); mesh != nullptr && mesh->triangles) {
+      message.meshes.push_back(to_mesh(*mesh->triangles));
+      message.mesh_poses.push_back(to_message(shape.body_T_shape));
+    } else if (const auto primitive = to_primitive(shape.geometry)) {
+      message.primitives.push_back(*primitive);
+      message.primitive_poses.push_back(to_message(shape.body_T_shape));
+    }
   }
 }
 

@@ -30,10 +30,11 @@ namespace extperfc::convert {
 /// Errors: those of TimedPath::make().
 [[nodiscard]] Result<arm::TimedPath> to_path(const trajectory_msgs::JointTrajectory& message);
 
-/// The primitives, in the object's frame. Errors: a primitive of an unknown type or with sizes that are not
-/// positive, counts of poses that do not fit.
+/// The primitives, then the meshes, in the object's frame. Errors: a primitive of an unknown type or with
+/// sizes that are not positive, a mesh of no or more than 100,000 triangles or of vertices that it lacks,
+/// counts of poses that do not fit.
 [[nodiscard]] Result<std::vector<Shape>> to_shapes(const extperfc::SceneObject& message);
-/// Fills primitives and their poses; meshes are left out.
+/// Fills primitives, meshes and their poses; meshes of files are left out.
 void fill_shapes(const std::vector<Shape>& shapes, extperfc::SceneObject& message);
 
 }  // namespace extperfc::convert

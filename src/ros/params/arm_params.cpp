@@ -145,6 +145,43 @@ void read_depth(ParamReader& reader, const ros::NodeHandle& handle, DepthWatchPa
     reader.complain(handle.getNamespace() + ": " + fits.error().message);
 }
 
+void read_shapes(ParamReader& reader, const ros::NodeHandle& handle,
+                 std::map<std::string, arm::StandingKind>& shapes) {
+  const Words<arm::StandingKind> words{{"box", arm::StandingKind::kBox},
+                                       {"sphere", arm::StandingKind::kSphere},
+                                       {"cylinder", arm::StandingKind::kCylinder},
+                                       {"cone", arm::StandingKind::kCone}};
+  reader.accept("shapes");
+  XmlRpc::XmlRpcValue given;
+  if (!handle.getParam("shapes", given)) return;
+  const auto name = handle.resolveName("shapes");
+  if (given.getType() == XmlRpc::XmlRpcValue::TypeArray && given.size() == 0) return;
+  if (given.getType() != XmlRpc::XmlRpcValue::TypeStruct)
+    return reader.complain(name + " must be shapes by the names of classes, e.g. {cube: box}");
+  for (auto& [label, word] : given) {
+    const bool text = word.getType() == XmlRpc::XmlRpcValue::TypeString;
+    const auto kind = meaning(text ? Entry(word).text() : "", words);
+    if (kind)
+      shapes[label] = *kind;
+    else
+      reader.complain(joined({name, "/", label, ": ", kind.error().message}));
+  }
+}
+
+void read_objects(ParamReader& reader, const ros::NodeHandle& handle, ObjectWatchParams& params) {
+  reader.read("enabled", params.enabled);
+  reader.read("least_score", params.least_score, {0.0, 1.0});
+  reader.read("timeout_s", params.timeout_s, {0.1, 3600.0});
+  read_shapes(reader, handle, params.shapes);
+  reader.read("confirm", params.list.confirm, {1, 100});
+  reader.read("most_age_s", params.list.most_age_s, {0.0, 1e6});
+  reader.read("match_m", params.list.match_m, {0.001, 10.0});
+  reader.read("most_objects", params.list.most_objects, {1, 500});
+  reader.read("news_m", params.list.news_m, {0.0, 1.0});
+  reader.read("news_rad", params.list.news_rad, {0.0, 3.15});
+  reader.read("average", params.list.average, {1, 1000});
+}
+
 void read_hands(ParamReader& reader, const ros::NodeHandle& handle, ArmNodeParams& params) {
   const auto set = [](HandParams& hand, const std::string& key, const Entry& entry) -> Result<void> {
     const Words<std::string*> fields{{"name", &hand.name},
@@ -177,7 +214,7 @@ Result<ArmNodeParams> load_arm_params(const ros::NodeHandle& private_handle) {
   ArmNodeParams params;
   GroupReader groups(private_handle);
   groups.group("", [&](ParamReader& reader, const ros::NodeHandle& handle) {
-    for (const char* group : {"planning", "limits", "execution", "jog", "grasp", "depth"})
+    for (const char* group : {"planning", "limits", "execution", "jog", "grasp", "depth", "objects"})
       reader.accept(group);
     read_robot(reader, handle, params);
     read_requests(reader, params);
@@ -202,6 +239,9 @@ Result<ArmNodeParams> load_arm_params(const ros::NodeHandle& private_handle) {
                [&](ParamReader& reader, const ros::NodeHandle&) { read_grasp(reader, params.grasp); });
   groups.group("depth", [&](ParamReader& reader, const ros::NodeHandle& handle) {
     read_depth(reader, handle, params.depth);
+  });
+  groups.group("objects", [&](ParamReader& reader, const ros::NodeHandle& handle) {
+    read_objects(reader, handle, params.objects);
   });
   if (auto finished = groups.finish(); !finished) return tl::unexpected(finished.error());
   return params;

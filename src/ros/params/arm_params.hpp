@@ -1,5 +1,6 @@
 #pragma once
 
+#include <map>
 #include <string>
 #include <vector>
 
@@ -8,7 +9,9 @@
 #include "extperfc/arm/depth_obstacles.hpp"
 #include "extperfc/arm/grasp.hpp"
 #include "extperfc/arm/motion_pipeline.hpp"
+#include "extperfc/arm/object_list.hpp"
 #include "extperfc/arm/robot_arms.hpp"
+#include "extperfc/arm/standing_box.hpp"
 #include "extperfc/base/error.hpp"
 
 namespace extperfc::ros_params {
@@ -61,6 +64,14 @@ struct DepthWatchParams {
   arm::DepthObstaclesParams obstacles;
 };
 
+struct ObjectWatchParams {
+  bool enabled{false};      ///< detected objects become part of the scene
+  double least_score{0.5};  ///< of detections that count, [0, 1]
+  double timeout_s{5.0};    ///< silence after which diagnostics warn [s of wall time], [0.1, 3600]
+  std::map<std::string, arm::StandingKind> shapes;  ///< of classes; others are boxes
+  arm::ObjectListParams list;
+};
+
 struct ArmNodeParams {
   std::string urdf;  ///< XML of the robot's description
   std::string srdf_file;
@@ -76,6 +87,7 @@ struct ArmNodeParams {
   JogParams jog;
   GraspNodeParams grasp;
   DepthWatchParams depth;
+  ObjectWatchParams objects;
   std::vector<HandParams> hands;
 };
 

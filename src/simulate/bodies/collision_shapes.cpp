@@ -38,12 +38,12 @@ Part with_margin(std::unique_ptr<btCollisionShape> shape, double margin = kMargi
 }
 
 /// Hull of the mesh with a bounded number of corners.
-Part make_hull(const MeshFile& mesh) {
-  const auto triangles = read_stl_triangles(mesh.path);
+Part make_hull(const TriangleMesh& mesh) {
+  const auto triangles = triangles_of(mesh);
   if (!triangles) return tl::unexpected<Error>(triangles.error());
   btConvexHullShape all;
   all.setMargin(0);
-  for (const auto& triangle : *triangles)
+  for (const auto& triangle : **triangles)
     for (const auto& corner : triangle)
       all.addPoint(to_bullet(Eigen::Vector3d(corner.cast<double>().cwiseProduct(mesh.scale))), false);
   all.recalcLocalAabb();
@@ -75,7 +75,7 @@ Part make_part(const std::string& owner, const Cone& cone) {
   return with_margin(std::make_unique<btConeShapeZ>(cone.radius_m, cone.height_m), kGrowingMargin);
 }
 
-Part make_part(const std::string& owner, const MeshFile& mesh) {
+Part make_part(const std::string& owner, const TriangleMesh& mesh) {
   if (!mesh.scale.allFinite() || mesh.scale.cwiseAbs().minCoeff() <= 0)
     return fail(ErrorCode::kInvalidArgument,
                 owner + ": scale of mesh " + mesh.path.string() + " must be finite and not zero");
@@ -115,12 +115,12 @@ MassProperties solid(const Cone& c) {
   return {mass, {0, 0, -c.height_m / 4}, Eigen::Vector3d(across, across, 0.3 * mass * r2).asDiagonal()};
 }
 
-MassProperties solid(const MeshFile& mesh) {
-  const auto triangles = read_stl_triangles(mesh.path);
+MassProperties solid(const TriangleMesh& mesh) {
+  const auto triangles = triangles_of(mesh);
   if (!triangles) return {};
-  Eigen::Vector3d low = triangles->front()[0].cast<double>();
+  Eigen::Vector3d low = (*triangles)->front()[0].cast<double>();
   Eigen::Vector3d high = low;
-  for (const auto& triangle : *triangles) {
+  for (const auto& triangle : **triangles) {
     for (const auto& corner : triangle) {
       low = low.cwiseMin(corner.cast<double>());
       high = high.cwiseMax(corner.cast<double>());

@@ -142,7 +142,7 @@ Mesh make(const Sphere& sphere, const Material& /*material*/, std::uint32_t surf
   return mesh;
 }
 
-Result<Mesh> make(const MeshFile& file, const Material& /*material*/, std::uint32_t surface) {
+Result<Mesh> make(const TriangleMesh& file, const Material& /*material*/, std::uint32_t surface) {
   return read_stl(file, surface);
 }
 

@@ -11,7 +11,7 @@ namespace extperfc::simulate::render {
 namespace {
 
 using Eigen::Vector3f;
-using Face = StlTriangle;
+using Face = extperfc::Triangle;
 
 constexpr float kCreaseCosine = 0.819F;  // 35 degrees
 
@@ -71,12 +71,13 @@ Mesh build(const std::vector<Face>& faces, std::uint32_t surface) {
 
 }  // namespace
 
-Result<Mesh> read_stl(const MeshFile& file, std::uint32_t surface) {
-  auto faces = read_stl_triangles(file.path);
-  if (!faces) return tl::unexpected(faces.error());
-  for (auto& face : *faces)
+Result<Mesh> read_stl(const TriangleMesh& file, std::uint32_t surface) {
+  const auto unscaled = triangles_of(file);
+  if (!unscaled) return tl::unexpected(unscaled.error());
+  std::vector<Face> faces = **unscaled;
+  for (auto& face : faces)
     for (auto& corner : face) corner = corner.cwiseProduct(file.scale.cast<float>()).eval();
-  return build(*faces, surface);
+  return build(faces, surface);
 }
 
 }  // namespace extperfc::simulate::render

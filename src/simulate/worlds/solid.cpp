@@ -20,7 +20,7 @@ struct Overload : F... {
 template <typename... F>
 Overload(F...) -> Overload<F...>;
 
-Eigen::Vector3d mesh_half(const MeshFile& mesh) {
+Eigen::Vector3d mesh_half(const TriangleMesh& mesh) {
   return mesh.scale.cwiseAbs() / 2;
 }
 
@@ -73,7 +73,7 @@ Wire wire_of(const Geometry& geometry) {
                  return ring_wire({{c.radius_m, -c.height_m / 2}, {0, c.height_m / 2}});
                },
                [](const Sphere&) { return Wire{}; },
-               [](const MeshFile& mesh) { return box_wire(mesh_half(mesh)); }},
+               [](const TriangleMesh& mesh) { return box_wire(mesh_half(mesh)); }},
       geometry);
 }
 
@@ -165,7 +165,7 @@ double volume_m3(const Geometry& geometry) {
                              [](const Cylinder& c) { return kPi * c.radius_m * c.radius_m * c.length_m; },
                              [](const Cone& c) { return kPi * c.radius_m * c.radius_m * c.height_m / 3; },
                              [](const Sphere& s) { return 4.0 / 3 * kPi * std::pow(s.radius_m, 3); },
-                             [](const MeshFile& mesh) { return mesh.scale.cwiseAbs().prod(); }},
+                             [](const TriangleMesh& mesh) { return mesh.scale.cwiseAbs().prod(); }},
                     geometry);
 }
 
@@ -201,7 +201,7 @@ Heights heights(const Geometry& geometry, const Pose& pose) {
                              [&](const Sphere& s) {
                                return Heights{z - s.radius_m, z + s.radius_m};
                              },
-                             [&](const MeshFile& mesh) {
+                             [&](const TriangleMesh& mesh) {
                                const double half = pose.linear().row(2).cwiseAbs().dot(mesh_half(mesh));
                                return Heights{z - half, z + half};
                              }},
@@ -252,7 +252,7 @@ ShapeBox inner_box(const Geometry& geometry) {
             const double half = s.radius_m / std::sqrt(3.0);
             return ShapeBox{{half, half, half}, Eigen::Vector3d::Zero()};
           },
-          [](const MeshFile& mesh) {
+          [](const TriangleMesh& mesh) {
             return ShapeBox{mesh_half(mesh) / 2, Eigen::Vector3d::Zero()};
           }},
       geometry);
@@ -272,7 +272,7 @@ ShapeBox outer_box(const Geometry& geometry) {
                              [&](const Sphere& s) {
                                return ShapeBox{Eigen::Vector3d::Constant(s.radius_m), origin};
                              },
-                             [&](const MeshFile& mesh) {
+                             [&](const TriangleMesh& mesh) {
                                return ShapeBox{mesh_half(mesh), origin};
                              }},
                     geometry);

@@ -32,17 +32,17 @@ Result<std::vector<char>> read_bytes(const std::filesystem::path& path) {
   return std::vector<char>(std::istreambuf_iterator<char>(file), {});
 }
 
-StlTriangle triangle_at(const char* bytes) {
+Triangle triangle_at(const char* bytes) {
   std::array<float, 9> values{};  // little endian, as the format
   std::memcpy(values.data(), bytes + kNormalBytes, sizeof(values));
-  StlTriangle triangle;
+  Triangle triangle;
   for (std::size_t k = 0; k < 3; ++k) triangle[k] = {values[3 * k], values[3 * k + 1], values[3 * k + 2]};
   return triangle;
 }
 
 }  // namespace
 
-Result<std::vector<StlTriangle>> read_stl_triangles(const std::filesystem::path& path) {
+Result<std::vector<Triangle>> read_stl_triangles(const std::filesystem::path& path) {
   const auto bytes = read_bytes(path);
   if (!bytes) return tl::unexpected(bytes.error());
   if (bytes->size() < kHeaderBytes) return corrupt(path, "too short for a binary STL");
@@ -53,7 +53,7 @@ Result<std::vector<StlTriangle>> read_stl_triangles(const std::filesystem::path&
                              std::to_string(count) +
                              " triangles that its header names (or it is a text STL)");
   if (count == 0) return corrupt(path, "it has no triangles");
-  std::vector<StlTriangle> triangles;
+  std::vector<Triangle> triangles;
   triangles.reserve(count);
   for (std::size_t i = 0; i < count; ++i) {
     triangles.push_back(triangle_at(bytes->data() + kHeaderBytes + kTriangleBytes * i));
@@ -62,6 +62,22 @@ Result<std::vector<StlTriangle>> read_stl_triangles(const std::filesystem::path&
         return corrupt(path, "triangle " + std::to_string(i) + " has a corner that is not finite");
   }
   return triangles;
+}
+
+Result<std::shared_ptr<const std::vector<Triangle>>> triangles_of(const TriangleMesh& mesh) {
+  if (!mesh.triangles) {
+    auto read = read_stl_triangles(mesh.path);
+    if (!read) return tl::unexpected(read.error());
+    return std::make_shared<const std::vector<Triangle>>(std::move(*read));
+  }
+  const auto wrong = [&](const char* what) {
+    return fail(ErrorCode::kInvalidArgument, "mesh " + mesh.path.string() + ": " + what);
+  };
+  if (mesh.triangles->empty()) return wrong("it has no triangles");
+  for (const auto& triangle : *mesh.triangles)
+    for (const auto& corner : triangle)
+      if (!corner.allFinite()) return wrong("a corner is not finite");
+  return mesh.triangles;
 }
 
 }  // namespace extperfc

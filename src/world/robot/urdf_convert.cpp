@@ -34,7 +34,7 @@ Result<Geometry> to_mesh(const urdf::Mesh& mesh, const fs::path& resource_root) 
   const Eigen::Vector3d scale = to_vector(mesh.scale);
   if (!(scale.array().abs() > 0).all())
     return fail(ErrorCode::kInvalidArgument, "mesh '" + mesh.filename + "' has a scale of 0");
-  return MeshFile{*std::move(path), scale};
+  return TriangleMesh{*std::move(path), scale};
 }
 
 /// A box, cylinder or sphere.

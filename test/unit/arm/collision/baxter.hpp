@@ -63,7 +63,7 @@ inline Geometry random_geometry(int kind, Rng& rng) {
     case 3:
       return Cone{size() / 2, size()};
     default:
-      return MeshFile{EXTPERFC_SOURCE_DIR "/urdf/meshes/upper_elbow_housing.stl", {1, 1, 1}};
+      return TriangleMesh{EXTPERFC_SOURCE_DIR "/urdf/meshes/upper_elbow_housing.stl", {1, 1, 1}};
   }
 }
 

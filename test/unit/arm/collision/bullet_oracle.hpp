@@ -91,7 +91,7 @@ class BulletOracle {
       made->setMargin(0);
       return made;
     }
-    const auto& mesh = std::get<MeshFile>(shape.geometry);
+    const auto& mesh = std::get<TriangleMesh>(shape.geometry);
     auto made = std::make_unique<btConvexHullShape>();
     const auto triangles = read_stl_triangles(mesh.path).value();
     for (const auto& triangle : triangles)

@@ -232,7 +232,7 @@ TEST(Checker, RefusesWhatMakesNoSense) {
   EXPECT_FALSE(world.add({"", {shape_of(Sphere{1})}, Pose::Identity()}));
   EXPECT_FALSE(world.add({"none", {}, Pose::Identity()}));
   EXPECT_FALSE(world.add({"flat", {shape_of(Box{{1, 1, 0}})}, Pose::Identity()}));
-  EXPECT_FALSE(world.add({"no mesh", {shape_of(MeshFile{"/nowhere.stl", {1, 1, 1}})}, Pose::Identity()}));
+  EXPECT_FALSE(world.add({"no mesh", {shape_of(TriangleMesh{"/nowhere.stl", {1, 1, 1}})}, Pose::Identity()}));
   EXPECT_FALSE(world.move("nothing", Pose::Identity()));
   test::must(world.add({"torso", {shape_of(Sphere{1})}, Pose::Identity()}));
   EXPECT_FALSE(CollisionChecker::make(model, world));

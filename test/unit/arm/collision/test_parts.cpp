@@ -25,8 +25,8 @@ std::vector<std::shared_ptr<const ConvexPart>> samples() {
         Geometry{Box{{0.4, 0.3, 0.02}}}, Geometry{Cylinder{0.06, 0.27}}, Geometry{Cylinder{0.15, 0.02}},
         Geometry{Cylinder{0.01, 0.5}}, Geometry{Sphere{0.1}}, Geometry{Cone{0.05, 0.2}},
         Geometry{Cone{0.2, 0.05}},
-        Geometry{MeshFile{EXTPERFC_SOURCE_DIR "/urdf/meshes/upper_elbow_housing.stl", {1, 1, 1}}},
-        Geometry{MeshFile{EXTPERFC_SOURCE_DIR "/urdf/meshes/torso_chest.stl", {1, -1, 0.5}}}}) {
+        Geometry{TriangleMesh{EXTPERFC_SOURCE_DIR "/urdf/meshes/upper_elbow_housing.stl", {1, 1, 1}}},
+        Geometry{TriangleMesh{EXTPERFC_SOURCE_DIR "/urdf/meshes/torso_chest.stl", {1, -1, 0.5}}}}) {
     shape.geometry = geometry;
     parts.push_back(make_convex_part(shape).value());
   }

@@ -292,7 +292,7 @@ TEST(Grasps, BadInputIsNamed) {
     return grasps ? ErrorCode::kNotFound : grasps.error().code;
   };
   GraspObject object = cube_on_table(0.04);
-  object.geometry = MeshFile{};
+  object.geometry = TriangleMesh{};
   EXPECT_EQ(code(object), ErrorCode::kUnsupported);
   object = cube_on_table(0.04);
   object.root_T_object.translation().x() = std::nan("");

@@ -14,16 +14,24 @@ namespace {
 
 const VoxelGrid kGrid{{-0.5, -0.5, 0}, 0.025, {40, 40, 40}};
 
+Geometry geometry_of(int kind, double size) {
+  switch (kind) {
+    case 0:
+      return Box{{size, size / 2, size / 3}};
+    case 1:
+      return Cylinder{size / 3, size};
+    case 2:
+      return Cone{size / 3, size};
+    default:
+      return TriangleMesh{EXTPERFC_SOURCE_DIR "/urdf/meshes/upper_elbow_housing.stl", {1, 1, 1}};
+  }
+}
+
 std::vector<MaskPart> random_parts(Rng& rng) {
   std::vector<MaskPart> parts;
   for (int i = 0; i < 12; ++i) {
     Shape shape;
-    const double size = rng.uniform(0.05, 0.3);
-    if (i % 4 == 0) shape.geometry = Box{{size, size / 2, size / 3}};
-    if (i % 4 == 1) shape.geometry = Cylinder{size / 3, size};
-    if (i % 4 == 2) shape.geometry = Cone{size / 3, size};
-    if (i % 4 == 3)
-      shape.geometry = MeshFile{EXTPERFC_SOURCE_DIR "/urdf/meshes/upper_elbow_housing.stl", {1, 1, 1}};
+    shape.geometry = geometry_of(i % 4, rng.uniform(0.05, 0.3));
     const Pose pose = make_pose({rng.uniform(-0.6, 0.6), rng.uniform(-0.6, 0.6), rng.uniform(-0.1, 1.1)},
                                 {rng.uniform(-3, 3), rng.uniform(-3, 3), rng.uniform(-3, 3)});
     const auto part = collision::make_convex_part(shape).value();

@@ -55,7 +55,7 @@ TEST(BodiesErrors, LooseBodyWithoutMassOrShape) {
 TEST(BodiesErrors, ShapesThatCannotBe) {
   const std::vector<Geometry> bad{
       box_of(0, 1, 1), box_of(kNaN, 1, 1),      Sphere{0}, Sphere{-1}, Cylinder{0.1, 0},
-      Cone{kNaN, 0.1}, MeshFile{"/no/mesh.stl"}};
+      Cone{kNaN, 0.1}, TriangleMesh{"/no/mesh.stl"}};
   for (const auto& geometry : bad)
     EXPECT_NE(error_of(body("thing", Mobility::kFixed, geometry, Pose::Identity())), "") << geometry.index();
 }
@@ -117,7 +117,7 @@ class MeshOnDisk {
 
 TEST(BodiesErrors, DamagedMeshesAreNamed) {
   const auto message = [](const MeshOnDisk& mesh) {
-    return error_of(body("thing", Mobility::kFixed, MeshFile{mesh.path()}, Pose::Identity()));
+    return error_of(body("thing", Mobility::kFixed, TriangleMesh{mesh.path()}, Pose::Identity()));
   };
   const MeshOnDisk empty("empty.stl", 0, {});
   EXPECT_NE(message(empty).find("empty.stl"), std::string::npos);
@@ -135,7 +135,7 @@ TEST(BodiesErrors, MeshCountsAsItsHull) {
                             {0, 0, 1, -1, 0, 0, 0, -1, 0},
                             {0, 0, 1, 0, -1, 0, 1, 0, 0}});
   WorldSpec world;
-  world.bodies = {make_floor(), body("pyramid", Mobility::kLoose, MeshFile{pyramid.path(), {0.1, 0.1, 0.1}},
+  world.bodies = {make_floor(), body("pyramid", Mobility::kLoose, TriangleMesh{pyramid.path(), {0.1, 0.1, 0.1}},
                                      make_pose({0, 0, 0.01}), 0.3)};
   const auto bodies = make_bodies(world);
   step(*bodies, 2);

@@ -123,7 +123,7 @@ class Stl : public testing::Test {
     return bytes;
   }
   static std::string error_of(const std::filesystem::path& path) {
-    const auto mesh = make_mesh(MeshFile{path}, {}, 0);
+    const auto mesh = make_mesh(TriangleMesh{path}, {}, 0);
     return mesh ? "" : std::string(to_string(mesh.error().code)) + ": " + mesh.error().message;
   }
 
@@ -138,7 +138,7 @@ class Stl : public testing::Test {
 
 TEST_F(Stl, GentleEdgesAreSmoothAndSharpOnesAreNot) {
   for (const bool sharp : {false, true}) {
-    const auto mesh = make_mesh(MeshFile{write(binary(bent(sharp ? 0.8F : 0.4F)))}, {}, 0);
+    const auto mesh = make_mesh(TriangleMesh{write(binary(bent(sharp ? 0.8F : 0.4F)))}, {}, 0);
     ASSERT_TRUE(mesh) << mesh.error().message;
     ASSERT_EQ(mesh->triangles.size(), 2U);
     const Vector3f& first = mesh->vertices[0].normal;
@@ -148,7 +148,7 @@ TEST_F(Stl, GentleEdgesAreSmoothAndSharpOnesAreNot) {
 }
 
 TEST_F(Stl, ScaleIsApplied) {
-  MeshFile file{write(binary(bent(0.4F)))};
+  TriangleMesh file{write(binary(bent(0.4F)))};
   file.scale = {2, 3, 4};
   const auto mesh = make_mesh(file, {}, 0);
   ASSERT_TRUE(mesh);

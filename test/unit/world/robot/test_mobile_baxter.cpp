@@ -276,7 +276,7 @@ TEST(MobileBaxter, ArmsKeepClearOfTheBodyInEveryPublishedPose) {
 TEST(MobileBaxter, CollisionShapesArePrimitives) {
   for (const Link& link : baxter().links())
     for (const Shape& shape : link.collisions)
-      EXPECT_FALSE(std::holds_alternative<MeshFile>(shape.geometry)) << link.name;
+      EXPECT_FALSE(std::holds_alternative<TriangleMesh>(shape.geometry)) << link.name;
 }
 
 }  // namespace

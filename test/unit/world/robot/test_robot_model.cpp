@@ -105,7 +105,7 @@ TEST(RobotModel, FindsMeshesInThePackage) {
   text.carriage = R"(<visual><geometry>
       <mesh filename="package://extperfc/meshes/a.stl" scale="1 2 3"/></geometry></visual>)";
   const RobotModel robot = model(text.xml(), folder.path());
-  const auto mesh = std::get<MeshFile>(robot.links()[1].visuals[0].geometry);
+  const auto mesh = std::get<TriangleMesh>(robot.links()[1].visuals[0].geometry);
   EXPECT_EQ(mesh.path, folder.path() / "meshes/a.stl");
   EXPECT_EQ(mesh.scale, Eigen::Vector3d(1, 2, 3));
 }

@@ -1,0 +1,240 @@
+#include "ros/arm/object_watch.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include <ros/console.h>
+
+#include "extperfc/base/stopwatch.hpp"
+
+#include "ros/convert/arm.hpp"
+#include "ros/params/detector_params.hpp"
+
+namespace extperfc::arm_node {
+
+namespace {
+
+constexpr double kWorldRetry = 5.0;  ///< before a frame that tf lacks is looked for again [s of wall time]
+constexpr std::size_t kMostDetections = 500;  ///< of one message that are looked at
+
+/// The hypothesis with the highest score; nothing where none has a score.
+const vision_msgs::ObjectHypothesisWithPose* best_of(const vision_msgs::Detection3D& detection) {
+  const vision_msgs::ObjectHypothesisWithPose* best = nullptr;
+  for (const auto& one : detection.results)
+    if (std::isfinite(one.score) && (best == nullptr || one.score > best->score)) best = &one;
+  return best;
+}
+
+/// Errors: numbers that are no pose, sizes that are not above 0.
+Result<arm::StandingBox> box_of(const vision_msgs::BoundingBox3D& message, const Pose& frame_T_detections) {
+  const Eigen::Vector3d size_m(message.size.x, message.size.y, message.size.z);
+  if (!size_m.allFinite() || !(size_m.minCoeff() > 0.0))
+    return fail(ErrorCode::kInvalidArgument, "its size must be above 0");
+  const auto pose = convert::to_pose(message.center);
+  if (!pose) return tl::unexpected(pose.error());
+  return arm::stand_up(frame_T_detections * *pose, size_m);
+}
+
+}  // namespace
+
+Result<std::unique_ptr<ObjectWatch>> ObjectWatch::make(Uses uses,
+                                                       const ros_params::ObjectWatchParams& params) {
+  auto list = arm::ObjectList::make(params.list);
+  if (!list) return fail(list.error().code, "objects: " + list.error().message);
+  return std::unique_ptr<ObjectWatch>(new ObjectWatch(std::move(uses), params, std::move(*list)));
+}
+
+void ObjectWatch::start(ros::NodeHandle handle) {
+  worker_ = std::thread([this] {
+    while (const auto message = messages_.take()) process(**message);
+  });
+  detections_health_.listening(true);
+  subscribers_.push_back(handle.subscribe(kInfoTopic, 1, &ObjectWatch::on_info, this));
+  subscribers_.push_back(handle.subscribe(kDetectionsTopic, 2, &ObjectWatch::on_detections, this));
+}
+
+ObjectWatch::~ObjectWatch() {
+  for (auto& subscriber : subscribers_) subscriber.shutdown();
+  messages_.close();
+  if (worker_.joinable()) worker_.join();
+}
+
+void ObjectWatch::on_detections(const DetectionsEvent& event) {
+  const auto& message = event.getConstMessage();
+  detections_health_.received(message->header.stamp, message.get(), health::came_by_pointer(event));
+  messages_.put(message);
+}
+
+void ObjectWatch::on_info(const vision_msgs::VisionInfoConstPtr& message) {
+  auto names = ros_params::load_class_names(message->database_location);
+  const std::lock_guard lock(mutex_);
+  names_ = std::move(names);
+  names_from_ = message->database_location;
+}
+
+void ObjectWatch::process(const vision_msgs::Detection3DArray& message) {
+  const Stopwatch watch;
+  const auto changed = update(message);
+  if (!changed) {
+    // Messages of tf have times in them, so that each is new.
+    if (work_health_.failed(changed.error().message))
+      ROS_ERROR_STREAM_THROTTLE(5.0, "objects: " << changed.error().message);
+    return;
+  }
+  work_health_.done(watch.milliseconds(), health::age_ms(message.header.stamp));
+  if (*changed) uses_.changed();
+}
+
+Result<bool> ObjectWatch::update(const vision_msgs::Detection3DArray& message) {
+  const auto names = class_names();
+  if (!names) return tl::unexpected(names.error());
+  const auto view = view_of(message.header);
+  if (!view) return tl::unexpected(view.error());
+  const auto scene = things(*view, message.header.stamp);
+  if (!scene) return tl::unexpected(scene.error());
+  const std::lock_guard lock(mutex_);
+  if (view->frame != frame_) list_.clear();
+  frame_ = view->frame;
+  const auto sightings = sightings_of(message, *names, *view, ignored_);
+  const auto done = list_.update(sightings, *scene, message.header.stamp.toSec());
+  ignored_.claimed += static_cast<std::uint64_t>(done.claimed);
+  ignored_.doubled += static_cast<std::uint64_t>(done.doubled);
+  ignored_.no_room += static_cast<std::uint64_t>(done.no_room);
+  waiting_ = done.waiting;
+  const auto changed = uses_.scene.set_found(items(frame_));
+  if (!changed) return fail(ErrorCode::kInvalidArgument, changed.error().message);
+  return *changed;
+}
+
+Result<std::vector<std::string>> ObjectWatch::class_names() {
+  const std::lock_guard lock(mutex_);
+  if (!names_.empty()) return names_;
+  if (names_from_.empty())
+    return fail(ErrorCode::kNotFound, std::string("no class names: nothing came on ") + kInfoTopic +
+                                          " yet; is the detector's topic remapped?");
+  return fail(ErrorCode::kNotFound, std::string("no class names: the parameter '") + names_from_ +
+                                        "', which " + kInfoTopic + " names, is no list of texts; set it");
+}
+
+Result<ObjectWatch::View> ObjectWatch::view_of(const std_msgs::Header& header) {
+  if (header.frame_id.empty() || header.stamp.isZero())
+    return fail(
+        ErrorCode::kInvalidArgument,
+        std::string(kDetectionsTopic) + " has no frame or no stamp in its header: its sender must set both");
+  const auto root_T_detections = uses_.frames.root_T_frame(header.frame_id, header.stamp);
+  if (!root_T_detections)
+    return fail(ErrorCode::kNotFound, root_T_detections.error().message +
+                                          "; publish it, or let the detections come in another frame");
+  View view;
+  if (no_world_.isZero() || (ros::WallTime::now() - no_world_).toSec() >= kWorldRetry) {
+    const auto root_T_world = uses_.frames.root_T_frame(uses_.world_frame, header.stamp);
+    // A frame that is there at other times comes too late this time; without it objects would be lost.
+    if (!root_T_world && uses_.frames.root_T_frame(uses_.world_frame, ros::Time()))
+      return fail(ErrorCode::kNotFound, root_T_world.error().message);
+    no_world_ = root_T_world ? ros::WallTime() : ros::WallTime::now();
+    if (root_T_world) {
+      view.frame = uses_.world_frame;
+      view.frame_T_root = root_T_world->inverse();
+    }
+  }
+  view.frame_T_detections = view.frame_T_root * *root_T_detections;
+  return view;
+}
+
+std::vector<arm::ObjectSighting> ObjectWatch::sightings_of(const vision_msgs::Detection3DArray& message,
+                                                           const std::vector<std::string>& names,
+                                                           const View& view, Ignored& ignored) const {
+  std::vector<arm::ObjectSighting> sightings;
+  for (const auto& detection : message.detections) {
+    if (sightings.size() >= kMostDetections) {
+      ++ignored.too_many;
+      continue;
+    }
+    const auto* best = best_of(detection);
+    auto box = box_of(detection.bbox, view.frame_T_detections);
+    if (best == nullptr || !box) {
+      ++ignored.broken;
+    } else if (best->score < params_.least_score) {
+      ++ignored.low_score;
+    } else if (best->id < 0 || best->id >= static_cast<std::int64_t>(names.size()) ||
+               names[static_cast<std::size_t>(best->id)].empty()) {
+      ++ignored.unknown_class;
+    } else {
+      const auto& label = names[static_cast<std::size_t>(best->id)];
+      if (arm::is_round(kind_of(label))) box->yaw_rad = 0.0;
+      sightings.push_back({label, *box});
+    }
+  }
+  return sightings;
+}
+
+/// Everything in the scene, in the view's frame.
+Result<std::vector<arm::SceneThing>> ObjectWatch::things(const View& view, const ros::Time& stamp) const {
+  std::vector<arm::SceneThing> all;
+  for (auto& item : uses_.scene.items()) {
+    arm::SceneThing thing{
+        std::move(item.name), std::move(item.label), item.frame_T_object, item.found, item.still, {}};
+    if (item.held) {
+      // Where it is and where it was, by its own place and by the hand's.
+      const auto now = uses_.frames.root_T_frame(item.frame, ros::Time());
+      if (!now) return fail(ErrorCode::kNotFound, now.error().message);
+      const Pose frame_T_link = view.frame_T_root * *now;
+      thing.world_T_object = frame_T_link * item.frame_T_object;
+      thing.places.emplace_back(frame_T_link.translation());
+      if (const auto then = uses_.frames.root_T_frame(item.frame, stamp)) {
+        thing.places.emplace_back((view.frame_T_root * *then).translation());
+        thing.places.emplace_back((view.frame_T_root * *then * item.frame_T_object).translation());
+      }
+    } else if (item.frame != view.frame) {
+      const auto root_T_frame = uses_.frames.root_T_frame(item.frame, ros::Time());
+      if (!root_T_frame) return fail(ErrorCode::kNotFound, root_T_frame.error().message);
+      thing.world_T_object = view.frame_T_root * *root_T_frame * item.frame_T_object;
+    }
+    all.push_back(std::move(thing));
+  }
+  return all;
+}
+
+/// The list, as things of the scene.
+std::vector<SceneItem> ObjectWatch::items(const std::string& frame) const {
+  std::vector<SceneItem> all;
+  for (const auto& object : list_.objects()) {
+    SceneItem item;
+    item.name = object.name;
+    item.label = object.label;
+    Shape shape;
+    shape.geometry = arm::shape_in(kind_of(object.label), object.size_m);
+    item.shapes.push_back(std::move(shape));
+    item.frame = frame;
+    item.frame_T_object = object.world_T_object;
+    item.found = true;
+    all.push_back(std::move(item));
+  }
+  return all;
+}
+
+arm::StandingKind ObjectWatch::kind_of(const std::string& label) const {
+  const auto found = params_.shapes.find(label);
+  return found == params_.shapes.end() ? arm::StandingKind::kBox : found->second;
+}
+
+void ObjectWatch::report(diagnostic_updater::DiagnosticStatusWrapper& status) {
+  status.summary(diagnostic_msgs::DiagnosticStatus::OK, "watching");
+  detections_health_.report(status, kDetectionsTopic, params_.timeout_s);
+  work_health_.report(status);
+  status.add("dropped", messages_.dropped());
+  const std::lock_guard lock(mutex_);
+  status.add("classes", names_.size());
+  status.add("objects", list_.objects().size());
+  status.add("objects that wait for objects/confirm or objects/most_objects", waiting_);
+  status.add("ignored: no finite pose, size above 0 and score", ignored_.broken);
+  status.add("ignored: class without a name", ignored_.unknown_class);
+  status.add("ignored: below objects/least_score", ignored_.low_score);
+  status.add("ignored: too many in one message", ignored_.too_many);
+  status.add("ignored: held, or in the scene already", ignored_.claimed);
+  status.add("ignored: inside another object", ignored_.doubled);
+  status.add("ignored: more than objects/most_objects", ignored_.no_room);
+}
+
+}  // namespace extperfc::arm_node
