@@ -54,7 +54,7 @@ TEST(BodiesErrors, LooseBodyWithoutMassOrShape) {
 
 TEST(BodiesErrors, ShapesThatCannotBe) {
   const std::vector<Geometry> bad{
-      box_of(0, 1, 1), box_of(kNaN, 1, 1),      Sphere{0}, Sphere{-1}, Cylinder{0.1, 0},
+      box_of(0, 1, 1), box_of(kNaN, 1, 1),          Sphere{0}, Sphere{-1}, Cylinder{0.1, 0},
       Cone{kNaN, 0.1}, TriangleMesh{"/no/mesh.stl"}};
   for (const auto& geometry : bad)
     EXPECT_NE(error_of(body("thing", Mobility::kFixed, geometry, Pose::Identity())), "") << geometry.index();
@@ -135,8 +135,9 @@ TEST(BodiesErrors, MeshCountsAsItsHull) {
                             {0, 0, 1, -1, 0, 0, 0, -1, 0},
                             {0, 0, 1, 0, -1, 0, 1, 0, 0}});
   WorldSpec world;
-  world.bodies = {make_floor(), body("pyramid", Mobility::kLoose, TriangleMesh{pyramid.path(), {0.1, 0.1, 0.1}},
-                                     make_pose({0, 0, 0.01}), 0.3)};
+  world.bodies = {make_floor(),
+                  body("pyramid", Mobility::kLoose, TriangleMesh{pyramid.path(), {0.1, 0.1, 0.1}},
+                       make_pose({0, 0, 0.01}), 0.3)};
   const auto bodies = make_bodies(world);
   step(*bodies, 2);
   EXPECT_NEAR(bodies->world_T_body(1).translation().z(), 0, 0.001);
