@@ -21,7 +21,7 @@ using extperfc::SceneObject;
 
 namespace {
 
-constexpr double kLeastLift = 0.75;     ///< share of the lift that is one
+constexpr double kLeastLift = 0.75;     ///< share of lift and retreat where there is no room for all
 constexpr double kLeastApproach = 0.5;  ///< share of other straight ways where there is no room for all
 constexpr double kBelow = 0.01;  ///< things whose top is at most so much above a thing's bottom carry it [m]
 
@@ -388,15 +388,16 @@ Grasper::Maybe<Grasper::Spot> Grasper::choose_spot(const Hand& hand, const Scene
                                                    const arm::PlaceRequest& request, double retreat_m,
                                                    const Hooks& hooks) {
   const double lower_m = commander_.shared().params.grasp.lower_m;
-  const auto less = [](double way_m) { return std::min(way_m, std::max(0.02, kLeastApproach * way_m)); };
+  const double less_lower_m = std::min(lower_m, std::max(0.02, kLeastApproach * lower_m));
   struct Way {
     arm::PlaceParams how;
     bool padded;
   };
-  // First with room for everything, then nearer to things, then with shorter ways and more turns.
+  // First with room for everything, then nearer to things, then with shorter ways and more turns. The way
+  // back has to bring the fingers away from the thing: little is saved there.
   const std::array<Way, 3> ways{Way{{lower_m, retreat_m, 0.3927, 0.002}, true},
                                 Way{{lower_m, retreat_m, 0.3927, 0.002}, false},
-                                Way{{less(lower_m), less(retreat_m), 0.1963, 0.002}, false}};
+                                Way{{less_lower_m, kLeastLift * retreat_m, 0.1963, 0.002}, false}};
   Ending last;
   for (const auto& way : ways) {
     const auto candidates = arm::place_poses(hand.shape, request, way.how);
