@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 #include <limits>
+#include <optional>
 #include <utility>
 #include <variant>
 
@@ -21,8 +22,8 @@ using extperfc::SceneObject;
 
 namespace {
 
-constexpr double kLeastLift = 0.75;     ///< share of lift and retreat where there is no room for all
-constexpr double kLeastApproach = 0.5;  ///< share of other straight ways where there is no room for all
+constexpr double kLeastLift = 0.75;     ///< share of the lift that is one
+constexpr double kLeastApproach = 0.5;  ///< share of approach and lowering where there is no room for all
 constexpr double kBelow = 0.01;  ///< things whose top is at most so much above a thing's bottom carry it [m]
 
 /// Lowest and highest z of a shape at a pose.
@@ -85,6 +86,45 @@ std::vector<JointVector> way_on(const std::vector<std::vector<JointVector>>& way
   for (const auto& way : ways)
     if (way.front().isApprox(from, 1e-9)) return way;
   return {};
+}
+
+/// The request, and for a ball, which stands in any orientation, others in which the hand comes from straight
+/// down to nearly level.
+std::vector<arm::PlaceRequest> turned_requests(const SceneItem& item, arm::PlaceRequest request) {
+  const bool ball = item.shapes.size() == 1 && std::holds_alternative<Sphere>(item.shapes.front().geometry) &&
+                    item.shapes.front().body_T_shape.translation().norm() < 1e-6;
+  if (!ball) return {request};
+  request.any_yaw = true;
+  std::vector<arm::PlaceRequest> all{request};
+  const Eigen::Matrix3d tip = request.root_T_object.linear() * request.tip_T_object.linear().transpose();
+  const Eigen::Vector3d down = -Eigen::Vector3d::UnitZ();
+  const double tilt = std::acos(std::clamp(tip.col(2).dot(down), -1.0, 1.0));
+  const Eigen::Vector3d across = tip.col(2).cross(down);
+  const Eigen::Vector3d axis = across.norm() > 1e-3 ? across.normalized() : tip.col(0);
+  for (const double wanted : {0.0, 0.4, 0.8, 1.2}) {
+    all.push_back(request);
+    all.back().root_T_object.linear() =
+        Eigen::AngleAxisd(tilt - wanted, axis).toRotationMatrix() * request.root_T_object.linear();
+  }
+  return all;
+}
+
+/// Of all these; the error of the request itself where there are none.
+Result<std::vector<arm::PlaceCandidate>> place_candidates(const arm::ParallelHand& hand,
+                                                          const SceneItem& item,
+                                                          const arm::PlaceRequest& request,
+                                                          const arm::PlaceParams& params) {
+  std::vector<arm::PlaceCandidate> all;
+  std::optional<Error> first;
+  for (const auto& turned : turned_requests(item, request)) {
+    auto some = arm::place_poses(hand, turned, params);
+    if (some)
+      all.insert(all.end(), some->begin(), some->end());
+    else if (!first)
+      first = some.error();
+  }
+  if (all.empty()) return tl::unexpected(*first);
+  return all;
 }
 
 /// Ended by somebody or by the robot itself: nothing more is to move.
@@ -393,14 +433,14 @@ Grasper::Maybe<Grasper::Spot> Grasper::choose_spot(const Hand& hand, const Scene
     arm::PlaceParams how;
     bool padded;
   };
-  // First with room for everything, then nearer to things, then with shorter ways and more turns. The way
-  // back has to bring the fingers away from the thing: little is saved there.
+  // First with room for everything, then nearer to things, then from less high and with more turns. The way
+  // back is never shortened: the fingers have to leave the thing.
   const std::array<Way, 3> ways{Way{{lower_m, retreat_m, 0.3927, 0.002}, true},
                                 Way{{lower_m, retreat_m, 0.3927, 0.002}, false},
-                                Way{{less_lower_m, kLeastLift * retreat_m, 0.1963, 0.002}, false}};
+                                Way{{less_lower_m, retreat_m, 0.1963, 0.002}, false}};
   Ending last;
   for (const auto& way : ways) {
-    const auto candidates = arm::place_poses(hand.shape, request, way.how);
+    const auto candidates = place_candidates(hand.shape, item, request, way.how);
     if (!candidates) return end(ArmCode::kGoalUnreachable, candidates.error().message);
     auto spot = choose_spot(hand, item, *candidates, way.padded, hooks);
     if (spot || spot.error().code != ArmCode::kGoalUnreachable) return spot;
