@@ -204,7 +204,9 @@ TEST_F(BothHands, CarryABoxAsAClosedChain) {
   auto checker = CollisionChecker::make(both_arms(), world).value();
   ASSERT_TRUE(checker.is_free(start)) << checker.contact(start)->first << checker.contact(start)->second;
   ASSERT_TRUE(checker.is_free(*goal)) << checker.contact(*goal)->first << checker.contact(*goal)->second;
-  const auto result = ConstrainedPlanner(checker, constraint, {}).plan({start, {*goal}, {}});
+  ConstrainedPlannerParams params;
+  params.timeout_s = 60;  // builds with sanitizers are some fifty times slower
+  const auto result = ConstrainedPlanner(checker, constraint, params).plan({start, {*goal}, {}});
   ASSERT_EQ(result.code, PlanCode::kSuccess) << result.message;
   EXPECT_GT(result.states, 0) << "the bar should be in the way";
   const auto hands = [](const JointVector& state) {
