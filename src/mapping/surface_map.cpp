@@ -16,6 +16,15 @@ int cell_index(float coordinate_m) {
   return static_cast<int>(std::floor(coordinate_m * (1.0F / SurfaceMap::kCellM)));
 }
 
+/// From a point to the nearest side of its cell; a little less, since cells and means are rounded.
+float distance_to_rim(const Eigen::Vector2f& point, int column, int row) {
+  constexpr float kRoundingM = 1e-3F;
+  const float x = point.x() - static_cast<float>(column) * SurfaceMap::kCellM;
+  const float y = point.y() - static_cast<float>(row) * SurfaceMap::kCellM;
+  const float nearest = std::min({x, y, SurfaceMap::kCellM - x, SurfaceMap::kCellM - y});
+  return std::max(0.0F, nearest - kRoundingM);
+}
+
 bool goes_with(const Eigen::Vector2f& a, const Eigen::Vector2f& b) {
   const bool either_unknown = a.squaredNorm() == 0.0F || b.squaredNorm() == 0.0F;
   return either_unknown || a.dot(b) > kSameSide;
@@ -57,6 +66,8 @@ void SurfaceMap::add(const ScanPoints& points, const Pose2& map_T_base) {
   }
 }
 
+// From the point's own cell outwards, ring by ring, until no cell of the next ring can be nearer than what
+// was found.
 const SurfaceMap::Surface* SurfaceMap::nearest(const Eigen::Vector2f& point, const Eigen::Vector2f& normal,
                                                int reach_cells) const {
   const int column = cell_index(point.x());
@@ -64,14 +75,26 @@ const SurfaceMap::Surface* SurfaceMap::nearest(const Eigen::Vector2f& point, con
   const Surface* best = nullptr;
   const float reach = static_cast<float>(reach_cells) * kCellM;
   float best_squared = reach * reach;
-  for (int r = row - reach_cells; r <= row + reach_cells; ++r) {
-    for (int c = column - reach_cells; c <= column + reach_cells; ++c) {
-      const Surface* surface = find(c, r);
-      if (!surface || surface->weight == 0) continue;
-      const float squared = (surface->mean - point).squaredNorm();
-      if (squared >= best_squared || !goes_with(surface->normal, normal)) continue;
-      best = surface;
-      best_squared = squared;
+  const auto consider = [&](int c, int r) {
+    const Surface* surface = find(c, r);
+    if (!surface || surface->weight == 0) return;
+    const float squared = (surface->mean - point).squaredNorm();
+    if (squared >= best_squared || !goes_with(surface->normal, normal)) return;
+    best = surface;
+    best_squared = squared;
+  };
+  consider(column, row);
+  const float to_rim = distance_to_rim(point, column, row);
+  for (int ring = 1; ring <= reach_cells; ++ring) {
+    const float gap = to_rim + static_cast<float>(ring - 1) * kCellM;
+    if (gap * gap >= best_squared) break;
+    for (int c = column - ring; c <= column + ring; ++c) {
+      consider(c, row - ring);
+      consider(c, row + ring);
+    }
+    for (int r = row - ring + 1; r < row + ring; ++r) {
+      consider(column - ring, r);
+      consider(column + ring, r);
     }
   }
   return best;
@@ -84,18 +107,6 @@ bool SurfaceMap::occupied_near(const Eigen::Vector2f& point) const {
     for (int c = column - 1; c <= column + 1; ++c)
       if (const Surface* surface = find(c, r); surface && surface->weight > 0) return true;
   return false;
-}
-
-const SurfaceMap::Surface* SurfaceMap::find(int column, int row) const {
-  const int tile_column = (column >> kTileBits) - first_column_;
-  const int tile_row = (row >> kTileBits) - first_row_;
-  if (tile_column < 0 || tile_row < 0 || tile_column >= columns_ || tile_row >= rows_) return nullptr;
-  const int entry = tile_row * columns_ + tile_column;
-  const std::int32_t tile = directory_[static_cast<std::size_t>(entry)];
-  if (tile < 0) return nullptr;
-  constexpr int kMask = kTileCells - 1;
-  const int cell = (row & kMask) * kTileCells + (column & kMask);
-  return &tiles_[static_cast<std::size_t>(tile)][static_cast<std::size_t>(cell)];
 }
 
 SurfaceMap::Surface* SurfaceMap::make(int column, int row) {

@@ -51,7 +51,17 @@ class SurfaceMap {
   static constexpr int kTileCells = 1 << kTileBits;
   using Tile = std::array<Surface, kTileCells * kTileCells>;
 
-  [[nodiscard]] const Surface* find(int column, int row) const;
+  /// Here, so that nearest() has it without a call: that is where mapping spends its time.
+  [[nodiscard]] const Surface* find(int column, int row) const {
+    const int tile_column = (column >> kTileBits) - first_column_;
+    const int tile_row = (row >> kTileBits) - first_row_;
+    if (tile_column < 0 || tile_row < 0 || tile_column >= columns_ || tile_row >= rows_) return nullptr;
+    const std::int32_t tile = directory_[static_cast<std::size_t>(tile_row * columns_ + tile_column)];
+    if (tile < 0) return nullptr;
+    constexpr int kMask = kTileCells - 1;
+    const int cell = (row & kMask) * kTileCells + (column & kMask);
+    return &tiles_[static_cast<std::size_t>(tile)][static_cast<std::size_t>(cell)];
+  }
   [[nodiscard]] Surface* make(int column, int row);
   void widen(int tile_column, int tile_row);
 
