@@ -35,6 +35,7 @@ bool goes_with(const Eigen::Vector2f& a, const Eigen::Vector2f& b) {
 void SurfaceMap::clear() {
   directory_.clear();
   tiles_.clear();
+  seen_.clear();
   columns_ = rows_ = 0;
 }
 
@@ -48,7 +49,7 @@ void SurfaceMap::add(const ScanPoints& points, const Pose2& map_T_base) {
     const Eigen::Vector2f position = turn * point.position + shift;
     if (!(position.cwiseAbs().maxCoeff() < kFarthestM)) continue;
     const Eigen::Vector2f normal = turn * point.normal;
-    Surface& surface = *make(cell_index(position.x()), cell_index(position.y()));
+    Surface& surface = make(cell_index(position.x()), cell_index(position.y()));
     if (!goes_with(surface.normal, normal)) {
       // The side that was seen more often stays, the other one wears it down.
       if (surface.weight > 1) {
@@ -77,7 +78,7 @@ const SurfaceMap::Surface* SurfaceMap::nearest(const Eigen::Vector2f& point, con
   float best_squared = reach * reach;
   const auto consider = [&](int c, int r) {
     const Surface* surface = find(c, r);
-    if (!surface || surface->weight == 0) return;
+    if (!surface) return;
     const float squared = (surface->mean - point).squaredNorm();
     if (squared >= best_squared || !goes_with(surface->normal, normal)) return;
     best = surface;
@@ -105,21 +106,24 @@ bool SurfaceMap::occupied_near(const Eigen::Vector2f& point) const {
   const int row = cell_index(point.y());
   for (int r = row - 1; r <= row + 1; ++r)
     for (int c = column - 1; c <= column + 1; ++c)
-      if (const Surface* surface = find(c, r); surface && surface->weight > 0) return true;
+      if (find(c, r)) return true;
   return false;
 }
 
-SurfaceMap::Surface* SurfaceMap::make(int column, int row) {
+SurfaceMap::Surface& SurfaceMap::make(int column, int row) {
   widen(column >> kTileBits, row >> kTileBits);
   const int tile_column = (column >> kTileBits) - first_column_;
   const int tile_row = (row >> kTileBits) - first_row_;
-  const int entry = tile_row * columns_ + tile_column;
-  std::int32_t& tile = directory_[static_cast<std::size_t>(entry)];
+  std::int32_t& tile = directory_[static_cast<std::size_t>(tile_row * columns_ + tile_column)];
   if (tile < 0) {
     tile = static_cast<std::int32_t>(tiles_.size());
     tiles_.emplace_back();
+    seen_.push_back(0);
   }
-  return const_cast<Surface*>(find(column, row));  // NOLINT: the tile was made just now, and is ours
+  constexpr int kMask = kTileCells - 1;
+  const auto cell = static_cast<std::size_t>((row & kMask) * kTileCells + (column & kMask));
+  seen_[static_cast<std::size_t>(tile)] |= std::uint64_t{1} << cell;
+  return tiles_[static_cast<std::size_t>(tile)][cell];
 }
 
 void SurfaceMap::widen(int tile_column, int tile_row) {

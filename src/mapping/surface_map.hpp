@@ -49,9 +49,11 @@ class SurfaceMap {
  private:
   static constexpr int kTileBits = 3;
   static constexpr int kTileCells = 1 << kTileBits;
+  static_assert(kTileCells * kTileCells == 64, "a bit each");
   using Tile = std::array<Surface, kTileCells * kTileCells>;
 
-  /// Here, so that nearest() has it without a call: that is where mapping spends its time.
+  /// Null where nothing was seen. Here, so that nearest() has it without a call: that is where mapping spends
+  /// its time. The bits of a tile spare it a look at empty cells, which are most of them.
   [[nodiscard]] const Surface* find(int column, int row) const {
     const int tile_column = (column >> kTileBits) - first_column_;
     const int tile_row = (row >> kTileBits) - first_row_;
@@ -60,9 +62,11 @@ class SurfaceMap {
     if (tile < 0) return nullptr;
     constexpr int kMask = kTileCells - 1;
     const int cell = (row & kMask) * kTileCells + (column & kMask);
+    if ((seen_[static_cast<std::size_t>(tile)] >> cell & 1U) == 0) return nullptr;
     return &tiles_[static_cast<std::size_t>(tile)][static_cast<std::size_t>(cell)];
   }
-  [[nodiscard]] Surface* make(int column, int row);
+  /// The cell, which is to be given weight now.
+  [[nodiscard]] Surface& make(int column, int row);
   void widen(int tile_column, int tile_row);
 
   int first_column_{0};  ///< of the directory, in tiles
@@ -71,6 +75,7 @@ class SurfaceMap {
   int rows_{0};
   std::vector<std::int32_t> directory_;  ///< index of each tile, or -1
   std::vector<Tile> tiles_;
+  std::vector<std::uint64_t> seen_;  ///< of each tile: a bit per cell whose weight is above 0
 };
 
 }  // namespace extperfc::mapping
