@@ -35,6 +35,8 @@ struct TeamEffort {
   double timeout_s{
       5.0};  ///< wall time of the whole call, above 0 s; it returns some milliseconds later at most
   /// Go on after the first path: the members start over with new seeds, and the path of least cost wins.
+  /// bit_star, abit_star, ait_star and prm_star do not start over but shorten their own path until the time
+  /// is up.
   bool improve{false};
   /// With `improve`: the most paths that are looked for, 1 to 1,000,000; with 1,000,000 the time decides.
   int max_attempts{1'000'000};

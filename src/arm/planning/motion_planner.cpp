@@ -70,7 +70,7 @@ std::optional<planning::Found> MotionPlanner::search(const JointVector& start,
                                                      const std::vector<JointVector>& goals,
                                                      const std::function<bool()>& stop, int* states) {
   if (params_.planner != kOwnPlanner)
-    return planning::ompl_search(checker_, limits_, params_, start, goals, stop);
+    return planning::ompl_search(checker_, limits_, params_, start, goals, false, stop);
   planning::Search own(checker_, limits_, params_);
   auto found = own.run(start, goals, stop);
   *states = own.states();

@@ -5,6 +5,7 @@
 #include <map>
 #include <memory>
 #include <mutex>
+#include <set>
 #include <utility>
 
 #include <ompl/base/MotionValidator.h>
@@ -119,7 +120,7 @@ ob::SpaceInformationPtr make_space(CollisionChecker& checker, const JointLimits&
 }
 
 ob::ProblemDefinitionPtr make_problem(const ob::SpaceInformationPtr& space, const JointVector& start,
-                                      const std::vector<JointVector>& goals) {
+                                      const std::vector<JointVector>& goals, bool improve) {
   auto problem = std::make_shared<ob::ProblemDefinition>(space);
   ob::ScopedState<> state(space->getStateSpace());
   write(start, state.get());
@@ -131,7 +132,7 @@ ob::ProblemDefinitionPtr make_problem(const ob::SpaceInformationPtr& space, cons
   }
   problem->setGoal(all_goals);
   auto shortest = std::make_shared<ob::PathLengthOptimizationObjective>(space);
-  shortest->setCostThreshold(shortest->infiniteCost());  // the first path will do
+  if (!improve) shortest->setCostThreshold(shortest->infiniteCost());  // the first path will do
   problem->setOptimizationObjective(shortest);
   return problem;
 }
@@ -147,12 +148,18 @@ const std::vector<std::string>& ompl_planners() {
   return names;
 }
 
+bool improves(const std::string& ompl_planner) {
+  static const std::set<std::string> names{"abit_star", "ait_star", "bit_star", "prm_star"};
+  return names.count(ompl_planner) > 0;
+}
+
 std::optional<Found> ompl_search(CollisionChecker& checker, const JointLimits& limits,
                                  const PlannerParams& params, const JointVector& start,
-                                 const std::vector<JointVector>& goals, const std::function<bool()>& stop) {
+                                 const std::vector<JointVector>& goals, bool improve,
+                                 const std::function<bool()>& stop) {
   seed_once(params.seed);
   const auto space = make_space(checker, limits);
-  const auto problem = make_problem(space, start, goals);
+  const auto problem = make_problem(space, start, goals, improve);
   const auto planner = makers().at(params.planner)(space, params.range_rad);
   planner->setProblemDefinition(problem);
   planner->setup();

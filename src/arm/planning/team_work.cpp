@@ -4,6 +4,8 @@
 #include <chrono>
 #include <utility>
 
+#include "extperfc/base/stopwatch.hpp"
+
 #include "arm/planning/ompl_search.hpp"
 #include "arm/planning/shortcuts.hpp"
 
@@ -14,6 +16,7 @@ namespace {
 constexpr auto kAskEvery = std::chrono::milliseconds(2);
 /// Of the first round; small, so that a member that has to finish its round is soon done.
 constexpr int kFirstSamples = 100;
+constexpr double kLastShortcuts_s = 0.005;
 constexpr std::uint64_t kSeedStep = 0x9E3779B97F4A7C15;
 
 }  // namespace
@@ -148,7 +151,7 @@ void FirstPath::ask_ompl(int member) {
   CollisionChecker checker = problem_.checker.clone();
   auto found =
       ompl_search(checker, problem_.limits, params_of(problem_.params, who, who.seed), problem_.request.start,
-                  problem_.request.goals, [this] { return crew_.stopped() || best_ != kNever; });
+                  problem_.request.goals, false, [this] { return crew_.stopped() || best_ != kNever; });
   const std::lock_guard lock(mutex_);
   if (!found || best_ != kNever) return;
   best_ = 0;
@@ -157,7 +160,10 @@ void FirstPath::ask_ompl(int member) {
 }
 
 BestPath::BestPath(const TeamProblem& problem, int max_attempts)
-    : problem_(problem), max_attempts_(max_attempts) {}
+    : problem_(problem),
+      max_attempts_(max_attempts),
+      any_starts_over_(std::any_of(problem.params.members.begin(), problem.params.members.end(),
+                                   [](const TeamMember& member) { return !improves(member.planner); })) {}
 
 std::optional<BestPath::Winner> BestPath::run(const std::function<bool()>& interrupted) {
   for (int i = 0; i < std::min(problem_.params.threads, max_attempts_); ++i) crew_.add([this] { work(); });
@@ -169,6 +175,10 @@ void BestPath::work() {
   while (!crew_.stopped()) {
     const int number = next_++;
     if (number >= max_attempts_) return;
+    if (goes_on(number)) {
+      if (!any_starts_over_) return;
+      continue;
+    }
     auto result = attempt(number);
     const std::lock_guard lock(mutex_);
     ++ended_;
@@ -176,6 +186,13 @@ void BestPath::work() {
     ++found_;
     if (!winner_ || better(*result)) winner_ = std::move(result);
   }
+}
+
+/// An attempt of a member that is still at its first one.
+bool BestPath::goes_on(int number) const {
+  const auto& members = problem_.params.members;
+  const auto count = static_cast<int>(members.size());
+  return number >= count && improves(members[static_cast<std::size_t>(number % count)].planner);
 }
 
 bool BestPath::better(const Winner& winner) const {
@@ -196,12 +213,14 @@ std::optional<BestPath::Winner> BestPath::attempt(int number) {
     found =
         Search(checker, problem_.limits, params).run(problem_.request.start, problem_.request.goals, stop);
   else
-    found =
-        ompl_search(checker, problem_.limits, params, problem_.request.start, problem_.request.goals, stop);
+    found = ompl_search(checker, problem_.limits, params, problem_.request.start, problem_.request.goals,
+                        true, stop);
   if (!found) return std::nullopt;
   Rng rng(params.seed);
   Winner winner;
-  winner.waypoints = shorten(checker, std::move(found->waypoints), params.shortcut_rounds, rng, stop);
+  const Stopwatch watch;  // a path that the end of the time brought is shortened too
+  winner.waypoints = shorten(checker, std::move(found->waypoints), params.shortcut_rounds, rng,
+                             [&] { return stop() && watch.seconds() > kLastShortcuts_s; });
   winner.goal = found->goal;
   winner.member = member;
   winner.attempt = number;

@@ -110,10 +110,12 @@ class BestPath {
  private:
   void work();
   [[nodiscard]] std::optional<Winner> attempt(int number);
+  [[nodiscard]] bool goes_on(int number) const;
   [[nodiscard]] bool better(const Winner& winner) const;
 
   const TeamProblem& problem_;
   const int max_attempts_;
+  const bool any_starts_over_;
   Crew crew_;
   std::atomic<int> next_{0};
   std::mutex mutex_;

@@ -59,6 +59,16 @@ class Grasper {
                                      const Hooks& hooks);
   /// Where a way ends, and the way that goes on from there.
   using WaysOn = std::vector<std::vector<arm::JointVector>>;
+  /// How one hand could take a thing.
+  struct Reach {
+    Hand* hand{nullptr};
+    std::vector<arm::GraspCandidate> grasps;
+    arm::CollisionChecker checker;  ///< with open fingers, which may touch the thing
+    arm::JointVector state;
+    WaysOn lifts;  ///< of candidates, from straight_ways()
+  };
+  /// Ending: kNoGrasp where the shape does not fit the hand; the scene's and the robot's.
+  [[nodiscard]] Maybe<Reach> reach_of(Hand& hand, const SceneItem& item, const Room& room);
   /// Approach and lift of a candidate, straight and free, for choose(). Every lift found is added to `lifts`.
   [[nodiscard]] arm::StraightWay straight_ways(const Hand& hand, arm::CollisionChecker& checker,
                                                double lift_m, WaysOn* lifts) const;

@@ -87,6 +87,33 @@ TEST_F(Pipeline, BringsATool) {
   expect_free(asked, outcome, world_);
 }
 
+// "Anywhere here, looking down, turned as you like": the middle of the region is inside a crate.
+TEST_F(Pipeline, ReachesARegion) {
+  const Eigen::Vector3d middle(0.75, 0.25, kTableTop + 0.1);
+  auto world = world_;
+  Shape crate;
+  crate.geometry = Box{{0.16, 0.16, 0.3}};
+  ASSERT_TRUE(world.add({"crate", {crate}, make_pose(middle)}));
+  auto asked = request("left_arm");
+  asked.goal = std::vector<ToolTarget>{down(middle)};
+  EXPECT_EQ(pipeline_.plan(asked, world).code, ArmCode::kGoalInCollision);
+
+  auto region = down(middle);
+  region.tolerance.position_m = {0.25, 0.25, 0.05};
+  region.tolerance.orientation_rad = {0.1, 0.1, std::numeric_limits<double>::infinity()};
+  asked.goal = std::vector<ToolTarget>{region};
+  const auto outcome = pipeline_.plan(asked, world);
+  ASSERT_EQ(outcome.code, ArmCode::kSuccess) << outcome.message;
+  auto end = asked.start;
+  for (std::size_t i = 0; i < outcome.joints.size(); ++i)
+    end[outcome.joints[i]] = outcome.points.back().position[static_cast<Eigen::Index>(i)];
+  const Pose off = region.root_T_tool.inverse() * test::baxter_arms().link_pose("left_gripper", end).value();
+  EXPECT_TRUE((off.translation().cwiseAbs().array() <= region.tolerance.position_m.array()).all())
+      << off.translation().transpose();
+  EXPECT_GT(off.linear()(2, 2), std::cos(0.15)) << "it does not look down";
+  expect_free(asked, outcome, world);
+}
+
 TEST_F(Pipeline, BringsBothToolsAtOnce) {
   auto asked = request("both_arms");
   asked.goal = std::vector<ToolTarget>{down({0.75, 0.2, kTableTop + 0.15}),

@@ -144,6 +144,43 @@ TEST(MotionPlanner, PlannersOfOmplJoinATeam) {
   }
 }
 
+// Without shortcuts: what is gained is the planner's own doing.
+TEST(MotionPlanner, PlannersThatImproveUseTheTime) {
+  double first = 0;
+  double best = 0;
+  for (const char* name : {"abit_star", "ait_star", "bit_star", "prm_star"}) {
+    auto checker = checker_of(posts());
+    PlannerParams params;
+    params.planner = name;
+    params.timeout_s = 20;
+    params.shortcut_rounds = 0;
+    first += plan(checker, kLeft, {kRight}, params).length_rad;
+    PlanningTeamParams team;
+    team.members = {{name, 1}};
+    team.threads = 1;
+    team.planner = params;
+    const Stopwatch watch;
+    const auto result = PlanningTeam(checker, team).plan({kLeft, {kRight}, {}}, {0.5, true});
+    EXPECT_GE(watch.seconds(), 0.5) << name;
+    ASSERT_EQ(result.plan.code, PlanCode::kSuccess) << name << ": " << result.plan.message;
+    EXPECT_TRUE(free_all_along(checker, result.plan.waypoints)) << name;
+    EXPECT_EQ(result.attempts, 1) << name << ": it must not start over";
+    best += result.cost;
+  }
+  EXPECT_LT(best, 0.9 * first);
+}
+
+TEST(MotionPlanner, OthersStartOverBesideAPlannerThatImproves) {
+  auto checker = checker_of(posts());
+  PlanningTeamParams params;
+  params.members = {{"bit_star", 1}, {"rrt_connect", 1}};
+  params.threads = 2;
+  const auto result = PlanningTeam(checker, params).plan({kLeft, {kRight}, {}}, {0.3, true});
+  ASSERT_EQ(result.plan.code, PlanCode::kSuccess) << result.plan.message;
+  EXPECT_GT(result.attempts, 3);
+  EXPECT_GT(result.found, 2);
+}
+
 TEST(MotionPlanner, EveryPlannerEndsInTime) {
   for (const auto& name : planner_names()) {
     auto checker = checker_of(posts());

@@ -1,0 +1,163 @@
+#include <algorithm>
+#include <array>
+#include <optional>
+#include <utility>
+
+#include "extperfc/arm/cartesian_path.hpp"
+
+#include "ros/arm/grasper.hpp"
+#include "ros/arm/grasper_common.hpp"
+#include "ros/arm/place_candidates.hpp"
+#include "ros/arm/support.hpp"
+#include "ros/convert/geometry.hpp"
+
+namespace extperfc::arm_node {
+
+using arm::ArmCode;
+using arm::JointVector;
+using extperfc::SceneObject;
+
+Grasper::Maybe<Grasper::Hand*> Grasper::holding(const extperfc::PlaceGoal& goal, SceneItem* item) {
+  bool known = goal.arm.empty();
+  for (auto& hand : hands_) {
+    if (!goal.arm.empty() && hand.names.name != goal.arm) continue;
+    known = true;
+    const auto held = commander_.shared().scene.held_by(hand.names.tip);
+    if (!held || (!goal.object.empty() && held->name != goal.object && held->label != goal.object)) continue;
+    *item = *held;
+    return &hand;
+  }
+  if (!known) return end(ArmCode::kInvalidRequest, "there is no hand '" + goal.arm + "'");
+  return end(ArmCode::kNothingHeld,
+             goal.object.empty() ? "no hand holds anything" : "no hand holds " + goal.object);
+}
+
+Ending Grasper::place(const extperfc::PlaceGoal& goal, const Hooks& hooks, extperfc::PlaceResult& result) {
+  const auto& params = commander_.shared().params;
+  if (!(goal.retreat >= 0.0) || goal.retreat > 0.5)
+    return {ArmCode::kInvalidRequest, "the retreat must be from 0 to 0.5 m"};
+  if (!(goal.planning_time >= 0.0))
+    return {ArmCode::kInvalidRequest, "the planning time must be 0 s or more"};
+  hooks.progress("choosing", 0.0);
+  SceneItem item;
+  const auto hand = holding(goal, &item);
+  if (!hand) return hand.error();
+  const auto target = commander_.shared().frames.root_T_pose(goal.pose);
+  if (!target) return target.error();
+  arm::PlaceRequest request;
+  request.tip_T_object = item.frame_T_object;
+  request.root_T_object = *target;
+  request.any_yaw = goal.any_yaw != 0;
+  request.opening_m = (*hand)->shape.opening_max_m;
+  request.support_z_m = heights(item.shapes, *target).first;
+  const auto spot = choose_spot(**hand, item, request, or_else(goal.retreat, params.grasp.retreat_m), hooks);
+  if (!spot) return spot.error();
+  auto ending = put_down(**hand, item, *spot, or_else(goal.planning_time, params.planning_time_s), hooks);
+  if (failed(ending)) return ending;
+  result.placed.header.frame_id = commander_.shared().arms.root_link();
+  result.placed.header.stamp = ros::Time::now();
+  result.placed.pose = convert::to_message(spot->where.root_T_object);
+  return ending;
+}
+
+Grasper::Maybe<Grasper::Spot> Grasper::choose_spot(const Hand& hand, const SceneItem& item,
+                                                   const arm::PlaceRequest& request, double retreat_m,
+                                                   const Hooks& hooks) {
+  const double lower_m = commander_.shared().params.grasp.lower_m;
+  const double less_lower_m = std::min(lower_m, std::max(0.02, kLeastApproach * lower_m));
+  struct Way {
+    arm::PlaceParams how;
+    bool padded;
+  };
+  // First with room for everything, then nearer to things, then from less high and with more turns. The way
+  // back is never shortened: the fingers have to leave the thing.
+  const std::array<Way, 3> ways{Way{{lower_m, retreat_m, 0.3927, 0.002}, true},
+                                Way{{lower_m, retreat_m, 0.3927, 0.002}, false},
+                                Way{{less_lower_m, retreat_m, 0.1963, 0.002}, false}};
+  Ending last;
+  for (const auto& way : ways) {
+    const auto candidates = place_candidates(hand.shape, item, request, way.how);
+    if (!candidates) return end(ArmCode::kGoalUnreachable, candidates.error().message);
+    auto spot = choose_spot(hand, item, *candidates, way.padded, hooks);
+    if (spot || spot.error().code != ArmCode::kGoalUnreachable) return spot;
+    last = spot.error();
+  }
+  return tl::unexpected(last);
+}
+
+Grasper::Maybe<Grasper::Spot> Grasper::choose_spot(const Hand& hand, const SceneItem& item,
+                                                   const std::vector<arm::PlaceCandidate>& candidates,
+                                                   bool padded, const Hooks& hooks) {
+  const auto& shared = commander_.shared();
+  const auto positions = shared.watch.positions();
+  if (!positions) return tl::unexpected(positions.error());
+  auto carrying = shared.scene.world();
+  if (!carrying) return tl::unexpected(carrying.error());
+  auto empty = *carrying;
+  allow_support(*carrying, item.name, heights(item.shapes, candidates.front().root_T_object).first);
+  empty.remove(item.name);
+  const auto& group = **shared.arms.group(hand.names.group);
+  const auto state = arm::RobotArms::select(group, *positions);
+  if (!state) return end(ArmCode::kNoJointStates, state.error().message);
+  auto full = commander_.pipeline().checker(group.name, *positions, *carrying, padded);
+  auto after = commander_.pipeline().checker(group.name, *positions, empty, padded);
+  if (!full || !after) return end(ArmCode::kInternal, (full ? after : full).error().message);
+  WaysOn backs;
+  // Down with the thing (asked for from below), back without it; a candidate is known by its pose above.
+  const auto ways = [&](const JointVector& low,
+                        const Pose& root_T_above) -> std::optional<std::vector<JointVector>> {
+    auto down = arm::CartesianPlanner::make(*full, hand.kinematics.chain(), quick());
+    auto back = arm::CartesianPlanner::make(*after, hand.kinematics.chain(), quick());
+    if (!down || !back) return std::nullopt;
+    auto way = down->plan({low, {root_T_above}, {}});
+    if (way.end != arm::CartesianEnd::kComplete) return std::nullopt;
+    for (const auto& one : candidates) {
+      if (!one.root_T_above.isApprox(root_T_above, 1e-9)) continue;
+      auto retreat = back->plan({low, {one.root_T_retreat}, {}});
+      if (retreat.end != arm::CartesianEnd::kComplete) return std::nullopt;
+      backs.push_back(std::move(retreat.waypoints));
+    }
+    return std::move(way.waypoints);
+  };
+  std::vector<arm::GraspCandidate> poses;
+  for (const auto& one : candidates) {
+    arm::GraspCandidate pose;
+    pose.root_T_pregrasp = one.root_T_above;
+    pose.root_T_tip = one.root_T_tip;
+    pose.score = 1.0;
+    poses.push_back(pose);
+  }
+  arm::GraspChoiceOptions options;
+  options.timeout_s = shared.params.planning_time_s;
+  options.cancelled = [&hooks] { return hooks.interrupted && hooks.interrupted().has_value(); };
+  const auto chosen =
+      arm::choose_grasp(poses, {{hand.names.name, &hand.kinematics, &*full, *state, nullptr, ways}}, options);
+  if (hooks.interrupted)
+    if (const auto ended = hooks.interrupted()) return tl::unexpected(*ended);
+  if (!chosen)
+    return end(ArmCode::kGoalUnreachable, "no way to put " + item.name + " there: " + chosen.error().message);
+  Spot spot;
+  spot.where = candidates[static_cast<std::size_t>(chosen->candidate)];
+  spot.down = chosen->way;
+  spot.back = way_on(backs, chosen->way.back());
+  spot.above = by_name(hand.kinematics.chain(), chosen->pregrasp);
+  return spot;
+}
+
+Ending Grasper::put_down(Hand& hand, const SceneItem& item, const Spot& spot, double time_s,
+                         const Hooks& hooks) {
+  const auto still = commander_.shared().scene.hold(item.name);  // until the fingers are away from it
+  const double bottom = heights(item.shapes, spot.where.root_T_object).first;
+  const auto stand = [&](arm::CollisionWorld& world) { allow_support(world, item.name, bottom); };
+  if (auto moved = move_joints(hand, spot.above, time_s, with(hooks, "carrying", {})); failed(moved))
+    return moved;
+  if (auto moved = move_along(hand, spot.down, time_s, with(hooks, "lowering", stand)); failed(moved))
+    return moved;
+  hooks.progress("releasing", 0.0);
+  if (auto opened = hand.gripper->open(hooks); !opened) return opened.error();
+  if (auto done = change(SceneObject::DETACH, item.name, nullptr); failed(done)) return done;
+  const auto touch = [&](arm::CollisionWorld& world) { arm::allow_grasp(world, item.name, hand.shape); };
+  return move_along(hand, spot.back, time_s, with(hooks, "retreating", touch));
+}
+
+}  // namespace extperfc::arm_node
