@@ -101,14 +101,15 @@ ScanMatch summarize(const Equations& equations, const ScanPoints& points, const 
 bool step(const Equations& equations, const PosePrior& prior, Pose2& pose, bool& settled) {
   const double per_m = 1.0 / (prior.sigma_m * prior.sigma_m);
   const double per_rad = 1.0 / (prior.sigma_rad * prior.sigma_rad);
-  const Eigen::Vector3d weights(per_m, per_m, per_rad);
+  const Eigen::Vector2d along = prior.along / prior.sigma_along_m;
+  Eigen::Matrix3d weights = Eigen::Vector3d(per_m, per_m, per_rad).asDiagonal();
+  weights.topLeftCorner<2, 2>() += along * along.transpose();
   const Eigen::Vector3d away(pose.x - prior.mean.x, pose.y - prior.mean.y,
                              wrap_angle(pose.yaw - prior.mean.yaw));
-  Eigen::Matrix3d h = equations.h;
-  h.diagonal() += weights;
+  const Eigen::Matrix3d h = equations.h + weights;
   const Eigen::LDLT<Eigen::Matrix3d> solver(h);
   if (solver.info() != Eigen::Success) return false;
-  Eigen::Vector3d move = -solver.solve(equations.g + weights.cwiseProduct(away));
+  Eigen::Vector3d move = -solver.solve(equations.g + weights * away);
   if (!move.allFinite()) return false;
   settled = move.head<2>().norm() < kSettledM && std::abs(move.z()) < kSettledRad;
   move *= std::min(1.0, kLongestStepM / std::max(1e-9, move.head<2>().norm()));

@@ -11,11 +11,14 @@
 
 namespace extperfc::mapping {
 
-/// What was known before the match: a normal distribution of the pose, independent in x, y and yaw.
+/// What was known before the match: a normal distribution of the pose, independent in x, y and yaw, and
+/// narrower along one direction when that is given.
 struct PosePrior {
   Pose2 mean;
-  double sigma_m{1};      ///< [m]
-  double sigma_rad{0.5};  ///< [rad]
+  double sigma_m{1};            ///< [m]
+  double sigma_rad{0.5};        ///< [rad]
+  Eigen::Vector2d along{0, 0};  ///< in the map's frame, of unit length; zero: no direction is special
+  double sigma_along_m{1};      ///< [m], what is known along it besides sigma_m
 };
 
 struct ScanMatch {

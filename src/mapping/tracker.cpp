@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include <Eigen/Eigenvalues>
+
 namespace extperfc::mapping {
 
 namespace {
@@ -21,6 +23,16 @@ constexpr double kComfortableFit = 0.15;
 // Without odometry a robot goes on as before, give or take this from scan to scan.
 constexpr double kUnknownStepM = 0.12;
 constexpr double kUnknownStepRad = 0.12;
+// Slides along corridors: two standard deviations of wheels that do not slip are this, srr of the way and str
+// of the turn.
+constexpr double kWheelsLeastM = 0.01;
+constexpr double kSlideWayM = 0.5;  // after this way, a third of a slide still counts
+constexpr double kFreeM = 1.0;      // across the corridor the scan decides
+
+/// The part of the way between two poses that lies along a direction of unit length.
+Eigen::Vector2d moved_along(const Eigen::Vector2d& along, const Pose2& from, const Pose2& to) {
+  return along.dot(Eigen::Vector2d(to.x - from.x, to.y - from.y)) * along;
+}
 
 }  // namespace
 
@@ -60,7 +72,9 @@ Tracked Tracker::add(const ScanPoints& points, const std::optional<Pose2>& odom_
     tracked.fit = 1.0;
   } else if (enough) {
     match_scan(points, before, tracked);
+    if (tracked.matched && has_odometry && !resuming_) watch_slide(points, before, step, tracked);
   }
+  if (!has_odometry) slide_ = {};
   const double per_m2 = 1 / (before.sigma_m * before.sigma_m);
   tracked.information +=
       Eigen::Vector3d(per_m2, per_m2, 1 / (before.sigma_rad * before.sigma_rad)).asDiagonal();
@@ -84,6 +98,44 @@ void Tracker::match_scan(const ScanPoints& points, const PosePrior& prior, Track
   tracked.matched = true;
   tracked.pose = best.pose;
   tracked.information = best.information;
+}
+
+/// In a corridor few points tell the way along it, and some of those walk, or travel with the robot as
+/// returns from walls at a grazing angle do. They may pull the match a bit from scan to scan, so that is
+/// added up over half a metre. Wheels that do not slip are off by the same share all the time: within that
+/// share the match decides, which remembers where things stood; beyond it odometry does.
+void Tracker::watch_slide(const ScanPoints& points, const PosePrior& prior, const Pose2& step,
+                          Tracked& tracked) {
+  constexpr double kWeakShare = 0.2;  // of the strongest direction's information
+  const double way_m = std::hypot(step.x, step.y);
+  const double wheels_m = noise_.srr * way_m + noise_.str * std::abs(step.yaw);
+  const double keep = std::exp(-way_m / kSlideWayM);
+  slide_ = {keep * slide_.off_m, keep * slide_.wheels_m};
+  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d> axes(tracked.information.topLeftCorner<2, 2>());
+  if (axes.eigenvalues()[0] > kWeakShare * axes.eigenvalues()[1]) return;
+  const Eigen::Vector2d along = axes.eigenvectors().col(0);
+  slide_.off_m += moved_along(along, prior.mean, tracked.pose);
+  slide_.wheels_m += wheels_m;
+  if (std::abs(along.dot(slide_.off_m)) <= kWheelsLeastM + slide_.wheels_m) return;
+  hold(points, {prior.mean, kFreeM, prior.sigma_rad, along, 0.5 * (kWheelsLeastM + wheels_m)}, tracked);
+}
+
+/// Gives back the way that was lost along a corridor and matches anew with odometry as a narrow prior there.
+/// Unless the scan fits clearly worse then: wheels do slip.
+void Tracker::hold(const ScanPoints& points, PosePrior prior, Tracked& tracked) {
+  constexpr double kClearlyWorse = 0.12;
+  const double slid_m = prior.along.dot(slide_.off_m);
+  prior.mean = {tracked.pose.x - slid_m * prior.along.x(), tracked.pose.y - slid_m * prior.along.y(),
+                tracked.pose.yaw};
+  const ScanMatch held = match(map_, points, prior.mean, prior, kReachM);
+  if (graded_fit(map_, points, held.pose) < graded_fit(map_, points, tracked.pose) - kClearlyWorse) {
+    slide_ = {};
+    return;
+  }
+  slide_.off_m += moved_along(prior.along, tracked.pose, held.pose);
+  tracked.pose = held.pose;
+  tracked.fit = held.fit;
+  tracked.information = held.information;
 }
 
 /// Wheels slipped, odometry jumped, somebody carried the robot, or much is new: looks around where odometry
@@ -139,6 +191,7 @@ void Tracker::go_on_from(const std::vector<KeyFrame>& frames, const std::vector<
   pose_ = pose;
   last_step_ = {};
   last_odometry_.reset();
+  slide_ = {};
   resuming_ = true;
 }
 

@@ -31,6 +31,9 @@ struct Tracked {
 
 /// Follows the robot from scan to scan: every scan is matched to the surfaces seen over the last metres, held
 /// by odometry or, without it, by the last motion. Smooth and precise over a room, drifting over a building.
+/// Where the scan hardly tells the way along a corridor and leaves odometry farther than srr and str allow,
+/// odometry decides along it; a degenerate direction is the prediction's in Zhang, Kaess and Singh, "On
+/// Degeneracy of Optimization-based State Estimation Problems", ICRA 2016.
 class Tracker {
  public:
   static constexpr std::size_t kFewestPoints = 12;  ///< fewer cannot tell a pose
@@ -48,11 +51,18 @@ class Tracker {
     Pose2 pose;
     ScanPoints points;
   };
+  /// How matches moved the pose off odometry along directions that scans hardly tell, lately.
+  struct Slide {
+    Eigen::Vector2d off_m{0, 0};  ///< in the tracker's frame
+    double wheels_m{0};           ///< what wheels may be off by over the way on which that happened
+  };
 
   [[nodiscard]] bool jumps(const std::optional<Pose2>& odom_T_base) const;
   [[nodiscard]] Pose2 expected_step(const std::optional<Pose2>& odom_T_base) const;
   [[nodiscard]] PosePrior prior(const Pose2& step, bool has_odometry) const;
   void match_scan(const ScanPoints& points, const PosePrior& prior, Tracked& tracked) const;
+  void watch_slide(const ScanPoints& points, const PosePrior& prior, const Pose2& step, Tracked& tracked);
+  void hold(const ScanPoints& points, PosePrior prior, Tracked& tracked);
   [[nodiscard]] ScanMatch look_wider(const ScanPoints& points, const PosePrior& prior,
                                      const ScanMatch& first) const;
   void redraw();
@@ -65,6 +75,7 @@ class Tracker {
   std::optional<Pose2> last_odometry_;
   std::deque<Remembered> recent_;
   SurfaceMap map_;
+  Slide slide_;
   bool resuming_{false};  ///< the next scan is looked for in a wider window
 };
 

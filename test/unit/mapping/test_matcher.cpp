@@ -10,7 +10,7 @@
 namespace extperfc::mapping {
 namespace {
 
-constexpr PosePrior kLoose{{}, 10.0, 10.0};
+const PosePrior kLoose{{}, 10.0, 10.0};
 
 PosePrior loose(const Pose2& mean) {
   return {mean, kLoose.sigma_m, kLoose.sigma_rad};
@@ -55,6 +55,26 @@ TEST(Matcher, RecoversOffsetsInARoom) {
     EXPECT_GT(found.used, 100);
   }
   EXPECT_LT(sum_m, 0.007);
+}
+
+/// Walls bear on x and y: a narrow prior along x moves the match there and nowhere else.
+TEST(Matcher, ThePriorMayBeNarrowAlongOneDirection) {
+  Surroundings room(planar_room());
+  room.remember({{-1, -1, 0.3}, {0, 0, 1.2}, {1, 0.5, 2.5}});
+  const auto points = room.see({});
+  constexpr double kOffM = 0.05;
+  PosePrior prior = loose({kOffM, kOffM, 0});
+  const auto free = match(room.map, points, {}, prior, 0.2);
+  EXPECT_NEAR(free.pose.x, 0, 0.01);
+  EXPECT_NEAR(free.pose.y, 0, 0.01);
+  for (const Eigen::Vector2d& along : {Eigen::Vector2d(1, 0), Eigen::Vector2d(-1, 0)}) {
+    prior.along = along;
+    prior.sigma_along_m = 1e-4;
+    const auto held = match(room.map, points, {}, prior, 0.2);
+    EXPECT_NEAR(held.pose.x, kOffM, 0.001);
+    EXPECT_NEAR(held.pose.y, 0, 0.015);
+    EXPECT_NEAR(held.pose.yaw, 0, 0.01);
+  }
 }
 
 TEST(Matcher, ThePriorHoldsAlongACorridor) {

@@ -110,6 +110,98 @@ TEST(Tracker, SlippingWheels) {
   }
 }
 
+/// Wheels that are always a quarter off, where the walls tell where the robot is.
+TEST(Tracker, WrongWheelsDoNotCountInARoom) {
+  for (const double scale : {0.25, -0.25}) {
+    SCOPED_TRACE(scale);
+    Drive drive(14);
+    PlanarOdometry odometry;
+    odometry.scale = scale;
+    Tracker tracker({}, kMinimumFit);
+    double wheels_off_m = 0;
+    for (std::size_t i = 0; i < drive.size(); ++i) {
+      const auto tracked = tracker.add(drive.points(i), odometry.move(drive.step(i), drive.rng()));
+      ASSERT_LT(drive.error_m(tracked.pose, i), kRoomErrorM) << i;
+      wheels_off_m = std::max(wheels_off_m, drive.error_m(odometry.pose, i));
+    }
+    EXPECT_GT(wheels_off_m, 1.0) << "odometry alone must not do";
+  }
+}
+
+/// A drive of 12 m along a corridor that tells nothing of the way along it.
+struct CorridorDrive {
+  PlanarScanner scanner;
+  double walkers_pace{1};  ///< of two people ahead, against the robot's
+  bool walkers{false};
+  double tracked_m{0};  ///< along the corridor, at the end
+  double aside_m{0};
+  double odometry_m{0};
+
+  static constexpr double kStepM = 0.1;
+  static constexpr int kSteps = 120;
+  static constexpr double kWayM = kStepM * kSteps;
+
+  void drive(std::uint64_t seed) {
+    Rng rng(seed);
+    PlanarOdometry odometry;
+    odometry.veer_rad_per_m = 0;
+    Tracker tracker({}, kMinimumFit);
+    for (int i = 0; i <= kSteps; ++i) {
+      const double way = i * kStepM;
+      PlanarWorld world = planar_corridor();
+      if (walkers) {
+        const double ahead = -4 + walkers_pace * way;  // 6 m at first
+        world.add_box(ahead, 0.1, ahead + 0.3, 0.6);
+        world.add_box(ahead + 0.2, -0.6, ahead + 0.5, -0.1);
+      }
+      const Pose2 step{i == 0 ? 0.0 : kStepM, 0, 0};
+      const auto scan = scanner.scan(world, {-10 + way, 0, 0}, rng);
+      (void)tracker.add(scan_points(scan, {}), odometry.move(step, rng));
+    }
+    tracked_m = tracker.pose().x;
+    aside_m = tracker.pose().y;
+    odometry_m = odometry.pose.x;
+  }
+};
+
+PlanarScanner half_turn_scanner() {
+  PlanarScanner scanner;
+  scanner.rays = 181;
+  scanner.angle_min = -M_PI / 2;
+  scanner.angle_increment = M_PI / 180;
+  scanner.range_max = 8;
+  return scanner;
+}
+
+// Along a corridor the pose may leave odometry by 1 cm and by srr of the way, and is given back what is more.
+constexpr double kOffWheelsM = 0.01 + 0.1 * CorridorDrive::kWayM;
+
+/// Two people walk 6 m ahead at the robot's pace or nearly so: what the scan tells along the corridor is that
+/// the robot stands still, or is slow. (Nearer they fill so much of the scan that they still count.)
+TEST(Tracker, WalkersInACorridorDoNotHoldItBack) {
+  for (const double pace : {0.85, 1.0, 1.2})
+    for (const std::uint64_t seed : {11U, 12U, 13U}) {
+      SCOPED_TRACE(testing::Message() << "pace " << pace << ", seed " << seed);
+      CorridorDrive run{half_turn_scanner(), pace, true};
+      run.drive(seed);
+      EXPECT_NEAR(run.tracked_m, run.odometry_m, kOffWheelsM);
+      EXPECT_NEAR(run.aside_m, 0, 0.1);
+    }
+}
+
+/// Nothing but two walls and noise: neither may noise pull the pose along them.
+TEST(Tracker, NoiseOfABareCorridorDoesNotHoldItBack) {
+  for (const double sigma_m : {0.01, 0.04})
+    for (const std::uint64_t seed : {15U, 16U, 17U}) {
+      SCOPED_TRACE(testing::Message() << "noise " << sigma_m << " m, seed " << seed);
+      CorridorDrive run{half_turn_scanner()};
+      run.scanner.sigma_m = sigma_m;
+      run.drive(seed);
+      EXPECT_NEAR(run.tracked_m, run.odometry_m, kOffWheelsM);
+      EXPECT_NEAR(run.aside_m, 0, 0.1);
+    }
+}
+
 TEST(Tracker, JumpOfOdometry) {
   for (const Pose2& jump : {Pose2{5, -2, 1.0}, Pose2{0, 0, 2.5}, Pose2{-300, 200, 0}}) {
     SCOPED_TRACE(jump.x);
