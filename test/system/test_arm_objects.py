@@ -257,7 +257,7 @@ class ArmObjects(unittest.TestCase):
     def test_a_held_object_is_not_doubled(self):
         self.left.move_to(AHEAD, frame="base", timeout=60)
         tool = lambda: self.left.tool_pose("base").pose.position  # noqa: E731
-        in_hand = lambda: detection("cube", (tool().x + 0.01, tool().y, tool().z - 0.03))  # noqa: E731
+        in_hand = lambda: detection("cube", (tool().x + 0.01, tool().y, tool().z - 0.06))  # noqa: E731
         self.detector.say(lambda: [in_hand()])
         self.appears("cube_1")
         fingers = ("l_gripper_l_finger", "l_gripper_r_finger", "l_gripper_l_finger_tip", "l_gripper_r_finger_tip",
@@ -277,8 +277,8 @@ class ArmObjects(unittest.TestCase):
         # Let go it is the same again, and moves when it is seen elsewhere.
         self.left.scene.detach("cube_1")
         where = tool()
-        self.detector.say(lambda: [detection("cube", (where.x, where.y, where.z - 0.06)), detection("cube", (0.9, -0.5, -0.2))])
-        self.wait(lambda: abs(self.position("cube_1")[2] - (where.z - 0.06)) < 0.006, "it does not move after the release")
+        self.detector.say(lambda: [detection("cube", (where.x, where.y, where.z - 0.09)), detection("cube", (0.9, -0.5, -0.2))])
+        self.wait(lambda: abs(self.position("cube_1")[2] - (where.z - 0.09)) < 0.006, "it does not move after the release")
         self.assertEqual(["cube_1", "cube_2"], self.names())
 
     def test_the_target_of_a_pick_stays_where_it_is(self):
@@ -296,11 +296,23 @@ class ArmObjects(unittest.TestCase):
             if not motion.done:
                 self.near(before, self.position("cube_1"), 1e-3)
             time.sleep(0.02)
-        # There is nothing between the fingers of this simulation. Afterwards detections count again.
+        # There is nothing between the fingers of this simulation. Afterwards detections count again, where no hand is.
         with self.assertRaises(extperfc.arm.ArmError) as caught:
             motion.wait(10)
         self.assertEqual(ArmCode.GRASP_MISSED, caught.exception.code, caught.exception.message)
+        self.left.move_to("neutral", timeout=60)
         self.wait(lambda: abs(self.position("cube_1")[0] - place[0]) < 0.006, "it stays for ever")
+
+    def test_the_robot_itself_is_no_object(self):
+        self.left.move_to(AHEAD, frame="base", timeout=60)
+        tool = self.left.tool_pose("base").pose.position
+        self.detector.say(lambda: [detection("cube", (tool.x, tool.y, tool.z + 0.05), (0.09, 0.09, 0.09)),
+                                   detection("sphere", (0.8, -0.3, 0.0))])
+        self.appears("sphere_1")
+        self.wait(lambda: int(self.told("objects")["ignored: at the robot"]) > CONFIRM, "the hand is not ignored")
+        self.assertEqual(["sphere_1"], self.names())
+        self.left.move_to("neutral", timeout=60)  # and nothing holds it there
+        self.appears("cube_1")
 
     def test_what_a_user_put_there_wins(self):
         self.detector.say(lambda: [detection("cube", (0.8, 0.3, 0.0))])

@@ -25,6 +25,7 @@ INTEL = REPO.parent / "shared" / "data" / "slam" / "intel.clf.bz2"
 INTEL_SCANS = 400
 SEEDS = (1, 2, 3, 4, 5)
 RATE = 10               # simulated seconds per second: 50 scans a second
+LOOP_RATE = 4           # where the player does not wait for the mapper
 # Each pair of seeds gives one draw of how far two runs of the filter differ, and the nodelet against each seed gives
 # more of the same, when it is the same filter. Among equals the nodelet would have the largest of all differences by chance
 # once in six runs, so the limit is twice the largest between seeds; a fiftieth of a cell is for what rounding does to a
@@ -216,9 +217,9 @@ class MappingBag(unittest.TestCase):
     def loop(self, session, listener, bag):
         """Round and round: time runs back, the nodelet says so and goes on."""
         rounds, used, said = listener.number("time ran back"), listener.number("scans used"), len(listener.said)
-        player = session.play(bag, RATE, "--loop", "--duration", "8")
+        player = session.play(bag, LOOP_RATE, "--loop", "--duration", "8")
         try:
-            session.wait(lambda: listener.number("time ran back") >= rounds + 3, "three returns of time", 30,
+            session.wait(lambda: listener.number("time ran back") >= rounds + 3, "three returns of time", 60,
                          lambda: listener.values)
         finally:
             end(player)

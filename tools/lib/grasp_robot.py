@@ -1,4 +1,4 @@
-"""The simulated robot before its tray, as a program sees it: puts objects, waits for detections, picks, places, asks the truth."""
+"""The simulated robot before its tray, as a program sees it: puts objects, waits for detections, asks the truth."""
 
 import math
 import threading
@@ -11,7 +11,6 @@ import grasp_scene as scene
 PARKING = {"cube": (-1.5, 1.5), "sphere": (-1.2, 1.5), "cone": (-0.9, 1.5)}  # on the side table
 PARKING_TOP_M = 0.7
 OPTICAL_FRAME = "camera_color_optical_frame"
-ACTION_S = 180.0  # simulated seconds after which an action that has not answered is given up
 
 
 class Stalled(Exception):
@@ -30,10 +29,9 @@ def matrix(pose):
 
 
 class GraspRobot:
-    """One per process; call after rospy.init_node. `alive()` tells whether the simulation still runs; `with_arm` False: objects
-    and detections only."""
+    """One per process; call after rospy.init_node. `alive()` tells whether the simulation still runs."""
 
-    def __init__(self, alive, with_arm):
+    def __init__(self, alive):
         import geometry_msgs.msg
         import rospy
         import tf2_ros
@@ -52,13 +50,6 @@ class GraspRobot:
         rospy.Subscriber("vision_info", vision_msgs.msg.VisionInfo, self._on_info, "found")
         rospy.Subscriber("sim/truth/objects", vision_msgs.msg.Detection3DArray, self._on_truth, queue_size=2)
         rospy.Subscriber("detections_3d", vision_msgs.msg.Detection3DArray, self._on_found, queue_size=2)
-        self.actions = self._actions() if with_arm else {}
-
-    def _actions(self):
-        import actionlib
-        import extperfc.msg as messages
-        kinds = {"move_arm": messages.MoveArmAction, "pick": messages.PickAction, "place": messages.PlaceAction}
-        return {name: actionlib.SimpleActionClient(name, kind) for name, kind in kinds.items()}
 
     def _on_info(self, message, key):
         self.names[key] = self.rospy.get_param(message.database_location, [])
@@ -92,9 +83,6 @@ class GraspRobot:
         """Waits until everything was heard once."""
         self.wait(lambda: self.now() > 0 and self.truth is not None and "truth" in self.names, "the simulator's truth")
         self.wait(lambda: self.found is not None and "found" in self.names, "detections")
-        for name, client in self.actions.items():
-            if not client.wait_for_server(self.rospy.Duration(60)):
-                raise Stalled(f"no action server {name}")
 
     def camera(self):
         """(width, height, focal length, cx, cy) [px] and map_T_camera."""
@@ -168,95 +156,6 @@ class GraspRobot:
                         return thing.bbox, self.now() - begin
             time.sleep(0.02)
         return None, self.now() - begin
-
-    # The arm node.
-
-    def act(self, name, goal):
-        """Result of an action, and its simulated time. Without an answer in time it is cancelled: result None."""
-        client, begin = self.actions[name], self.now()
-        client.send_goal(goal)
-        terminal = (2, 3, 4, 5, 8, 9)  # actionlib_msgs/GoalStatus: preempted ... lost
-        while client.get_state() not in terminal:
-            if not self.alive():
-                raise Stalled("the simulation ended")
-            if self.now() > begin + ACTION_S:
-                client.cancel_goal()
-                return None, self.now() - begin
-            time.sleep(0.02)
-        # The status may come before the result.
-        late = time.monotonic() + 10.0
-        while client.get_result() is None and time.monotonic() < late:
-            time.sleep(0.02)
-        return client.get_result(), self.now() - begin
-
-    def move_home(self):
-        """Both arms to the pose neutral, out of the picture. Returns an error, or an empty text."""
-        import extperfc.msg as messages
-        for side in ("left", "right"):
-            goal = messages.MoveArmGoal()
-            goal.request.group, goal.request.named_state = side + "_arm", "neutral"
-            result, _ = self.act("move_arm", goal)
-            if result is None or result.code != 0:
-                return f"{side} arm: {'no answer' if result is None else result.message}"
-        return ""
-
-    def open_grippers(self):
-        import baxter_core_msgs.msg as baxter
-        for side in ("left", "right"):
-            publisher = self.rospy.Publisher(f"robot/end_effector/{side}_gripper/command", baxter.EndEffectorCommand, queue_size=5)
-            self.wait(lambda: publisher.get_num_connections() > 0, "the gripper's topic")
-            for command, args in (("calibrate", ""), ("go", '{"position": 100.0}')):
-                publisher.publish(baxter.EndEffectorCommand(id=65664, command=command, args=args, sender="trial_grasp"))
-                self.sleep(2.5 if command == "calibrate" else 0.5)
-
-    def show_support(self, spot):
-        """Tells the arm node about tray and column: what arms must not touch besides what it sees itself."""
-        import extperfc.msg as messages
-        import extperfc.srv
-        from shape_msgs.msg import SolidPrimitive
-        request = extperfc.srv.ApplySceneRequest()
-        under = spot.top - scene.TRAY_SIZE[2]
-        request.objects.append(messages.SceneObject(operation=messages.SceneObject.REMOVE, name=""))
-        for name, position, primitive in (
-                ("tray", (*scene.TRAY_XY, under + scene.TRAY_SIZE[2] / 2),
-                 SolidPrimitive(type=SolidPrimitive.BOX, dimensions=list(scene.TRAY_SIZE))),
-                ("column", (*scene.COLUMN_XY, under - scene.COLUMN_HEIGHT / 2),
-                 SolidPrimitive(type=SolidPrimitive.CYLINDER, dimensions=[scene.COLUMN_HEIGHT, scene.COLUMN_DIAMETER / 2]))):
-            thing = messages.SceneObject(operation=messages.SceneObject.ADD, name=name, primitives=[primitive])
-            thing.pose.header.frame_id, thing.pose.pose = "map", self.pose(position)
-            request.objects.append(thing)
-        answer = self.rospy.ServiceProxy("arm/apply_scene", extperfc.srv.ApplyScene)(request)
-        if not answer.success:
-            raise Stalled("arm/apply_scene: " + answer.message)
-
-    def show_object(self, shape, box):
-        """Tells the arm node about an object that was detected."""
-        import extperfc.msg as messages
-        import extperfc.srv
-        from shape_msgs.msg import SolidPrimitive
-        size = box.size
-        primitive = {"cube": SolidPrimitive(type=SolidPrimitive.BOX, dimensions=[size.x, size.y, size.z]),
-                     "sphere": SolidPrimitive(type=SolidPrimitive.SPHERE, dimensions=[size.x / 2]),
-                     "cone": SolidPrimitive(type=SolidPrimitive.CONE, dimensions=[size.z, size.x / 2])}[shape]
-        thing = messages.SceneObject(operation=messages.SceneObject.ADD, name=shape + "_1", label=shape, primitives=[primitive])
-        thing.pose.header.frame_id, thing.pose.pose = "map", box.center
-        if matrix(box.center)[2, 2] < 0.99:  # an estimate along the camera's axes: what stands is upright
-            thing.pose.pose = self.pose(matrix(box.center)[:3, 3])
-        answer = self.rospy.ServiceProxy("arm/apply_scene", extperfc.srv.ApplyScene)(
-            extperfc.srv.ApplySceneRequest(objects=[thing]))
-        if not answer.success:
-            raise Stalled("arm/apply_scene: " + answer.message)
-
-    def pick(self, shape, lift_m):
-        import extperfc.msg as messages
-        return self.act("pick", messages.PickGoal(object=shape, lift=lift_m))
-
-    def place(self, shape, spot):
-        """At the spot, turned as is easiest. The pose is that of the object's middle."""
-        import extperfc.msg as messages
-        goal = messages.PlaceGoal(any_yaw=True)
-        goal.pose.header.frame_id, goal.pose.pose = "map", self.pose(scene.middle(shape, spot), spot.yaw)
-        return self.act("place", goal)
 
     def from_tip(self, shape):
         """Distance [m] of the object's origin from the nearer gripper's tip."""

@@ -4,6 +4,9 @@ camera, at random positions of a tray that is as high as each distance needs, an
 A trial succeeds when `pick` and `place` both report success and the truth agrees: the object rose with the hand, and in
 the end stands within 3 cm of where it should. A failure that is reported as one is counted as "reported", a success that
 is none as "false +", a failure after which the object is where it should be as "false -".
+
+The arm node finds the object itself (objects:=true) and is asked for it by its class, as a user would; it is told about
+tray and column only. The truth puts objects and judges.
 """
 
 import argparse
@@ -48,87 +51,103 @@ def parse_arguments(argv):
 
 
 def start(options, session, rospy):
-    """Simulator, detection and arm node."""
+    """Simulator, detection and arm node: a GraspRobot and its GraspArms, None without arm."""
+    with_arm = str(not options.without_arm).lower()
     session.launch("extperfc", "sim_grasp.launch", rviz="false", seed=options.seed, real_time_factor=options.speed,
-                   arm=str(not options.without_arm).lower())
+                   arm=with_arm, objects=with_arm)
     from demo import wait_for_master
     wait_for_master(session)
     rospy.set_param("/use_sim_time", True)  # the launch may not have come to it yet, and a node asks once
     rospy.init_node("trial_grasp", disable_signals=True)
-    robot = GraspRobot(session.alive, with_arm=not options.without_arm)
+    robot = GraspRobot(session.alive)
     robot.ready()
-    if not options.without_arm:
-        robot.open_grippers()
-    return robot
+    if options.without_arm:
+        return robot, None
+    from grasp_arms import GraspArms
+    arms = GraspArms(robot)
+    arms.open_grippers()
+    return robot, arms
 
 
-def detect(robot, shape, spot, found):
-    """The detector's part of a trial: adds error and time to `found`; the estimated box, None when the object was not seen."""
+def note_estimate(middle, size, shape, spot, found):
+    error = middle - scene.middle(shape, spot)
+    found["estimate_error_m"] = [round(float(e), 4) for e in error]
+    found["estimated_size_m"] = [round(s, 4) for s in size]
+
+
+def detect_only(robot, shape, spot, found):
+    """Whether a detection is the object; adds error and time to `found`."""
     box, found["detect_s"] = robot.wait_detected(shape, scene.middle(shape, spot))
-    found["detected"] = box is not None
-    if box is None:
-        found["estimate_error_m"] = None
-    else:
-        error = matrix(box.center)[:3, 3] - scene.middle(shape, spot)
-        found["estimate_error_m"] = [round(float(e), 4) for e in error]
-        found["estimated_size_m"] = [round(s, 4) for s in (box.size.x, box.size.y, box.size.z)]
-    return box
+    if box is not None:
+        found.update(outcome="success", message="")
+        note_estimate(matrix(box.center)[:3, 3], (box.size.x, box.size.y, box.size.z), shape, spot, found)
 
 
-def pick(robot, shape, found):
+def find(arms, shape, spot, found):
+    """Waits until the arm node has the object in its scene; adds its error and the time to `found`."""
+    thing, found["detect_s"], found["other_things"] = arms.wait_found(shape, scene.middle(shape, spot))
+    if thing is not None:
+        from grasp_arms import size_of
+        note_estimate(arms.place_of(thing)[:3, 3], size_of(thing), shape, spot, found)
+
+
+def pick(robot, arms, shape, found):
     """True when the object is held, as reported and in truth; else `found` has the outcome."""
     before = robot.true_pose(shape)[2, 3]
-    result, found["pick_s"] = robot.pick(shape, LIFT_M)
+    ending = arms.pick(shape, LIFT_M)
     robot.sleep(1.0)
     held = scene.is_held(robot.true_pose(shape)[2, 3] - before, LIFT_M, robot.from_tip(shape))
-    return judge(result, held, "pick", found)
+    return judge(ending, held, "pick", found)
 
 
-def place(robot, shape, spot, found):
+def place(robot, arms, shape, spot, found):
     """The same for placing at the spot."""
-    result, found["place_s"] = robot.place(shape, spot)
+    ending = arms.place(shape, spot)
     robot.sleep(1.0)
     pose = robot.true_pose(shape)
     found["placed_off_m"] = float(numpy.linalg.norm(pose[:2, 3] - (spot.x, spot.y)))
     true = scene.is_placed(shape, pose[:3, 3], pose[:3, :3], spot) and robot.from_tip(shape) > 0.05
-    return judge(result, true, "place", found)
+    return judge(ending, true, "place", found)
 
 
-def judge(result, true, stage, found):
+def judge(ending, true, stage, found):
     """Writes down how a stage ended; an action without an answer is no report of a failure."""
-    reported = result is not None and result.code == 0
-    found["stage"], found["outcome"] = stage, scene.outcome(reported, true)
-    found["code"] = None if result is None else result.code
-    found["message"] = "no answer" if result is None else result.message
-    if result is None:
+    found["stage"], found[stage + "_s"] = stage, ending.seconds
+    found["code"], found["message"] = ending.code, ending.message
+    found["outcome"] = scene.outcome(ending.code == 0, true)
+    if ending.code is None:
         found["outcome"] = "false failure" if true else "false success"
     return found["outcome"] == "success"
 
 
-def trial(robot, options, rng, camera, shape, distance):
+def trial(robot, arms, rng, camera, shape, distance):
     spot = scene.draw_spot(rng, shape, distance, *camera)
     other = scene.draw_other(rng, spot)
-    found = {"shape": shape, "distance_m": distance, "spot": spot._asdict(), "place_at": other._asdict(),
-             "stage": "detect", "outcome": "reported failure", "code": None, "message": "not detected"}
-    if not options.without_arm:
-        robot.park(shape)
-        home = robot.move_home()
-        if home:
-            found.update(stage="home", message=home)
-            return found
-        robot.show_support(spot)
-    robot.put(shape, spot)
-    seen = detect(robot, shape, spot, found)
-    if options.without_arm:
-        if seen is not None:
-            found.update(outcome="success", message="")
+    found = {"shape": shape, "distance_m": distance, "spot": spot._asdict(), "place_at": other._asdict(), "stage": "detect",
+             "outcome": "reported failure", "code": None, "message": "not detected", "estimate_error_m": None}
+    if arms is None:
+        robot.put(shape, spot)
+        detect_only(robot, shape, spot, found)
         return found
-    if seen is not None:
-        robot.show_object(shape, seen)
-    # An object that was not seen is asked for all the same: the arm node has to say that it is not there.
-    if pick(robot, shape, found):
-        place(robot, shape, other, found)
+    robot.park(shape)
+    home = arms.move_home()
+    if home.code != 0:
+        found.update(stage="home", code=home.code, message=home.message)
+        return found
+    robot.put(shape, spot)
+    arms.show_support(spot)
+    find(arms, shape, spot, found)
+    # An object that was not found is asked for all the same: the arm node has to say that it is not there.
+    if pick(robot, arms, shape, found):
+        place(robot, arms, shape, other, found)
     return found
+
+
+def tidy_up(robot, arms, shape, spot):
+    """After a failure: hands are empty, and the arm node knows of nothing but the tray."""
+    robot.park(shape)
+    arms.open_grippers()
+    arms.show_support(spot)
 
 
 def show(number, found):
@@ -140,18 +159,17 @@ def show(number, found):
           f"{'' if found['outcome'] == 'success' else ' in ' + found['stage'] + ': ' + found['message']}", flush=True)
 
 
-def run(options, robot):
+def run(options, robot, arms):
     rng = random.Random(options.seed)
     camera = robot.camera()
     kinds = [(shape, distance) for distance in options.distances for shape in options.shapes]
     trials = []
     for number in range(options.trials):
-        found = trial(robot, options, rng, camera, *kinds[number % len(kinds)])
+        found = trial(robot, arms, rng, camera, *kinds[number % len(kinds)])
         trials.append(found)
         show(number + 1, found)
-        if found["outcome"] != "success" and not options.without_arm:
-            robot.park(found["shape"])
-            robot.open_grippers()
+        if found["outcome"] != "success" and arms is not None:
+            tidy_up(robot, arms, found["shape"], scene.Spot(**found["spot"]))
     return trials
 
 
@@ -173,7 +191,7 @@ def main(argv):
     import rospy
     with RosSession(options.out / "launch.log") as session:
         try:
-            return report(options, run(options, start(options, session, rospy)))
+            return report(options, run(options, *start(options, session, rospy)))
         except (Stalled, scene.NoPlace) as error:
             for line in session.errors() or [f"{error}; see {session.log_file}"]:
                 print("error: " + line, file=sys.stderr)

@@ -29,6 +29,7 @@ struct ObjectListParams {
 struct ObjectSighting {
   std::string label;  ///< its class, not empty
   StandingBox box;    ///< in the world's frame
+  bool vague{false};  ///< something may be there, but who knows where, as when the robot hides half of it
 };
 
 /// A thing of the scene, as far as sightings concern it.
@@ -39,7 +40,9 @@ struct SceneThing {
   bool listed{false};  ///< it came from the list
   bool still{false};   ///< sightings must neither move nor double it: a hand holds it or grasps for it, or it
                        ///< is somebody else's
-  std::vector<Eigen::Vector3d> places;  ///< in the world's frame, where it may be seen too, as the hand's
+  /// Of a thing in a hand: where it may be seen too, as the hand's, in the world's frame. Sightings of any
+  /// class near it are its own.
+  std::vector<Eigen::Vector3d> places;
 };
 
 struct ListedObject {
@@ -53,6 +56,7 @@ struct ListedObject {
 struct ObjectListUpdate {
   int matched{0};    ///< sightings of known objects
   int claimed{0};    ///< sightings of things that are to be left alone
+  int vague{0};      ///< vague sightings of nothing that is known
   int doubled{0};    ///< sightings inside an object that was seen as well
   int no_room{0};    ///< sightings that were dropped because there are too many objects
   int waiting{0};    ///< objects that were not seen often enough yet
@@ -67,8 +71,9 @@ struct ObjectListUpdate {
 /// four that is nearest to the mean's, with x and y exchanged where they have to be. Sightings farther than
 /// half of match_m from the mean begin a new one when they have come `confirm` times in a row. An object that
 /// is seen inside another one, nearer to its middle than half of its shortest edge, is none while the other
-/// is seen too, and takes its place otherwise. What was not seen `confirm` times in a row before it was
-/// listed is forgotten. Deterministic; not thread-safe; holds 2 most_objects at most.
+/// is seen too, and takes its place otherwise. A vague sighting is matched after all others; it makes no
+/// object and moves none, but a listed one counts as seen. What was not seen `confirm` times in a row before
+/// it was listed is forgotten. Deterministic; not thread-safe; holds 2 most_objects at most.
 class ObjectList {
  public:
   /// Errors: parameters out of their ranges.

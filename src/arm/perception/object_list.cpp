@@ -63,7 +63,7 @@ ObjectListUpdate ObjectList::update(const std::vector<ObjectSighting>& sightings
     if (matches[i] < 0) continue;
     Track& track = tracks_[static_cast<std::size_t>(matches[i])];
     ++done.matched;
-    if (!is_claimed(i)) {
+    if (!is_claimed(i) && !sightings[i].vague) {
       see(track, sightings[i].box, time_s);
     } else if (!track.name.empty()) {
       // It may be the other thing that is seen: it is there, but who knows where.
@@ -75,6 +75,8 @@ ObjectListUpdate ObjectList::update(const std::vector<ObjectSighting>& sightings
     if (matches[i] >= 0) continue;
     if (is_claimed(i))
       ++done.claimed;
+    else if (sightings[i].vague)
+      ++done.vague;
     else
       begin(sightings[i], time_s, done);
   }
@@ -110,17 +112,18 @@ bool ObjectList::follow(const std::vector<SceneThing>& scene, double time_s) {
 
 /// For each sighting its object, -1: none.
 std::vector<int> ObjectList::match(const std::vector<ObjectSighting>& sightings) const {
-  std::vector<std::tuple<double, int, int>> pairs;
+  std::vector<std::tuple<bool, double, int, int>> pairs;
   for (std::size_t t = 0; t < tracks_.size(); ++t)
     for (std::size_t s = 0; s < sightings.size(); ++s) {
       if (tracks_[t].still || tracks_[t].label != sightings[s].label) continue;
       const double away = (tracks_[t].last_m - sightings[s].box.position_m).norm();
-      if (away <= params_.match_m) pairs.emplace_back(away, static_cast<int>(t), static_cast<int>(s));
+      if (away <= params_.match_m)
+        pairs.emplace_back(sightings[s].vague, away, static_cast<int>(t), static_cast<int>(s));
     }
   std::sort(pairs.begin(), pairs.end());
   std::vector<int> matches(sightings.size(), -1);
   std::vector<bool> taken(tracks_.size(), false);
-  for (const auto& [away, t, s] : pairs) {
+  for (const auto& [vague, away, t, s] : pairs) {
     if (taken[static_cast<std::size_t>(t)] || matches[static_cast<std::size_t>(s)] >= 0) continue;
     taken[static_cast<std::size_t>(t)] = true;
     matches[static_cast<std::size_t>(s)] = t;
@@ -133,7 +136,8 @@ bool ObjectList::claimed(const ObjectSighting& sighting, const std::vector<Scene
     return (place - sighting.box.position_m).norm() <= params_.match_m;
   };
   return std::any_of(scene.begin(), scene.end(), [&](const SceneThing& thing) {
-    return thing.still && thing.label == sighting.label &&
+    const bool held = !thing.places.empty();  // and turned about, so that it may seem to be of another class
+    return thing.still && (held || thing.label == sighting.label) &&
            (near(thing.world_T_object.translation()) ||
             std::any_of(thing.places.begin(), thing.places.end(), near));
   });

@@ -45,9 +45,9 @@ Result<std::unique_ptr<ArmNode>> ArmNode::make(const ros::NodeHandle& handle,
     node->depth_ = std::move(*depth);
   }
   if (params->objects.enabled) {
-    auto objects = ObjectWatch::make(
-        {node->frames_, node->scene_, params->world_frame, [own = node.get()] { own->publish_scene(); }},
-        params->objects);
+    auto objects = ObjectWatch::make({node->arms_, node->frames_, node->scene_, params->world_frame,
+                                      [own = node.get()] { own->publish_scene(); }},
+                                     params->objects);
     if (!objects) return tl::unexpected(objects.error());
     node->objects_ = std::move(*objects);
   }

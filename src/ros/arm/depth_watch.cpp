@@ -1,66 +1,24 @@
 #include "ros/arm/depth_watch.hpp"
 
 #include <algorithm>
-#include <chrono>
 #include <cmath>
-#include <limits>
 #include <utility>
 
 #include <ros/console.h>
+#include <visualization_msgs/Marker.h>
 
 #include "extperfc/base/stopwatch.hpp"
 
+#include "ros/convert/geometry.hpp"
 #include "ros/convert/image.hpp"
 
 namespace extperfc::arm_node {
 
-using arm::JointVector;
-
 namespace {
 
-constexpr double kJointSpan = 3.0;     ///< of the joints' history [s]
-constexpr double kJointWait = 0.2;     ///< for joint states as new as the picture [s of wall time]
-constexpr double kJointBeyond = 0.05;  ///< that joint states may be older than the picture [s]
-constexpr double kPatience = 0.5;      ///< see arm::VoxelNews [s]
-constexpr double kWorldRetry = 5.0;    ///< before a frame that tf lacks is looked for again [s of wall time]
-constexpr double kEarly = 0.9;         ///< of the period: stamps of cameras jitter
-
-/// "both_arms", or else the group with the most joints.
-const arm::ArmGroup& widest_group(const arm::RobotArms& arms) {
-  if (const auto both = arms.group("both_arms")) return **both;
-  return *std::max_element(arms.groups().begin(), arms.groups().end(),
-                           [](const auto& a, const auto& b) { return a.joints.size() < b.joints.size(); });
-}
-
-/// Whether one of `joints` carries the joint.
-bool carried_by(const RobotModel& robot, int joint, const std::vector<std::string>& joints) {
-  while ((joint = robot.links()[robot.joints()[joint].parent_link].parent_joint) >= 0)
-    if (std::find(joints.begin(), joints.end(), robot.joints()[joint].name) != joints.end()) return true;
-  return false;
-}
-
-/// The arms' joints, and those of the hands as far as there is room.
-std::vector<std::string> watched_joints(const arm::RobotArms& arms) {
-  const auto& own = widest_group(arms).joints;
-  std::vector<std::string> joints = own;
-  for (int i = 0; i < static_cast<int>(arms.robot().joints().size()); ++i) {
-    const Joint& joint = arms.robot().joints()[i];
-    const bool known = std::find(own.begin(), own.end(), joint.name) != own.end();
-    if (joint.type == JointType::kFixed || joint.mimic || known || !carried_by(arms.robot(), i, own))
-      continue;
-    if (joints.size() < static_cast<std::size_t>(arm::kMaxJoints)) joints.push_back(joint.name);
-  }
-  return joints;
-}
-
-/// Joints of the arms must be heard of; a hand's count as at 0, or their nearest limit, until they are.
-JointVector unheard(const arm::RobotArms& arms, const arm::CollisionModel& model) {
-  const std::size_t own = widest_group(arms).joints.size();
-  JointVector initial = JointVector::Constant(model.joint_count(), std::numeric_limits<double>::quiet_NaN());
-  for (auto i = static_cast<Eigen::Index>(own); i < initial.size(); ++i)
-    initial[i] = std::clamp(0.0, model.limits().lower[i], model.limits().upper[i]);
-  return initial;
-}
+constexpr double kPatience = 0.5;    ///< see arm::VoxelNews [s]
+constexpr double kWorldRetry = 5.0;  ///< before a frame that tf lacks is looked for again [s of wall time]
+constexpr double kEarly = 0.9;       ///< of the period: stamps of cameras jitter
 
 /// The farthest that a corner of the watched box moves.
 double farthest(const Pose& motion, const arm::DepthObstaclesParams& box) {
@@ -74,46 +32,73 @@ double farthest(const Pose& motion, const arm::DepthObstaclesParams& box) {
   return most;
 }
 
+/// Blue at 0, over green to red at 1.
+std_msgs::ColorRGBA rainbow(double share) {
+  const auto part = [&](double middle) {
+    return static_cast<float>(std::clamp(1.5 - std::abs(4.0 * share - middle), 0.0, 1.0));
+  };
+  std_msgs::ColorRGBA color;
+  color.r = part(3.0);
+  color.g = part(2.0);
+  color.b = part(1.0);
+  color.a = 1.0F;
+  return color;
+}
+
+/// Cubes of the voxels' size with these middles, in the root's frame.
+visualization_msgs::Marker voxel_marker(const std::vector<Eigen::Vector3d>& middles,
+                                        const arm::DepthObstaclesParams& box) {
+  visualization_msgs::Marker marker;
+  marker.ns = SceneKeeper::kSeenName;
+  marker.type = visualization_msgs::Marker::CUBE_LIST;
+  // An empty list would be an error to rviz.
+  marker.action = middles.empty() ? visualization_msgs::Marker::DELETE : visualization_msgs::Marker::ADD;
+  marker.frame_locked = 1U;
+  marker.pose = convert::to_message(Pose::Identity());
+  marker.scale = convert::to_vector(Eigen::Vector3d::Constant(box.voxel_m));
+  marker.color.a = 1.0F;
+  for (const auto& middle : middles) {
+    marker.points.push_back(convert::to_point(middle));
+    marker.colors.push_back(rainbow((middle.z() - box.low_m.z()) / (box.high_m.z() - box.low_m.z())));
+  }
+  return marker;
+}
+
 }  // namespace
 
 Result<std::unique_ptr<DepthWatch>> DepthWatch::make(Uses uses, const ros_params::DepthWatchParams& params) {
-  arm::CollisionModelParams shapes;
-  shapes.joints = watched_joints(uses.arms);
-  auto model = arm::CollisionModel::make(uses.arms.robot(), shapes);
-  if (!model) return fail(model.error().code, "depth: " + model.error().message);
+  auto joints = StampedJoints::make(uses.arms);
+  if (!joints) return fail(joints.error().code, "depth: " + joints.error().message);
   auto own = params;
   own.obstacles.name = SceneKeeper::kSeenName;
-  auto obstacles = arm::DepthObstacles::make(*model, own.obstacles);
+  auto obstacles = arm::DepthObstacles::make((*joints)->model(), own.obstacles);
   if (!obstacles) return fail(obstacles.error().code, "depth: " + obstacles.error().message);
-  return std::unique_ptr<DepthWatch>(new DepthWatch(std::move(uses), own, *model, std::move(*obstacles)));
+  return std::unique_ptr<DepthWatch>(
+      new DepthWatch(std::move(uses), own, std::move(*joints), std::move(*obstacles)));
 }
 
 DepthWatch::DepthWatch(Uses uses, const ros_params::DepthWatchParams& params,
-                       const arm::CollisionModel& model, arm::DepthObstacles obstacles)
+                       std::unique_ptr<StampedJoints> joints, arm::DepthObstacles obstacles)
     : uses_(std::move(uses)),
       params_(params),
-      joints_(model.joint_names(), unheard(uses_.arms, model), kJointSpan),
+      joints_(std::move(joints)),
       obstacles_(std::move(obstacles)),
       news_(params.obstacles.low_m, params.obstacles.voxel_m, kPatience) {}
 
 void DepthWatch::start(ros::NodeHandle handle) {
+  voxels_publisher_ = handle.advertise<visualization_msgs::Marker>(kVoxelsTopic, 1);
   worker_ = std::thread([this] {
     while (const auto picture = pictures_.take()) process(*picture);
   });
   for (auto* input : {&picture_health_, &info_health_}) input->listening(true);
-  subscribers_.push_back(handle.subscribe("robot/joint_states", 20, &DepthWatch::on_joints, this,
-                                          ros::TransportHints().tcpNoDelay()));
+  joints_->start(handle);
   subscribers_.push_back(handle.subscribe(kInfoTopic, 1, &DepthWatch::on_info, this));
   subscribers_.push_back(handle.subscribe(kPictureTopic, 1, &DepthWatch::on_picture, this));
 }
 
 DepthWatch::~DepthWatch() {
   for (auto& subscriber : subscribers_) subscriber.shutdown();
-  {
-    const std::lock_guard lock(input_mutex_);
-    closing_ = true;
-  }
-  joints_changed_.notify_all();
+  joints_->close();
   pictures_.close();
   if (worker_.joinable()) worker_.join();
 }
@@ -141,12 +126,6 @@ void DepthWatch::on_info(const InfoEvent& event) {
   info_ = message;
 }
 
-void DepthWatch::on_joints(const sensor_msgs::JointStateConstPtr& message) {
-  const std::lock_guard lock(input_mutex_);
-  joints_.add(message->header.stamp.toSec(), message->name, message->position);
-  joints_changed_.notify_all();
-}
-
 void DepthWatch::process(const sensor_msgs::ImageConstPtr& picture) {
   const auto fail_with = [&](const std::string& message) {
     // Messages of tf have times in them, so that each is new.
@@ -165,6 +144,7 @@ void DepthWatch::process(const sensor_msgs::ImageConstPtr& picture) {
   if (!changed) return fail_with(changed.error().message);
   work_health_.done(watch.milliseconds(), health::age_ms(picture->header.stamp));
   if (*changed) uses_.changed();
+  show_voxels();
 }
 
 Result<DepthWatch::View> DepthWatch::view_of(const std_msgs::Header& header) {
@@ -182,23 +162,11 @@ Result<DepthWatch::View> DepthWatch::view_of(const std_msgs::Header& header) {
   if (!camera) return tl::unexpected(camera.error());
   const auto root_T_camera = uses_.frames.root_T_frame(header.frame_id, header.stamp);
   if (!root_T_camera) return fail(ErrorCode::kNotFound, root_T_camera.error().message);
-  auto positions = positions_at(header.stamp);
+  auto positions = joints_->at(header.stamp);
   if (!positions) return tl::unexpected(positions.error());
   auto known = uses_.scene.world();
   if (!known) return fail(ErrorCode::kNotFound, known.error().message);
   return View{*camera, *root_T_camera, *positions, std::move(*known), world_T_root(header.stamp)};
-}
-
-Result<JointVector> DepthWatch::positions_at(const ros::Time& stamp) {
-  const double time_s = stamp.toSec();
-  std::unique_lock lock(input_mutex_);
-  joints_changed_.wait_for(lock, std::chrono::duration<double>(kJointWait),
-                           [&] { return closing_ || joints_.newest_s() >= time_s; });
-  if (const auto positions = joints_.at(time_s, kJointBeyond)) return *positions;
-  if (!std::isfinite(joints_.newest_s()))
-    return fail(ErrorCode::kNotFound, "robot/joint_states has not named all joints of the arms yet");
-  return fail(ErrorCode::kNotFound,
-              "robot/joint_states has nothing of the picture's time: is it published, do the clocks agree?");
 }
 
 std::optional<Pose> DepthWatch::world_T_root(const ros::Time& stamp) {
@@ -234,6 +202,18 @@ Result<bool> DepthWatch::update(const ImageView& picture, const View& view, doub
   return noticeable;
 }
 
+void DepthWatch::show_voxels() {
+  if (voxels_publisher_.getNumSubscribers() == 0) return;
+  std::vector<Eigen::Vector3d> middles;
+  {
+    const std::lock_guard lock(mutex_);
+    middles = obstacles_.voxels();
+  }
+  auto marker = voxel_marker(middles, params_.obstacles);
+  marker.header.frame_id = uses_.arms.root_link();
+  voxels_publisher_.publish(marker);
+}
+
 void DepthWatch::clear() {
   {
     const std::lock_guard lock(mutex_);
@@ -243,6 +223,7 @@ void DepthWatch::clear() {
     [[maybe_unused]] const auto set = uses_.scene.set_seen(std::nullopt, true);  // nothing cannot be wrong
   }
   uses_.changed();
+  show_voxels();
 }
 
 void DepthWatch::report(diagnostic_updater::DiagnosticStatusWrapper& status) {
@@ -254,7 +235,7 @@ void DepthWatch::report(diagnostic_updater::DiagnosticStatusWrapper& status) {
   {
     const std::lock_guard lock(input_mutex_);
     status.add("passed over for depth/rate_hz", passed_over_);
-    status.add("newest joint states before the newest picture [s]", taken_.toSec() - joints_.newest_s());
+    status.add("newest joint states before the newest picture [s]", taken_.toSec() - joints_->newest_s());
   }
   const std::lock_guard lock(mutex_);
   status.add("points", latest_.points);

@@ -1,7 +1,6 @@
 #pragma once
 
 #include <atomic>
-#include <condition_variable>
 #include <cstdint>
 #include <functional>
 #include <memory>
@@ -13,18 +12,18 @@
 
 #include <diagnostic_updater/DiagnosticStatusWrapper.h>
 #include <ros/node_handle.h>
+#include <ros/publisher.h>
 #include <sensor_msgs/CameraInfo.h>
 #include <sensor_msgs/Image.h>
-#include <sensor_msgs/JointState.h>
 
 #include "extperfc/arm/depth_obstacles.hpp"
-#include "extperfc/arm/joint_history.hpp"
 #include "extperfc/arm/robot_arms.hpp"
 #include "extperfc/arm/voxel_news.hpp"
 #include "extperfc/base/latest_slot.hpp"
 
 #include "ros/arm/frame_finder.hpp"
 #include "ros/arm/scene_keeper.hpp"
+#include "ros/arm/stamped_joints.hpp"
 #include "ros/health/stream_health.hpp"
 #include "ros/params/arm_params.hpp"
 
@@ -37,6 +36,9 @@ namespace extperfc::arm_node {
 ///   camera/aligned_depth_to_color/camera_info   sensor_msgs/CameraInfo, of the picture's size
 ///   robot/joint_states                          sensor_msgs/JointState: the robot is taken out of a picture
 ///                                               as it stood at the picture's stamp
+/// Publishes, while somebody listens:
+///   arm/depth_voxels                            visualization_msgs/Marker: the voxels in the frame of the
+///                                               robot's root, coloured by height, after every picture
 /// Parameters: ros_params::DepthWatchParams
 /// Frames: the picture's frame and world_frame to the root link at the picture's stamp. When the root moves
 /// in
@@ -75,6 +77,7 @@ class DepthWatch {
   using InfoEvent = ros::MessageEvent<const sensor_msgs::CameraInfo>;
   static constexpr const char* kPictureTopic = "camera/aligned_depth_to_color/image_raw";
   static constexpr const char* kInfoTopic = "camera/aligned_depth_to_color/camera_info";
+  static constexpr const char* kVoxelsTopic = "arm/depth_voxels";
 
   /// What belongs to a picture.
   struct View {
@@ -85,34 +88,31 @@ class DepthWatch {
     std::optional<Pose> world_T_root;
   };
 
-  DepthWatch(Uses uses, const ros_params::DepthWatchParams& params, const arm::CollisionModel& model,
+  DepthWatch(Uses uses, const ros_params::DepthWatchParams& params, std::unique_ptr<StampedJoints> joints,
              arm::DepthObstacles obstacles);
   void on_picture(const PictureEvent& event);
   void on_info(const InfoEvent& event);
-  void on_joints(const sensor_msgs::JointStateConstPtr& message);
 
   void process(const sensor_msgs::ImageConstPtr& picture);
   [[nodiscard]] Result<View> view_of(const std_msgs::Header& header);
-  [[nodiscard]] Result<arm::JointVector> positions_at(const ros::Time& stamp);
   [[nodiscard]] std::optional<Pose> world_T_root(const ros::Time& stamp);
   /// Forgets what does not belong to this picture's place and time; under mutex_.
   void begin(const View& view, double time_s);
   /// Under mutex_; true when the scene's version grew.
   [[nodiscard]] Result<bool> update(const ImageView& picture, const View& view, double time_s);
+  void show_voxels();
 
   const Uses uses_;
   const ros_params::DepthWatchParams params_;
   health::InputHealth picture_health_{"depth"};
   health::InputHealth info_health_{"camera info"};
   health::WorkHealth work_health_;
+  const std::unique_ptr<StampedJoints> joints_;
 
   std::mutex input_mutex_;  ///< guards what follows
-  std::condition_variable joints_changed_;
-  arm::JointHistory joints_;
   sensor_msgs::CameraInfoConstPtr info_;
   ros::Time taken_;  ///< stamp of the picture that was let in last
   std::uint64_t passed_over_{0};
-  bool closing_{false};
 
   ros::WallTime no_world_;  ///< when tf did not have world_frame; the worker's own
 
@@ -124,6 +124,7 @@ class DepthWatch {
   arm::DepthUpdate latest_;
   std::uint64_t moves_{0};  ///< how often the robot's moving made all voxels void
 
+  ros::Publisher voxels_publisher_;
   LatestSlot<sensor_msgs::ImageConstPtr> pictures_;
   std::thread worker_;
   std::vector<ros::Subscriber> subscribers_;

@@ -6,6 +6,7 @@
 
 #include <ros/console.h>
 
+#include "extperfc/arm/robot_overlap.hpp"
 #include "extperfc/base/stopwatch.hpp"
 
 #include "ros/convert/arm.hpp"
@@ -17,6 +18,7 @@ namespace {
 
 constexpr double kWorldRetry = 5.0;  ///< before a frame that tf lacks is looked for again [s of wall time]
 constexpr std::size_t kMostDetections = 500;  ///< of one message that are looked at
+constexpr double kNearRobot = 0.01;           ///< what seems to be nearer to the robot is not trusted [m]
 
 /// The hypothesis with the highest score; nothing where none has a score.
 const vision_msgs::ObjectHypothesisWithPose* best_of(const vision_msgs::Detection3D& detection) {
@@ -42,7 +44,10 @@ Result<std::unique_ptr<ObjectWatch>> ObjectWatch::make(Uses uses,
                                                        const ros_params::ObjectWatchParams& params) {
   auto list = arm::ObjectList::make(params.list);
   if (!list) return fail(list.error().code, "objects: " + list.error().message);
-  return std::unique_ptr<ObjectWatch>(new ObjectWatch(std::move(uses), params, std::move(*list)));
+  auto joints = StampedJoints::make(uses.arms);
+  if (!joints) return fail(joints.error().code, "objects: " + joints.error().message);
+  return std::unique_ptr<ObjectWatch>(
+      new ObjectWatch(std::move(uses), params, std::move(*joints), std::move(*list)));
 }
 
 void ObjectWatch::start(ros::NodeHandle handle) {
@@ -50,12 +55,14 @@ void ObjectWatch::start(ros::NodeHandle handle) {
     while (const auto message = messages_.take()) process(**message);
   });
   detections_health_.listening(true);
+  joints_->start(handle);
   subscribers_.push_back(handle.subscribe(kInfoTopic, 1, &ObjectWatch::on_info, this));
   subscribers_.push_back(handle.subscribe(kDetectionsTopic, 2, &ObjectWatch::on_detections, this));
 }
 
 ObjectWatch::~ObjectWatch() {
   for (auto& subscriber : subscribers_) subscriber.shutdown();
+  joints_->close();
   messages_.close();
   if (worker_.joinable()) worker_.join();
 }
@@ -93,12 +100,16 @@ Result<bool> ObjectWatch::update(const vision_msgs::Detection3DArray& message) {
   if (!view) return tl::unexpected(view.error());
   const auto scene = things(*view, message.header.stamp);
   if (!scene) return tl::unexpected(scene.error());
+  const auto positions = joints_->at(message.header.stamp);
+  if (!positions) return tl::unexpected(positions.error());
   const std::lock_guard lock(mutex_);
   if (view->frame != frame_) list_.clear();
   frame_ = view->frame;
-  const auto sightings = sightings_of(message, *names, *view, ignored_);
+  auto sightings = sightings_of(message, *names, *view, ignored_);
+  mark_vague(sightings, *view, *positions);
   const auto done = list_.update(sightings, *scene, message.header.stamp.toSec());
   ignored_.claimed += static_cast<std::uint64_t>(done.claimed);
+  ignored_.vague += static_cast<std::uint64_t>(done.vague);
   ignored_.doubled += static_cast<std::uint64_t>(done.doubled);
   ignored_.no_room += static_cast<std::uint64_t>(done.no_room);
   waiting_ = done.waiting;
@@ -163,10 +174,25 @@ std::vector<arm::ObjectSighting> ObjectWatch::sightings_of(const vision_msgs::De
     } else {
       const auto& label = names[static_cast<std::size_t>(best->id)];
       if (arm::is_round(kind_of(label))) box->yaw_rad = 0.0;
-      sightings.push_back({label, *box});
+      sightings.push_back({label, *box, false});
     }
   }
   return sightings;
+}
+
+void ObjectWatch::mark_vague(std::vector<arm::ObjectSighting>& sightings, const View& view,
+                             const arm::JointVector& positions) const {
+  const Pose root_T_frame = view.frame_T_root.inverse();
+  std::vector<Shape> shapes;
+  for (const auto& sighting : sightings) {
+    Shape shape;
+    shape.geometry = arm::shape_in(kind_of(sighting.label),
+                                   sighting.box.size_m + Eigen::Vector3d::Constant(2.0 * kNearRobot));
+    shape.body_T_shape = root_T_frame * arm::pose_of(sighting.box);
+    shapes.push_back(std::move(shape));
+  }
+  const auto vague = arm::robot_overlaps(joints_->model(), positions, shapes);
+  for (std::size_t i = 0; i < sightings.size(); ++i) sightings[i].vague = vague[i];
 }
 
 /// Everything in the scene, in the view's frame.
@@ -233,6 +259,7 @@ void ObjectWatch::report(diagnostic_updater::DiagnosticStatusWrapper& status) {
   status.add("ignored: below objects/least_score", ignored_.low_score);
   status.add("ignored: too many in one message", ignored_.too_many);
   status.add("ignored: held, or in the scene already", ignored_.claimed);
+  status.add("ignored: at the robot", ignored_.vague);
   status.add("ignored: inside another object", ignored_.doubled);
   status.add("ignored: more than objects/most_objects", ignored_.no_room);
 }

@@ -21,6 +21,7 @@
 
 #include "ros/arm/frame_finder.hpp"
 #include "ros/arm/scene_keeper.hpp"
+#include "ros/arm/stamped_joints.hpp"
 #include "ros/health/stream_health.hpp"
 #include "ros/params/arm_params.hpp"
 
@@ -33,9 +34,12 @@ namespace extperfc::arm_node {
 ///   the
 ///                   highest score
 ///   vision_info     vision_msgs/VisionInfo: database_location names the parameter with the class names
+///   robot/joint_states   sensor_msgs/JointState: where the robot was at the detections' stamp
 /// Parameters: ros_params::ObjectWatchParams
 /// Frames: the detections' frame and world_frame to the root link at the detections' stamp. A robot whose tf
 ///   has no world_frame counts as standing still. What stands is upright: see arm::stand_up().
+/// A detection within 10 mm of the robot is taken for a part of the robot, or of a thing that it hides: it
+///   neither makes nor moves an object, but the one that it may be stays.
 /// What hands hold, what they grasp for (SceneKeeper::hold) and what callers of arm/apply_scene put into the
 /// scene
 ///   stays as it is; detections of the same class near it, or near the hand that holds it, are ignored.
@@ -46,13 +50,14 @@ namespace extperfc::arm_node {
 class ObjectWatch {
  public:
   struct Uses {
+    const arm::RobotArms& arms;
     const FrameFinder& frames;
     SceneKeeper& scene;
     std::string world_frame;
     std::function<void()> changed;  ///< called by the worker when the scene's version grew
   };
 
-  /// Errors: parameters out of their ranges.
+  /// Errors: parameters out of their ranges, a robot without collision shapes that can be read.
   [[nodiscard]] static Result<std::unique_ptr<ObjectWatch>> make(Uses uses,
                                                                  const ros_params::ObjectWatchParams& params);
   ~ObjectWatch();
@@ -77,11 +82,13 @@ class ObjectWatch {
   };
   /// Detections that came to nothing since the start.
   struct Ignored {
-    std::uint64_t broken{0}, unknown_class{0}, low_score{0}, too_many{0}, claimed{0}, doubled{0}, no_room{0};
+    std::uint64_t broken{0}, unknown_class{0}, low_score{0}, too_many{0}, claimed{0}, vague{0}, doubled{0},
+        no_room{0};
   };
 
-  ObjectWatch(Uses uses, const ros_params::ObjectWatchParams& params, arm::ObjectList list)
-      : uses_(std::move(uses)), params_(params), list_(std::move(list)) {}
+  ObjectWatch(Uses uses, const ros_params::ObjectWatchParams& params, std::unique_ptr<StampedJoints> joints,
+              arm::ObjectList list)
+      : uses_(std::move(uses)), params_(params), joints_(std::move(joints)), list_(std::move(list)) {}
   void on_detections(const DetectionsEvent& event);
   void on_info(const vision_msgs::VisionInfoConstPtr& message);
 
@@ -93,6 +100,9 @@ class ObjectWatch {
   [[nodiscard]] std::vector<arm::ObjectSighting> sightings_of(const vision_msgs::Detection3DArray& message,
                                                               const std::vector<std::string>& names,
                                                               const View& view, Ignored& ignored) const;
+  /// Those at the robot are.
+  void mark_vague(std::vector<arm::ObjectSighting>& sightings, const View& view,
+                  const arm::JointVector& positions) const;
   [[nodiscard]] Result<std::vector<arm::SceneThing>> things(const View& view, const ros::Time& stamp) const;
   [[nodiscard]] std::vector<SceneItem> items(const std::string& frame) const;
   [[nodiscard]] arm::StandingKind kind_of(const std::string& label) const;
@@ -101,6 +111,7 @@ class ObjectWatch {
   const ros_params::ObjectWatchParams params_;
   health::InputHealth detections_health_{"detections"};
   health::WorkHealth work_health_;
+  const std::unique_ptr<StampedJoints> joints_;
 
   ros::WallTime no_world_;  ///< when tf did not have world_frame; the worker's own
 

@@ -156,8 +156,9 @@ TEST(ConstrainedPlanner, ShortcutsNeverLengthen) {
 // Both hands hold a box of 0.3 m between their palms; it is moved and turned without being stretched.
 class BothHands : public ::testing::Test {
  protected:
-  /// Joint values with the hands at both sides of a box, whose frame has y to the left.
-  JointVector holding(const Pose& root_T_box) {
+  /// Joint values near `from` with the hands at both sides of a box, whose frame has y to the left. Near,
+  /// since a closed chain cannot go from one posture of an elbow to every other.
+  JointVector holding(const Pose& root_T_box, const JointVector& from) {
     JointVector state(14);
     for (const std::string side : {"left", "right"}) {
       const double sign = side == "left" ? 1.0 : -1.0;
@@ -167,15 +168,17 @@ class BothHands : public ::testing::Test {
       const auto chain = ArmChain::make(test::baxter(), root_, side + "_gripper").value();
       IkOptions options;
       options.timeout_s = 10;
-      const auto solution =
-          InverseKinematics(chain).solve(root_T_box * box_T_hand, JointVector::Zero(7), options);
+      options.objective = IkObjective::kNearSeed;
+      const auto& names = both_arms().joint_names();
+      const auto index_of = [&](int j) {
+        const auto& name = chain.joint_names()[static_cast<std::size_t>(j)];
+        return std::find(names.begin(), names.end(), name) - names.begin();
+      };
+      JointVector seed(7);
+      for (int j = 0; j < 7; ++j) seed[j] = from[index_of(j)];
+      const auto solution = InverseKinematics(chain).solve(root_T_box * box_T_hand, seed, options);
       if (!solution) throw std::runtime_error(to_string(solution.error().reason));
-      for (int j = 0; j < 7; ++j) {
-        const auto& names = both_arms().joint_names();
-        const auto at =
-            std::find(names.begin(), names.end(), chain.joint_names()[static_cast<std::size_t>(j)]);
-        state[at - names.begin()] = solution->joints[j];
-      }
+      for (int j = 0; j < 7; ++j) state[index_of(j)] = solution->joints[j];
     }
     return state;
   }
@@ -188,11 +191,12 @@ class BothHands : public ::testing::Test {
 };
 
 TEST_F(BothHands, CarryABoxAsAClosedChain) {
-  const JointVector start = holding(torso({0.5, 0.0, 0.0}, {0, 0, 0}));
+  const JointVector start = holding(torso({0.5, 0.0, 0.0}, {0, 0, 0}), JointVector::Zero(14));
   const auto constraint = constraint_on(
       both_arms(), {{Kind::kKeepRelative, "right_gripper", "left_gripper", Eigen::Vector3d::UnitZ(), {}}},
       start);
-  const auto goal = constraint.project(holding(torso({0.5, 0.0, 0.4}, {0, 0, 0.2})), both_arms().limits());
+  const auto goal =
+      constraint.project(holding(torso({0.5, 0.0, 0.4}, {0, 0, 0.2}), start), both_arms().limits());
   ASSERT_TRUE(goal.has_value());
   CollisionWorld world;
   AttachedObject held{"held", "left_gripper", {{Box{{0.25, 0.25, 0.3}}, Pose::Identity(), {}}}, {}, {}};

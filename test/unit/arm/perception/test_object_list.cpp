@@ -300,6 +300,47 @@ TEST(ObjectList, ANeighbourOfAHeldThingIsSeenButNotMoved) {
   EXPECT_NEAR(0.77, list.position(1).x(), 1e-9);
 }
 
+TEST(ObjectList, WhatAHandHoldsMaySeemToBeOfAnotherClass) {
+  Listing list;
+  list.repeat(3, {seen("cone", 0.7)});
+  list.thing("cone_1").still = true;
+  EXPECT_EQ(0, list.update({seen("sphere", 0.74)}).claimed) << "a thing that stands is of one class";
+  list.thing("cone_1").places = {{0.7, 0.0, 0.75}};
+  EXPECT_EQ(1, list.repeat(1, {seen("sphere", 0.65)}).claimed);
+  list.repeat(10, {seen("cube", 0.9)});
+  EXPECT_EQ((Names{"cone_1", "cube_1"}), list.names()) << "far from the hand it is another thing";
+}
+
+ObjectSighting vague(ObjectSighting sighting) {
+  sighting.vague = true;
+  return sighting;
+}
+
+TEST(ObjectList, VagueSightingsMakeNoObjectAndMoveNone) {
+  ObjectListParams params;
+  params.most_age_s = 1.0;
+  Listing list(params);
+  EXPECT_EQ(1, list.repeat(10, {vague(seen("cube", 0.7))}).vague);
+  EXPECT_TRUE(list.names().empty());
+  list.repeat(3, {seen("cube", 0.7)});
+  const auto done = list.repeat(30, {vague(seen("cube", 0.76))});
+  EXPECT_FALSE(done.news);
+  EXPECT_EQ(0, done.vague);
+  EXPECT_EQ(Names{"cube_1"}, list.names()) << "it is there, who knows where";
+  EXPECT_NEAR(0.7, list.position().x(), 1e-9);
+  list.repeat(20, {vague(seen("cube", 0.9))});
+  EXPECT_TRUE(list.names().empty()) << "that was too far to be it";
+}
+
+TEST(ObjectList, AVagueSightingTakesNoPlainOnesObject) {
+  Listing list;
+  list.repeat(3, {seen("cube", 0.7)});
+  const auto done = list.repeat(20, {vague(seen("cube", 0.7)), seen("cube", 0.72)});
+  EXPECT_EQ(Names{"cube_1"}, list.names());
+  EXPECT_NEAR(0.72, list.position().x(), 0.005);
+  EXPECT_EQ(1, done.vague);
+}
+
 TEST(ObjectList, MovedBySomebodyItIsLookedForThere) {
   Listing list;
   list.repeat(3, {seen("cube", 0.7)});

@@ -1,0 +1,98 @@
+"""The simulated robot before its tray: what the detector finds is picked and placed, and what goes wrong is said."""
+
+import os
+import pathlib
+import random
+import sys
+import tempfile
+import time
+import unittest
+
+REPO = pathlib.Path(__file__).resolve().parents[2]
+sys.path[:0] = [str(REPO / "src"), str(REPO / "tools" / "lib")]
+
+import grasp_scene as scene  # noqa: E402
+import rospy  # noqa: E402
+from demo import wait_for_master  # noqa: E402
+from grasp_arms import GraspArms  # noqa: E402
+from grasp_robot import GraspRobot  # noqa: E402
+from ros_session import RosSession  # noqa: E402
+
+import extperfc.arm  # noqa: E402
+from extperfc.msg import ArmCode  # noqa: E402
+
+SEED = 5
+LIFT_M = 0.10
+FOUND_S = 20.0      # of simulated time for the node to find the cube: pictures are rare on a busy machine
+ANSWER_S = 120.0    # of real time for an action
+
+
+class Grasp(unittest.TestCase):
+    @classmethod
+    def setUpClass(cls):
+        folder = tempfile.TemporaryDirectory()
+        cls.addClassCleanup(folder.cleanup)
+        cls.session = RosSession(os.path.join(folder.name, "log"))
+        cls.addClassCleanup(cls.session.close)
+        cls.session.launch("extperfc", "sim_grasp.launch", rviz="false", objects="true", seed=SEED)
+        wait_for_master(cls.session)
+        rospy.set_param("/use_sim_time", True)  # the launch may not have come to it yet, and a node asks once
+        rospy.init_node("test_grasp", disable_signals=True)
+        cls.robot = GraspRobot(cls.session.alive)
+        cls.robot.ready()
+        cls.arms = GraspArms(cls.robot)
+        cls.arms.open_grippers()
+        rng, camera = random.Random(SEED), cls.robot.camera()
+        cls.spot = scene.draw_spot(rng, "cube", 0.4, *camera)
+        cls.other = scene.draw_other(rng, cls.spot)
+
+    def setUp(self):
+        """The cube stands on the tray, and the node has found it."""
+        self.robot.park("cube")
+        self.arms.arms.move_to("neutral", timeout=ANSWER_S)
+        self.robot.put("cube", self.spot)
+        self.arms.show_support(self.spot)
+        thing, _, others = self.arms.wait_found("cube", scene.middle("cube", self.spot), seconds=FOUND_S)
+        self.assertIsNotNone(thing, f"the cube is not in the scene, but {others}; launch log: {self.session.errors()}")
+        self.thing = thing
+
+    def fails(self, code, motion):
+        with self.assertRaises(extperfc.arm.ArmError) as caught:
+            motion.wait(ANSWER_S)
+        self.assertEqual(extperfc.arm.errors.NAMES[code], caught.exception.name, caught.exception.message)
+
+    def held(self):
+        return [name for name, thing in self.arms.scene.objects.items() if thing.link]
+
+    def test_a_cube_that_the_detector_finds_is_picked_and_placed(self):
+        off = self.arms.place_of(self.thing)[:3, 3] - scene.middle("cube", self.spot)
+        self.assertLess(abs(off).max(), 0.01)
+        before = self.robot.true_pose("cube")[2, 3]
+        picked = self.arms.arms.pick("cube", lift=LIFT_M, timeout=ANSWER_S)
+        self.robot.sleep(1.0)
+        rise = self.robot.true_pose("cube")[2, 3] - before
+        self.assertTrue(scene.is_held(rise, LIFT_M, self.robot.from_tip("cube")), f"it rose by {rise:.3f} m")
+        self.assertEqual([picked.object], self.held())
+        goal = (*scene.middle("cube", self.other), 0.0, 0.0, self.other.yaw)
+        self.arms.arms.place(goal, frame="map", timeout=ANSWER_S)
+        self.robot.sleep(1.0)
+        pose = self.robot.true_pose("cube")
+        self.assertTrue(scene.is_placed("cube", pose[:3, 3], pose[:3, :3], self.other), f"\n{pose}\n{self.other}")
+        self.assertGreater(self.robot.from_tip("cube"), 0.05)
+        self.assertEqual([], self.held())
+
+    def test_a_cube_that_is_taken_away_is_reported(self):
+        motion = self.arms.arms.pick("cube", lift=LIFT_M, wait=False)
+        deadline = time.monotonic() + ANSWER_S
+        while motion.feedback is None or motion.feedback.stage != "approaching":
+            self.assertFalse(motion.done)
+            self.assertLess(time.monotonic(), deadline, "no approach")
+            time.sleep(0.01)
+        self.robot.park("cube")
+        self.fails(ArmCode.GRASP_MISSED, motion)
+        self.assertEqual([], self.held())
+        self.fails(ArmCode.UNKNOWN_OBJECT, self.arms.arms.pick("sphere", wait=False))
+
+
+if __name__ == "__main__":
+    unittest.main()

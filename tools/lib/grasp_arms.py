@@ -1,0 +1,106 @@
+"""What a user of the arm node does in a grasp trial: waits until the node has found a thing, picks, places."""
+
+import collections
+import time
+
+import numpy
+
+import extperfc.arm
+import grasp_scene as scene
+from grasp_robot import Stalled, matrix
+
+ANSWER_S = 60.0   # [s] of real time for the node to come up
+ACTION_S = 180.0  # simulated seconds after which an action that has not answered is cancelled
+NO_ANSWER = "no answer"
+
+# code: of extperfc/ArmCode or ClientCode, None without an answer; seconds: of simulated time
+Ending = collections.namedtuple("Ending", "code message seconds")
+
+
+def size_of(thing):
+    """Extent [m] along the axes of a thing of one primitive (extperfc/SceneObject)."""
+    primitive = thing.primitives[0]
+    d = primitive.dimensions
+    if primitive.type == primitive.BOX:
+        return tuple(d)
+    if primitive.type == primitive.SPHERE:
+        return (2 * d[0],) * 3
+    return 2 * d[1], 2 * d[1], d[0]  # cylinder or cone: height, radius
+
+
+class GraspArms:
+    """The arms of a GraspRobot, by the package's own Python client."""
+
+    def __init__(self, robot):
+        self.robot = robot
+        self.arms = extperfc.arm.Arm("both", wait_s=ANSWER_S)
+        self.scene = self.arms.scene
+
+    def act(self, begin_motion):
+        """Ending of a motion that `begin_motion` returns; cancelled when it does not answer in time."""
+        begin = self.robot.now()
+        try:
+            motion = begin_motion()
+            while not motion.done:
+                if not self.robot.alive():
+                    raise Stalled("the simulation ended")
+                if self.robot.now() > begin + ACTION_S:
+                    motion.cancel()
+                    return Ending(None, NO_ANSWER, self.robot.now() - begin)
+                time.sleep(0.02)
+            result = motion.result()
+        except extperfc.arm.ArmError as error:
+            return Ending(error.code, error.message, self.robot.now() - begin)
+        return Ending(0, result.message, self.robot.now() - begin)
+
+    def move_home(self):
+        """Both arms to the pose neutral, out of the picture."""
+        return self.act(lambda: self.arms.move_to("neutral", wait=False))
+
+    def open_grippers(self):
+        """Both, one after the other; the first time calibrates them."""
+        try:
+            self.arms.open(timeout=ANSWER_S)
+        except extperfc.arm.ArmError as error:
+            raise Stalled(f"the grippers do not open: {error}") from None
+
+    def show_support(self, spot):
+        """The node forgets everything; then it is told about tray and column. Things it has to find itself."""
+        under = spot.top - scene.TRAY_SIZE[2]
+        self.scene.clear()
+        self.scene.add_box("tray", scene.TRAY_SIZE, (*scene.TRAY_XY, under + scene.TRAY_SIZE[2] / 2), frame="map")
+        self.scene.add_cylinder("column", scene.COLUMN_DIAMETER / 2, scene.COLUMN_HEIGHT,
+                                (*scene.COLUMN_XY, under - scene.COLUMN_HEIGHT / 2), frame="map")
+
+    def place_of(self, thing):
+        """map_T_thing of an extperfc/SceneObject, 4 x 4."""
+        return self.robot.transform("map", thing.pose.header.frame_id) @ matrix(thing.pose.pose)
+
+    def found(self):
+        """{name: extperfc/SceneObject} of what has a label: what the node has found."""
+        return {name: thing for name, thing in self.scene.objects.items() if thing.label}
+
+    def wait_found(self, shape, true_middle, within_m=0.15, seconds=5.0):
+        """(the thing of this class that the node has in its scene, None: not in time; simulated time that it took; names of
+        all others that it has found). The truth tells no more than which thing of the class is meant."""
+        begin = self.robot.now()
+        while True:
+            things = self.found()
+            for name, thing in things.items():
+                near = numpy.linalg.norm(self.place_of(thing)[:3, 3] - true_middle) < within_m
+                if thing.label == shape and near:
+                    return thing, self.robot.now() - begin, sorted(things.keys() - {name})
+            if self.robot.now() > begin + seconds:
+                return None, self.robot.now() - begin, sorted(things)
+            if not self.robot.alive():
+                raise Stalled("the simulation ended")
+            time.sleep(0.05)
+
+    def pick(self, shape, lift_m):
+        """By its class, whichever arm reaches it better."""
+        return self.act(lambda: self.arms.pick(shape, lift=lift_m, wait=False))
+
+    def place(self, shape, spot):
+        """At the spot, turned as is easiest. The pose is that of the thing's middle."""
+        pose = (*scene.middle(shape, spot), 0.0, 0.0, spot.yaw)
+        return self.act(lambda: self.arms.place(pose, any_yaw=True, frame="map", wait=False))
