@@ -68,12 +68,15 @@ class Grasp(unittest.TestCase):
         off = self.arms.place_of(self.thing)[:3, 3] - scene.middle("cube", self.spot)
         self.assertLess(abs(off).max(), 0.01)
         before = self.robot.true_pose("cube")[2, 3]
-        picked = self.arms.arms.pick("cube", lift=LIFT_M, timeout=ANSWER_S)
+        goal = (*scene.middle("cube", self.other), 0.0, 0.0, self.other.yaw)
+        pick = self.arms.arms.pick
+        self.fails(ArmCode.UNKNOWN_FRAME, pick("cube", place_at=goal, frame="nowhere", wait=False))
+        self.fails(ArmCode.NO_GRASP, pick("cube", place_at=(5.0, 0.0, 1.0), frame="map", wait=False))
+        picked = pick("cube", lift=LIFT_M, place_at=goal, frame="map", timeout=ANSWER_S)
         self.robot.sleep(1.0)
         rise = self.robot.true_pose("cube")[2, 3] - before
         self.assertTrue(scene.is_held(rise, LIFT_M, self.robot.from_tip("cube")), f"it rose by {rise:.3f} m")
         self.assertEqual([picked.object], self.held())
-        goal = (*scene.middle("cube", self.other), 0.0, 0.0, self.other.yaw)
         self.arms.arms.place(goal, frame="map", timeout=ANSWER_S)
         self.robot.sleep(1.0)
         pose = self.robot.true_pose("cube")

@@ -28,6 +28,11 @@ def size_of(thing):
     return 2 * d[1], 2 * d[1], d[0]  # cylinder or cone: height, radius
 
 
+def pose_at(shape, spot):
+    """Of the thing's middle, in the frame map."""
+    return (*scene.middle(shape, spot), 0.0, 0.0, spot.yaw)
+
+
 class GraspArms:
     """The arms of a GraspRobot, by the package's own Python client."""
 
@@ -96,11 +101,11 @@ class GraspArms:
                 raise Stalled("the simulation ended")
             time.sleep(0.05)
 
-    def pick(self, shape, lift_m):
-        """By its class, whichever arm reaches it better."""
-        return self.act(lambda: self.arms.pick(shape, lift=lift_m, wait=False))
+    def pick(self, shape, lift_m, place_at):
+        """By its class, whichever arm reaches it better and can put it down at the spot."""
+        return self.act(lambda: self.arms.pick(shape, lift=lift_m, place_at=pose_at(shape, place_at), any_yaw=True,
+                                               frame="map", wait=False))
 
     def place(self, shape, spot):
-        """At the spot, turned as is easiest. The pose is that of the thing's middle."""
-        pose = (*scene.middle(shape, spot), 0.0, 0.0, spot.yaw)
-        return self.act(lambda: self.arms.place(pose, any_yaw=True, frame="map", wait=False))
+        """At the spot, turned as is easiest."""
+        return self.act(lambda: self.arms.place(pose_at(shape, spot), any_yaw=True, frame="map", wait=False))

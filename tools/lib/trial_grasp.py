@@ -91,10 +91,10 @@ def find(arms, shape, spot, found):
         note_estimate(arms.place_of(thing)[:3, 3], size_of(thing), shape, spot, found)
 
 
-def pick(robot, arms, shape, found):
+def pick(robot, arms, shape, place_at, found):
     """True when the object is held, as reported and in truth; else `found` has the outcome."""
     before = robot.true_pose(shape)[2, 3]
-    ending = arms.pick(shape, LIFT_M)
+    ending = arms.pick(shape, LIFT_M, place_at)
     robot.sleep(1.0)
     held = scene.is_held(robot.true_pose(shape)[2, 3] - before, LIFT_M, robot.from_tip(shape))
     return judge(ending, held, "pick", found)
@@ -138,7 +138,7 @@ def trial(robot, arms, rng, camera, shape, distance):
     arms.show_support(spot)
     find(arms, shape, spot, found)
     # An object that was not found is asked for all the same: the arm node has to say that it is not there.
-    if pick(robot, arms, shape, found):
+    if pick(robot, arms, shape, other, found):
         place(robot, arms, shape, other, found)
     return found
 

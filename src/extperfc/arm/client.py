@@ -141,12 +141,17 @@ class Arm:
 
     # Grasping.
 
-    def pick(self, what, lift=0.0, planning_time=0.0, wait=True, timeout=None):
+    def pick(self, what, lift=0.0, planning_time=0.0, wait=True, timeout=None, place_at=None, any_yaw=True,
+             frame=DEFAULT_FRAME):
         """Grasps an object of the scene, by its name or label, and lifts it [m] (0: the node's parameter).
 
-        "both": whichever arm reaches it better. Returns extperfc/PickResult, or a Motion with wait=False.
+        "both": whichever arm reaches it better. place_at: a pose, or a list of poses, where it is to be put down later,
+        as for place(); only grasps count from which one of them can be reached. Returns extperfc/PickResult, or a Motion
+        with wait=False.
         """
-        goal = extperfc.msg.PickGoal(what, self._arm_name(), float(lift), float(planning_time))
+        places = place_at if isinstance(place_at, list) else [] if place_at is None else [place_at]
+        goal = extperfc.msg.PickGoal(what, self._arm_name(), float(lift), float(planning_time),
+                                     [goals.pose_stamped(pose, frame) for pose in places], bool(any_yaw))
         return self._ended(self._send("pick", extperfc.msg.PickAction, goal), wait, timeout)
 
     def place(self, pose, what="", any_yaw=True, frame=DEFAULT_FRAME, retreat=0.0, planning_time=0.0, wait=True,

@@ -75,7 +75,7 @@ class Scene:
 
     @property
     def objects(self):
-        """{name: extperfc/SceneObject}, in the frame of the robot's root; operation ATTACH for what hands hold."""
+        """{name: extperfc/SceneObject}, each with its pose in a frame of its own; operation ATTACH for what hands hold."""
         return {found.name: found for found in self._get().objects}
 
     def _add(self, name, kind, dimensions, count, pose, frame, label):

@@ -22,6 +22,7 @@ using extperfc::SceneObject;
 namespace {
 
 constexpr double kLeastLift = 0.75;  ///< share of the lift that is one
+constexpr std::size_t kMostPlaces = 10;
 
 /// Ended by somebody or by the robot itself: nothing more is to move.
 bool ended_from_outside(const Ending& ending) {
@@ -72,6 +73,8 @@ Grasper::Maybe<Grasper::Choice> Grasper::choose(const extperfc::PickGoal& goal, 
   if (goal.object.empty()) return end(ArmCode::kInvalidRequest, "no object is named");
   const auto hands = free_hands(goal.arm);
   if (!hands) return tl::unexpected(hands.error());
+  const auto errand = errand_of(goal);
+  if (!errand) return tl::unexpected(errand.error());
   auto items = commander_.shared().scene.find(goal.object);
   if (!items) return tl::unexpected(items.error());
   items->erase(std::remove_if(items->begin(), items->end(), [](const SceneItem& item) { return item.held; }),
@@ -91,7 +94,7 @@ Grasper::Maybe<Grasper::Choice> Grasper::choose(const extperfc::PickGoal& goal, 
   int tried = 0;
   for (const auto& room : rooms)
     for (const auto& item : *items) {
-      auto choice = choose(item, *hands, room, hooks);
+      auto choice = choose(item, *hands, room, *errand, hooks);
       if (choice) return choice->tried += tried, choice;
       last = choice.error();
       if (last.code != ArmCode::kNoGrasp) return tl::unexpected(last);
@@ -100,7 +103,7 @@ Grasper::Maybe<Grasper::Choice> Grasper::choose(const extperfc::PickGoal& goal, 
 }
 
 Grasper::Maybe<Grasper::Choice> Grasper::choose(const SceneItem& item, const std::vector<Hand*>& hands,
-                                                const Room& room, const Hooks& hooks) {
+                                                const Room& room, const Errand& errand, const Hooks& hooks) {
   const auto& shared = commander_.shared();
   if (item.shapes.size() != 1)
     return end(ArmCode::kNoGrasp, item.name + " has " + std::to_string(item.shapes.size()) +
@@ -120,14 +123,16 @@ Grasper::Maybe<Grasper::Choice> Grasper::choose(const SceneItem& item, const std
   std::vector<arm::GraspArm> arms;
   for (auto& reach : reaches)
     arms.push_back({reach.hand->names.name, &reach.hand->kinematics, &reach.checker, reach.state,
-                    &reach.grasps, straight_ways(*reach.hand, reach.checker, room.lift_m, &reach.lifts)});
+                    &reach.grasps, ways_to_place(item, reach, room.lift_m, errand, hooks)});
   arm::GraspChoiceOptions options;
   options.timeout_s = shared.params.planning_time_s;
   options.cancelled = [&hooks] { return hooks.interrupted && hooks.interrupted().has_value(); };
   const auto chosen = arm::choose_grasp({}, arms, options);
   if (hooks.interrupted)
     if (const auto ended = hooks.interrupted()) return tl::unexpected(*ended);
-  if (!chosen) return end(ArmCode::kNoGrasp, item.name + ": " + chosen.error().message);
+  if (!chosen)
+    return end(ArmCode::kNoGrasp, item.name + ": " + chosen.error().message +
+                                      (errand.root_T_places.empty() ? "" : "; it has to be put down, too"));
   const Reach& reach = reaches[static_cast<std::size_t>(chosen->arm)];
   Choice choice;
   choice.hand = reach.hand;
@@ -166,24 +171,55 @@ Grasper::Maybe<Grasper::Reach> Grasper::reach_of(Hand& hand, const SceneItem& it
   return Reach{&hand, std::move(*grasps), std::move(*checker), *state, {}};
 }
 
-arm::StraightWay Grasper::straight_ways(const Hand& hand, arm::CollisionChecker& checker, double lift_m,
-                                        WaysOn* lifts) const {
+arm::StraightWay Grasper::straight_ways(Reach& reach, double lift_m) const {
   // Asked for from the grasp back to the pregrasp.
-  return
-      [&hand, &checker, lift_m, lifts](
-          const JointVector& grasp, const Pose& root_T_pregrasp) -> std::optional<std::vector<JointVector>> {
-        const auto& chain = hand.kinematics.chain();
-        auto planner = arm::CartesianPlanner::make(checker, chain, quick());
-        if (!planner) return std::nullopt;
-        auto way = planner->plan({grasp, {root_T_pregrasp}, {}});
-        if (way.end != arm::CartesianEnd::kComplete) return std::nullopt;
-        Pose lifted = chain.forward(grasp);
-        lifted.translation().z() += lift_m;
-        auto up = planner->plan({grasp, {lifted}, {}});
-        if (up.end != arm::CartesianEnd::kComplete) return std::nullopt;
-        lifts->push_back(std::move(up.waypoints));
-        return std::move(way.waypoints);
-      };
+  return [&reach, lift_m](const JointVector& grasp,
+                          const Pose& root_T_pregrasp) -> std::optional<std::vector<JointVector>> {
+    const auto& chain = reach.hand->kinematics.chain();
+    auto planner = arm::CartesianPlanner::make(reach.checker, chain, quick());
+    if (!planner) return std::nullopt;
+    auto way = planner->plan({grasp, {root_T_pregrasp}, {}});
+    if (way.end != arm::CartesianEnd::kComplete) return std::nullopt;
+    Pose lifted = chain.forward(grasp);
+    lifted.translation().z() += lift_m;
+    auto up = planner->plan({grasp, {lifted}, {}});
+    if (up.end != arm::CartesianEnd::kComplete) return std::nullopt;
+    reach.lifts.push_back(std::move(up.waypoints));
+    return std::move(way.waypoints);
+  };
+}
+
+arm::StraightWay Grasper::ways_to_place(const SceneItem& item, Reach& reach, double lift_m,
+                                        const Errand& errand, const Hooks& hooks) {
+  auto ways = straight_ways(reach, lift_m);
+  if (errand.root_T_places.empty()) return ways;
+  // A candidate is asked for in several postures; where the thing can be put does not depend on them.
+  std::optional<std::pair<Pose, bool>> last;
+  return [this, &item, &reach, &errand, &hooks, ways = std::move(ways), last](
+             const JointVector& grasp,
+             const Pose& root_T_pregrasp) mutable -> std::optional<std::vector<JointVector>> {
+    const bool known = last && last->first.isApprox(root_T_pregrasp, 1e-9);
+    if (known && !last->second) return std::nullopt;
+    auto way = ways(grasp, root_T_pregrasp);
+    if (!way || known) return way;
+    const Pose root_T_tip = reach.hand->kinematics.chain().forward(grasp);
+    last.emplace(root_T_pregrasp, can_place(*reach.hand, item, root_T_tip, errand, hooks));
+    if (!last->second) return std::nullopt;
+    return way;
+  };
+}
+
+Grasper::Maybe<Grasper::Errand> Grasper::errand_of(const extperfc::PickGoal& goal) const {
+  if (goal.place_at.size() > kMostPlaces)
+    return end(ArmCode::kInvalidRequest, "place_at: " + std::to_string(kMostPlaces) + " places at most");
+  Errand errand;
+  errand.any_yaw = goal.place_any_yaw != 0;
+  for (const auto& place : goal.place_at) {
+    const auto root_T_place = commander_.shared().frames.root_T_pose(place);
+    if (!root_T_place) return end(root_T_place.error().code, "place_at: " + root_T_place.error().message);
+    errand.root_T_places.push_back(*root_T_place);
+  }
+  return errand;
 }
 
 /// Opens the hand where it is; the thing is in the scene again.

@@ -50,13 +50,19 @@ class Grasper {
 
   [[nodiscard]] Maybe<std::vector<Hand*>> free_hands(const std::string& arm);
   [[nodiscard]] Maybe<Choice> choose(const extperfc::PickGoal& goal, const Hooks& hooks);
+  /// What a thing is picked for.
+  struct Errand {
+    std::vector<Pose> root_T_places;  ///< to be put down at one of these later; empty: not known
+    bool any_yaw{false};
+  };
+  [[nodiscard]] Maybe<Errand> errand_of(const extperfc::PickGoal& goal) const;
   /// What a grasp has to have room for; `tilt_step_rad` between the approaches that are tried.
   struct Room {
     double approach_m, lift_m, tilt_step_rad;
     bool padded;  ///< with the distance that plans keep: what is planned again later succeeds again
   };
   [[nodiscard]] Maybe<Choice> choose(const SceneItem& item, const std::vector<Hand*>& hands, const Room& room,
-                                     const Hooks& hooks);
+                                     const Errand& errand, const Hooks& hooks);
   /// Where a way ends, and the way that goes on from there.
   using WaysOn = std::vector<std::vector<arm::JointVector>>;
   /// How one hand could take a thing.
@@ -69,9 +75,14 @@ class Grasper {
   };
   /// Ending: kNoGrasp where the shape does not fit the hand; the scene's and the robot's.
   [[nodiscard]] Maybe<Reach> reach_of(Hand& hand, const SceneItem& item, const Room& room);
-  /// Approach and lift of a candidate, straight and free, for choose(). Every lift found is added to `lifts`.
-  [[nodiscard]] arm::StraightWay straight_ways(const Hand& hand, arm::CollisionChecker& checker,
-                                               double lift_m, WaysOn* lifts) const;
+  /// Approach and lift of a candidate, straight and free, for choose(). Every lift found is added to the
+  /// reach.
+  [[nodiscard]] arm::StraightWay straight_ways(Reach& reach, double lift_m) const;
+  /// The same where the thing, grasped so, can be put down as the errand wants it. References are kept.
+  [[nodiscard]] arm::StraightWay ways_to_place(const SceneItem& item, Reach& reach, double lift_m,
+                                               const Errand& errand, const Hooks& hooks);
+  [[nodiscard]] bool can_place(const Hand& hand, const SceneItem& item, const Pose& root_T_tip,
+                               const Errand& errand, const Hooks& hooks);
   [[nodiscard]] Ending let_go(Hand& hand, const std::string& name, const Ending& why);
   [[nodiscard]] Ending grasp(const Choice& choice, double time_s, const Hooks& hooks,
                              extperfc::PickResult& result);
@@ -83,12 +94,18 @@ class Grasper {
     std::vector<arm::JointVector> down;
     std::vector<arm::JointVector> back;
   };
+  struct SpotSearch {
+    double retreat_m;
+    double time_s;  ///< wall time for each kind of way, at most
+    bool reserve;   ///< where there is no room for all of the way down, less of it
+  };
+  /// `item` is held: frame_T_object is tip_T_object, and `carrying` is the world with it in the hand.
   [[nodiscard]] Maybe<Spot> choose_spot(const Hand& hand, const SceneItem& item,
-                                        const arm::PlaceRequest& request, double retreat_m,
-                                        const Hooks& hooks);
-  [[nodiscard]] Maybe<Spot> choose_spot(const Hand& hand, const SceneItem& item,
+                                        const arm::CollisionWorld& carrying, const Pose& root_T_object,
+                                        bool any_yaw, const SpotSearch& search, const Hooks& hooks);
+  [[nodiscard]] Maybe<Spot> choose_spot(const Hand& hand, const SceneItem& item, arm::CollisionWorld carrying,
                                         const std::vector<arm::PlaceCandidate>& candidates, bool padded,
-                                        const Hooks& hooks);
+                                        double time_s, const Hooks& hooks);
   [[nodiscard]] Ending put_down(Hand& hand, const SceneItem& item, const Spot& spot, double time_s,
                                 const Hooks& hooks);
 

@@ -1,5 +1,4 @@
 #include <algorithm>
-#include <array>
 #include <optional>
 #include <utility>
 
@@ -44,13 +43,10 @@ Ending Grasper::place(const extperfc::PlaceGoal& goal, const Hooks& hooks, extpe
   if (!hand) return hand.error();
   const auto target = commander_.shared().frames.root_T_pose(goal.pose);
   if (!target) return target.error();
-  arm::PlaceRequest request;
-  request.tip_T_object = item.frame_T_object;
-  request.root_T_object = *target;
-  request.any_yaw = goal.any_yaw != 0;
-  request.opening_m = (*hand)->shape.opening_max_m;
-  request.support_z_m = heights(item.shapes, *target).first;
-  const auto spot = choose_spot(**hand, item, request, or_else(goal.retreat, params.grasp.retreat_m), hooks);
+  const auto carrying = commander_.shared().scene.world();
+  if (!carrying) return carrying.error();
+  const SpotSearch search{or_else(goal.retreat, params.grasp.retreat_m), params.planning_time_s, true};
+  const auto spot = choose_spot(**hand, item, *carrying, *target, goal.any_yaw != 0, search, hooks);
   if (!spot) return spot.error();
   auto ending = put_down(**hand, item, *spot, or_else(goal.planning_time, params.planning_time_s), hooks);
   if (failed(ending)) return ending;
@@ -61,8 +57,15 @@ Ending Grasper::place(const extperfc::PlaceGoal& goal, const Hooks& hooks, extpe
 }
 
 Grasper::Maybe<Grasper::Spot> Grasper::choose_spot(const Hand& hand, const SceneItem& item,
-                                                   const arm::PlaceRequest& request, double retreat_m,
-                                                   const Hooks& hooks) {
+                                                   const arm::CollisionWorld& carrying,
+                                                   const Pose& root_T_object, bool any_yaw,
+                                                   const SpotSearch& search, const Hooks& hooks) {
+  arm::PlaceRequest request;
+  request.tip_T_object = item.frame_T_object;
+  request.root_T_object = root_T_object;
+  request.any_yaw = any_yaw;
+  request.opening_m = hand.shape.opening_max_m;
+  request.support_z_m = heights(item.shapes, root_T_object).first;
   const double lower_m = commander_.shared().params.grasp.lower_m;
   const double less_lower_m = std::min(lower_m, std::max(0.02, kLeastApproach * lower_m));
   struct Way {
@@ -71,14 +74,14 @@ Grasper::Maybe<Grasper::Spot> Grasper::choose_spot(const Hand& hand, const Scene
   };
   // First with room for everything, then nearer to things, then from less high and with more turns. The way
   // back is never shortened: the fingers have to leave the thing.
-  const std::array<Way, 3> ways{Way{{lower_m, retreat_m, 0.3927, 0.002}, true},
-                                Way{{lower_m, retreat_m, 0.3927, 0.002}, false},
-                                Way{{less_lower_m, retreat_m, 0.1963, 0.002}, false}};
+  std::vector<Way> ways{Way{{lower_m, search.retreat_m, 0.3927, 0.002}, true},
+                        Way{{lower_m, search.retreat_m, 0.3927, 0.002}, false}};
+  if (search.reserve) ways.push_back({{less_lower_m, search.retreat_m, 0.1963, 0.002}, false});
   Ending last;
   for (const auto& way : ways) {
     const auto candidates = place_candidates(hand.shape, item, request, way.how);
     if (!candidates) return end(ArmCode::kGoalUnreachable, candidates.error().message);
-    auto spot = choose_spot(hand, item, *candidates, way.padded, hooks);
+    auto spot = choose_spot(hand, item, carrying, *candidates, way.padded, search.time_s, hooks);
     if (spot || spot.error().code != ArmCode::kGoalUnreachable) return spot;
     last = spot.error();
   }
@@ -86,20 +89,19 @@ Grasper::Maybe<Grasper::Spot> Grasper::choose_spot(const Hand& hand, const Scene
 }
 
 Grasper::Maybe<Grasper::Spot> Grasper::choose_spot(const Hand& hand, const SceneItem& item,
+                                                   arm::CollisionWorld carrying,
                                                    const std::vector<arm::PlaceCandidate>& candidates,
-                                                   bool padded, const Hooks& hooks) {
+                                                   bool padded, double time_s, const Hooks& hooks) {
   const auto& shared = commander_.shared();
   const auto positions = shared.watch.positions();
   if (!positions) return tl::unexpected(positions.error());
-  auto carrying = shared.scene.world();
-  if (!carrying) return tl::unexpected(carrying.error());
-  auto empty = *carrying;
-  allow_support(*carrying, item.name, heights(item.shapes, candidates.front().root_T_object).first);
+  auto empty = carrying;
+  allow_support(carrying, item.name, heights(item.shapes, candidates.front().root_T_object).first);
   empty.remove(item.name);
   const auto& group = **shared.arms.group(hand.names.group);
   const auto state = arm::RobotArms::select(group, *positions);
   if (!state) return end(ArmCode::kNoJointStates, state.error().message);
-  auto full = commander_.pipeline().checker(group.name, *positions, *carrying, padded);
+  auto full = commander_.pipeline().checker(group.name, *positions, carrying, padded);
   auto after = commander_.pipeline().checker(group.name, *positions, empty, padded);
   if (!full || !after) return end(ArmCode::kInternal, (full ? after : full).error().message);
   WaysOn backs;
@@ -128,7 +130,7 @@ Grasper::Maybe<Grasper::Spot> Grasper::choose_spot(const Hand& hand, const Scene
     poses.push_back(pose);
   }
   arm::GraspChoiceOptions options;
-  options.timeout_s = shared.params.planning_time_s;
+  options.timeout_s = time_s;
   options.cancelled = [&hooks] { return hooks.interrupted && hooks.interrupted().has_value(); };
   const auto chosen =
       arm::choose_grasp(poses, {{hand.names.name, &hand.kinematics, &*full, *state, nullptr, ways}}, options);
@@ -142,6 +144,24 @@ Grasper::Maybe<Grasper::Spot> Grasper::choose_spot(const Hand& hand, const Scene
   spot.back = way_on(backs, chosen->way.back());
   spot.above = by_name(hand.kinematics.chain(), chosen->pregrasp);
   return spot;
+}
+
+/// Asked for one grasp after the other, so it must not take long.
+bool Grasper::can_place(const Hand& hand, const SceneItem& item, const Pose& root_T_tip, const Errand& errand,
+                        const Hooks& hooks) {
+  constexpr double kTime_s = 0.3;
+  auto carrying = commander_.shared().scene.world();
+  if (!carrying) return false;
+  SceneItem held = item;
+  held.frame_T_object = root_T_tip.inverse() * item.frame_T_object;
+  carrying->remove(item.name);
+  const auto done = carrying->attach(
+      {item.name, hand.names.tip, item.shapes, held.frame_T_object, hand.shape.finger_links});
+  if (!done) return false;
+  const SpotSearch search{commander_.shared().params.grasp.retreat_m, kTime_s, false};
+  return std::any_of(errand.root_T_places.begin(), errand.root_T_places.end(), [&](const Pose& root_T_place) {
+    return choose_spot(hand, held, *carrying, root_T_place, errand.any_yaw, search, hooks).has_value();
+  });
 }
 
 Ending Grasper::put_down(Hand& hand, const SceneItem& item, const Spot& spot, double time_s,
