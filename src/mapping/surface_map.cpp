@@ -16,15 +16,6 @@ int cell_index(float coordinate_m) {
   return static_cast<int>(std::floor(coordinate_m * (1.0F / SurfaceMap::kCellM)));
 }
 
-/// From a point to the nearest side of its cell; a little less, since cells and means are rounded.
-float distance_to_rim(const Eigen::Vector2f& point, int column, int row) {
-  constexpr float kRoundingM = 1e-3F;
-  const float x = point.x() - static_cast<float>(column) * SurfaceMap::kCellM;
-  const float y = point.y() - static_cast<float>(row) * SurfaceMap::kCellM;
-  const float nearest = std::min({x, y, SurfaceMap::kCellM - x, SurfaceMap::kCellM - y});
-  return std::max(0.0F, nearest - kRoundingM);
-}
-
 bool goes_with(const Eigen::Vector2f& a, const Eigen::Vector2f& b) {
   const bool either_unknown = a.squaredNorm() == 0.0F || b.squaredNorm() == 0.0F;
   return either_unknown || a.dot(b) > kSameSide;
@@ -67,36 +58,35 @@ void SurfaceMap::add(const ScanPoints& points, const Pose2& map_T_base) {
   }
 }
 
-// From the point's own cell outwards, ring by ring, until no cell of the next ring can be nearer than what
-// was found.
+// Row by row, from the point's own outwards, until no cell of the next rows can be nearer than what was
+// found.
 const SurfaceMap::Surface* SurfaceMap::nearest(const Eigen::Vector2f& point, const Eigen::Vector2f& normal,
                                                int reach_cells) const {
   const int column = cell_index(point.x());
   const int row = cell_index(point.y());
-  const Surface* best = nullptr;
   const float reach = static_cast<float>(reach_cells) * kCellM;
+  const Surface* best = nullptr;
   float best_squared = reach * reach;
-  const auto consider = [&](int c, int r) {
-    const Surface* surface = find(c, r);
-    if (!surface) return;
-    const float squared = (surface->mean - point).squaredNorm();
-    if (squared >= best_squared || !goes_with(surface->normal, normal)) return;
-    best = surface;
+  const auto consider = [&](const Surface& surface) {
+    const float squared = (surface.mean - point).squaredNorm();
+    if (squared >= best_squared || !goes_with(surface.normal, normal)) return;
+    best = &surface;
     best_squared = squared;
   };
-  consider(column, row);
-  const float to_rim = distance_to_rim(point, column, row);
-  for (int ring = 1; ring <= reach_cells; ++ring) {
-    const float gap = to_rim + static_cast<float>(ring - 1) * kCellM;
-    if (gap * gap >= best_squared) break;
-    for (int c = column - ring; c <= column + ring; ++c) {
-      consider(c, row - ring);
-      consider(c, row + ring);
-    }
-    for (int r = row - ring + 1; r < row + ring; ++r) {
-      consider(column - ring, r);
-      consider(column + ring, r);
-    }
+  const float above_rim = point.y() - static_cast<float>(row) * kCellM;
+  // Cells and means are rounded.
+  constexpr float kRoundingM = 1e-3F;
+  const auto too_far = [&](int rows_away, float to_rim) {
+    const float gap = static_cast<float>(rows_away - 1) * kCellM + to_rim - kRoundingM;
+    return gap > 0 && gap * gap >= best_squared;
+  };
+  visit_row(column - reach_cells, column + reach_cells, row, consider);
+  for (int away = 1; away <= reach_cells; ++away) {
+    const bool no_lower = too_far(away, above_rim);
+    const bool no_upper = too_far(away, kCellM - above_rim);
+    if (no_lower && no_upper) break;
+    if (!no_lower) visit_row(column - reach_cells, column + reach_cells, row - away, consider);
+    if (!no_upper) visit_row(column - reach_cells, column + reach_cells, row + away, consider);
   }
   return best;
 }
@@ -104,10 +94,10 @@ const SurfaceMap::Surface* SurfaceMap::nearest(const Eigen::Vector2f& point, con
 bool SurfaceMap::occupied_near(const Eigen::Vector2f& point) const {
   const int column = cell_index(point.x());
   const int row = cell_index(point.y());
-  for (int r = row - 1; r <= row + 1; ++r)
-    for (int c = column - 1; c <= column + 1; ++c)
-      if (find(c, r)) return true;
-  return false;
+  bool any = false;
+  for (int r = row - 1; r <= row + 1 && !any; ++r)
+    visit_row(column - 1, column + 1, r, [&](const Surface&) { any = true; });
+  return any;
 }
 
 SurfaceMap::Surface& SurfaceMap::make(int column, int row) {
@@ -120,8 +110,7 @@ SurfaceMap::Surface& SurfaceMap::make(int column, int row) {
     tiles_.emplace_back();
     seen_.push_back(0);
   }
-  constexpr int kMask = kTileCells - 1;
-  const auto cell = static_cast<std::size_t>((row & kMask) * kTileCells + (column & kMask));
+  const auto cell = static_cast<std::size_t>(place_in_tile(column, row));
   seen_[static_cast<std::size_t>(tile)] |= std::uint64_t{1} << cell;
   return tiles_[static_cast<std::size_t>(tile)][cell];
 }

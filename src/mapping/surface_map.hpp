@@ -52,19 +52,36 @@ class SurfaceMap {
   static_assert(kTileCells * kTileCells == 64, "a bit each");
   using Tile = std::array<Surface, kTileCells * kTileCells>;
 
-  /// Null where nothing was seen. Here, so that nearest() has it without a call: that is where mapping spends
-  /// its time. The bits of a tile spare it a look at empty cells, which are most of them.
-  [[nodiscard]] const Surface* find(int column, int row) const {
+  /// The tile of a cell and its place in it; nothing has been seen in tiles that are not there: -1.
+  [[nodiscard]] std::int32_t tile_of(int column, int row) const {
     const int tile_column = (column >> kTileBits) - first_column_;
     const int tile_row = (row >> kTileBits) - first_row_;
-    if (tile_column < 0 || tile_row < 0 || tile_column >= columns_ || tile_row >= rows_) return nullptr;
-    const std::int32_t tile = directory_[static_cast<std::size_t>(tile_row * columns_ + tile_column)];
-    if (tile < 0) return nullptr;
-    constexpr int kMask = kTileCells - 1;
-    const int cell = (row & kMask) * kTileCells + (column & kMask);
-    if ((seen_[static_cast<std::size_t>(tile)] >> cell & 1U) == 0) return nullptr;
-    return &tiles_[static_cast<std::size_t>(tile)][static_cast<std::size_t>(cell)];
+    if (tile_column < 0 || tile_row < 0 || tile_column >= columns_ || tile_row >= rows_) return -1;
+    return directory_[static_cast<std::size_t>(tile_row * columns_ + tile_column)];
   }
+  static constexpr int kMask = kTileCells - 1;
+  static int place_in_tile(int column, int row) { return (row & kMask) * kTileCells + (column & kMask); }
+
+  /// Calls `visitor` with what was seen in the cells [first, last] of a row. Here, so that nearest() has it
+  /// without a call: that is where mapping spends its time. The bits of a tile spare it a look at empty
+  /// cells, which are most of them.
+  template <typename Visitor>
+  void visit_row(int first, int last, int row, const Visitor& visitor) const {
+    constexpr std::uint64_t kRow = (std::uint64_t{1} << kTileCells) - 1;
+    for (int begin = first & ~kMask; begin <= last; begin += kTileCells) {
+      const std::int32_t tile = tile_of(begin, row);
+      if (tile < 0) continue;
+      const int row_begin = place_in_tile(begin, row);
+      std::uint64_t bits = seen_[static_cast<std::size_t>(tile)] >> row_begin & kRow;
+      if (begin < first) bits &= kRow << (first - begin);
+      if (begin + kMask > last) bits &= kRow >> (begin + kMask - last);
+      for (; bits != 0; bits &= bits - 1)
+        visitor(
+            tiles_[static_cast<std::size_t>(tile)][static_cast<std::size_t>(row_begin + lowest_bit(bits))]);
+    }
+  }
+  static int lowest_bit(std::uint64_t bits) { return __builtin_ctzll(bits); }
+
   /// The cell, which is to be given weight now.
   [[nodiscard]] Surface& make(int column, int row);
   void widen(int tile_column, int tile_row);
