@@ -223,12 +223,12 @@ class ArmObjects(unittest.TestCase):
             detection("cube", (0.8, 0.1, 0.0), (0.04, 0.04, -1.0)), detection("cube", (nan, 0.1, 0.0)),
             detection("cube", (0.8, 0.0, 0.0), orientation=(nan, 0.0, 0.0, 1.0)), detection("cube", (0.9, 0.0, 0.0), score=nan),
             detection("cube", (0.9, 0.1, 0.0), (math.inf,) * 3), detection(99, (0.9, 0.2, 0.0)), detection(-1, (0.9, 0.3, 0.0)),
-            detection("cube", (0.9, 0.4, 0.0), score=0.2), vision_msgs.msg.Detection3D(), detection("sphere", (0.8, -0.3, 0.0))])
+            detection("cube", (0.9, 0.4, 0.0), score=0.2), detection("cube", (0.9, 0.5, 0.0), (0.1, 0.1, 0.4)), vision_msgs.msg.Detection3D(), detection("sphere", (0.8, -0.3, 0.0))])
         self.appears("sphere_1")
         told = self.told("objects")
         self.assertEqual(["sphere_1"], self.names())
         for reason, least in (("no finite pose, size above 0 and score", 8 * CONFIRM), ("class without a name", 2 * CONFIRM),
-                              ("below objects/least_score", CONFIRM)):
+                              ("below objects/least_score", CONFIRM), ("above objects/largest_m", CONFIRM)):
             self.assertGreaterEqual(int(told["ignored: " + reason]), least, reason)
         # A frame that nobody knows, and none at all.
         self.detector.say(None)

@@ -168,6 +168,8 @@ std::vector<arm::ObjectSighting> ObjectWatch::sightings_of(const vision_msgs::De
       ++ignored.broken;
     } else if (best->score < params_.least_score) {
       ++ignored.low_score;
+    } else if (box->size_m.maxCoeff() > params_.largest_m) {
+      ++ignored.too_large;
     } else if (best->id < 0 || best->id >= static_cast<std::int64_t>(names.size()) ||
                names[static_cast<std::size_t>(best->id)].empty()) {
       ++ignored.unknown_class;
@@ -257,6 +259,7 @@ void ObjectWatch::report(diagnostic_updater::DiagnosticStatusWrapper& status) {
   status.add("ignored: no finite pose, size above 0 and score", ignored_.broken);
   status.add("ignored: class without a name", ignored_.unknown_class);
   status.add("ignored: below objects/least_score", ignored_.low_score);
+  status.add("ignored: above objects/largest_m", ignored_.too_large);
   status.add("ignored: too many in one message", ignored_.too_many);
   status.add("ignored: held, or in the scene already", ignored_.claimed);
   status.add("ignored: at the robot", ignored_.vague);

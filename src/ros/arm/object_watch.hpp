@@ -82,8 +82,8 @@ class ObjectWatch {
   };
   /// Detections that came to nothing since the start.
   struct Ignored {
-    std::uint64_t broken{0}, unknown_class{0}, low_score{0}, too_many{0}, claimed{0}, vague{0}, doubled{0},
-        no_room{0};
+    std::uint64_t broken{0}, unknown_class{0}, low_score{0}, too_large{0}, too_many{0}, claimed{0}, vague{0},
+        doubled{0}, no_room{0};
   };
 
   ObjectWatch(Uses uses, const ros_params::ObjectWatchParams& params, std::unique_ptr<StampedJoints> joints,

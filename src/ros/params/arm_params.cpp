@@ -171,6 +171,7 @@ void read_shapes(ParamReader& reader, const ros::NodeHandle& handle,
 void read_objects(ParamReader& reader, const ros::NodeHandle& handle, ObjectWatchParams& params) {
   reader.read("enabled", params.enabled);
   reader.read("least_score", params.least_score, {0.0, 1.0});
+  reader.read("largest_m", params.largest_m, {0.001, 100.0});
   reader.read("timeout_s", params.timeout_s, {0.1, 3600.0});
   read_shapes(reader, handle, params.shapes);
   reader.read("confirm", params.list.confirm, {1, 100});

@@ -67,6 +67,7 @@ struct DepthWatchParams {
 struct ObjectWatchParams {
   bool enabled{false};      ///< detected objects become part of the scene
   double least_score{0.3};  ///< of detections that count, [0, 1]
+  double largest_m{0.25};   ///< longest edge of detections that count, [0.001, 100]
   double timeout_s{5.0};    ///< silence after which diagnostics warn [s of wall time], [0.1, 3600]
   std::map<std::string, arm::StandingKind> shapes;  ///< of classes; others are boxes
   arm::ObjectListParams list;
