@@ -33,10 +33,11 @@ struct DepthObstaclesParams {
   int least_points{3};            ///< of one picture in a voxel that count as a thing; 1 to 1000
   double robot_padding_m{0.03};   ///< nearer to the robot's shapes a point is the robot; 0 to 0.3
   double object_padding_m{0.02};  ///< nearer to a known object a point is that object; 0 to 0.3
-  double clear_margin_m{0.02};    ///< a ray must end so far behind a voxel to show it empty; 0 to 0.5
-  double most_age_s{10};          ///< what was not seen again for so long is forgotten; 0.05 to 3600
-  int most_boxes{400};            ///< 8 to 5000; with more, neighbouring voxels are taken together
-  std::string name{"depth"};      ///< of the object in the collision world
+  /// A ray must end so far behind a voxel to show it empty, or on a known object behind it; 0 to 0.5
+  double clear_margin_m{0.02};
+  double most_age_s{10};      ///< what was not seen again for so long is forgotten; 0.05 to 3600
+  int most_boxes{400};        ///< 8 to 5000; with more, neighbouring voxels are taken together
+  std::string name{"depth"};  ///< of the object in the collision world
 
   /// An error that names the first value out of its range.
   [[nodiscard]] Result<void> validate() const;

@@ -94,6 +94,14 @@ void VoxelMemory::count_points(const DepthView& view, DepthUpdate& update) {
   }
 }
 
+bool VoxelMemory::ends_on_object(const DepthView& view, double u, double v, double depth_m) const {
+  const Eigen::Vector3d point = view.root_T_camera * view.camera.back_project(u, v, depth_m);
+  const Eigen::Array3d at = (point - grid.low).array() / grid.edge;
+  if (!((at >= 0.0).all() && (at < grid.count.cast<double>().array()).all())) return false;
+  const Eigen::Array3i cell = at.cast<int>();
+  return mask_.owner(grid.index(cell.x(), cell.y(), cell.z()), point.cast<float>()) == Owner::kObject;
+}
+
 bool VoxelMemory::seen_empty(const DepthView& view, const Pose& camera_T_root, int voxel) const {
   const Eigen::Vector3d middle = camera_T_root * grid.centre(grid.cell(voxel));
   const double radius = grid.half_diagonal();
@@ -101,7 +109,8 @@ bool VoxelMemory::seen_empty(const DepthView& view, const Pose& camera_T_root, i
     return false;
   const Eigen::Vector2d pixel = view.camera.project(middle);
   const double reach = radius / middle.z() * view.camera.fx;
-  const double behind = middle.z() + radius + params.clear_margin_m;
+  const double far_side = middle.z() + radius;
+  const double behind = far_side + params.clear_margin_m;
   int answers = 0;
   for (int i = 0; i < kLooks; ++i)
     for (int k = 0; k < kLooks; ++k) {
@@ -109,7 +118,7 @@ bool VoxelMemory::seen_empty(const DepthView& view, const Pose& camera_T_root, i
       if (!(u >= 0 && v >= 0 && u < view.depth.width && v < view.depth.height)) continue;
       const double depth = depth_at(view.depth, static_cast<int>(u), static_cast<int>(v));
       if (depth <= 0) continue;
-      if (depth < behind) return false;
+      if (depth < behind && !(depth >= far_side && ends_on_object(view, u, v, depth))) return false;
       ++answers;
     }
   return answers >= kLeastAnswers;

@@ -40,7 +40,10 @@ class VoxelMemory {
  private:
   template <PixelFormat kFormat>
   void count_points(const DepthView& view, DepthUpdate& update);
-  /// Whether all of the picture's rays about the voxel end behind it.
+  /// Whether the point that a pixel saw is a known object's.
+  [[nodiscard]] bool ends_on_object(const DepthView& view, double u, double v, double depth_m) const;
+  /// Whether all of the picture's rays about the voxel end behind it: by a margin, but for those that end on
+  /// a known object, which can be nothing that is left of the voxel's thing.
   [[nodiscard]] bool seen_empty(const DepthView& view, const Pose& camera_T_root, int voxel) const;
   void merge(const DepthView& view, double time_s, DepthUpdate& update);
   void make_object(DepthUpdate& update);

@@ -97,7 +97,7 @@ class Grasper {
   struct SpotSearch {
     double retreat_m;
     double time_s;  ///< wall time for each kind of way, at most
-    bool reserve;   ///< where there is no room for all of the way down, less of it
+    bool reserve;   ///< where nothing is found, looks harder, and for less of the way down
   };
   /// `item` is held: frame_T_object is tip_T_object, and `carrying` is the world with it in the hand.
   [[nodiscard]] Maybe<Spot> choose_spot(const Hand& hand, const SceneItem& item,
@@ -105,7 +105,7 @@ class Grasper {
                                         bool any_yaw, const SpotSearch& search, const Hooks& hooks);
   [[nodiscard]] Maybe<Spot> choose_spot(const Hand& hand, const SceneItem& item, arm::CollisionWorld carrying,
                                         const std::vector<arm::PlaceCandidate>& candidates, bool padded,
-                                        double time_s, const Hooks& hooks);
+                                        const arm::GraspChoiceOptions& options, const Hooks& hooks);
   [[nodiscard]] Ending put_down(Hand& hand, const SceneItem& item, const Spot& spot, double time_s,
                                 const Hooks& hooks);
 

@@ -71,17 +71,29 @@ Grasper::Maybe<Grasper::Spot> Grasper::choose_spot(const Hand& hand, const Scene
   struct Way {
     arm::PlaceParams how;
     bool padded;
+    bool hard{false};
   };
-  // First with room for everything, then nearer to things, then from less high and with more turns. The way
-  // back is never shortened: the fingers have to leave the thing.
+  // First with room for everything, then nearer to things, then with more turns and more postures, then from
+  // less high. The way back is never shortened: the fingers have to leave the thing.
   std::vector<Way> ways{Way{{lower_m, search.retreat_m, 0.3927, 0.002}, true},
                         Way{{lower_m, search.retreat_m, 0.3927, 0.002}, false}};
-  if (search.reserve) ways.push_back({{less_lower_m, search.retreat_m, 0.1963, 0.002}, false});
+  if (search.reserve) {
+    ways.push_back({{lower_m, search.retreat_m, 0.1963, 0.002}, false, true});
+    ways.push_back({{less_lower_m, search.retreat_m, 0.1963, 0.002}, false, true});
+  }
   Ending last;
   for (const auto& way : ways) {
     const auto candidates = place_candidates(hand.shape, item, request, way.how);
     if (!candidates) return end(ArmCode::kGoalUnreachable, candidates.error().message);
-    auto spot = choose_spot(hand, item, carrying, *candidates, way.padded, search.time_s, hooks);
+    arm::GraspChoiceOptions options;
+    options.timeout_s = search.time_s;
+    options.cancelled = [&hooks] { return hooks.interrupted && hooks.interrupted().has_value(); };
+    if (way.hard) {
+      options.ik_restarts = 100;
+      options.ik_timeout_s = 0.05;
+      options.postures = 8;
+    }
+    auto spot = choose_spot(hand, item, carrying, *candidates, way.padded, options, hooks);
     if (spot || spot.error().code != ArmCode::kGoalUnreachable) return spot;
     last = spot.error();
   }
@@ -91,7 +103,8 @@ Grasper::Maybe<Grasper::Spot> Grasper::choose_spot(const Hand& hand, const Scene
 Grasper::Maybe<Grasper::Spot> Grasper::choose_spot(const Hand& hand, const SceneItem& item,
                                                    arm::CollisionWorld carrying,
                                                    const std::vector<arm::PlaceCandidate>& candidates,
-                                                   bool padded, double time_s, const Hooks& hooks) {
+                                                   bool padded, const arm::GraspChoiceOptions& options,
+                                                   const Hooks& hooks) {
   const auto& shared = commander_.shared();
   const auto positions = shared.watch.positions();
   if (!positions) return tl::unexpected(positions.error());
@@ -129,9 +142,6 @@ Grasper::Maybe<Grasper::Spot> Grasper::choose_spot(const Hand& hand, const Scene
     pose.score = 1.0;
     poses.push_back(pose);
   }
-  arm::GraspChoiceOptions options;
-  options.timeout_s = time_s;
-  options.cancelled = [&hooks] { return hooks.interrupted && hooks.interrupted().has_value(); };
   const auto chosen =
       arm::choose_grasp(poses, {{hand.names.name, &hand.kinematics, &*full, *state, nullptr, ways}}, options);
   if (hooks.interrupted)

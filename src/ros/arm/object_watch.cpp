@@ -18,7 +18,7 @@ namespace {
 
 constexpr double kWorldRetry = 5.0;  ///< before a frame that tf lacks is looked for again [s of wall time]
 constexpr std::size_t kMostDetections = 500;  ///< of one message that are looked at
-constexpr double kNearRobot = 0.01;           ///< what seems to be nearer to the robot is not trusted [m]
+constexpr double kNearRobot = 0.03;           ///< what seems to be nearer to the robot is not trusted [m]
 
 /// The hypothesis with the highest score; nothing where none has a score.
 const vision_msgs::ObjectHypothesisWithPose* best_of(const vision_msgs::Detection3D& detection) {

@@ -215,6 +215,19 @@ TEST(DepthObstacles, AThingThatMovedIsCleared) {
   EXPECT_GT(eyes.near(elsewhere, 0.055), 20);
 }
 
+// A known table behind it: nothing is left over, down to the table's padding.
+TEST(DepthObstacles, AThingThatLeftAKnownTableIsCleared) {
+  Shape top;
+  top.geometry = Box{{1.0, 1.2, 0.04}};
+  CollisionWorld known;
+  ASSERT_TRUE(known.add({"table", {top}, make_pose({1.0, 0, kTable - 0.02})}));
+  Eyes eyes;
+  eyes.see(table_with_cube(), 0, known);
+  EXPECT_GT(eyes.near(kCube, 0.07), 20);
+  eyes.see(table(), 0.1, known);
+  EXPECT_EQ(eyes.near(kCube, 0.07), 0);
+}
+
 TEST(DepthObstacles, WhatIsHiddenStaysUntilItIsTooOld) {
   DepthObstaclesParams params = params_for_small_pictures();
   params.most_age_s = 2;
