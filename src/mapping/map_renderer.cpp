@@ -166,7 +166,8 @@ void MapRenderer::draw_changed_tiles(std::size_t most_tiles) {
 void MapRenderer::draw_tile(const Tile& tile) {
   for (int row = 0; row < kTileCells; ++row) {
     std::int8_t* cells = picture_.cells_at(tile.column * kTileCells, tile.row * kTileCells + row);
-    const Count* counts = &tile.counts[static_cast<std::size_t>(row * kTileCells)];
+    const int first = row * kTileCells;
+    const Count* counts = &tile.counts[static_cast<std::size_t>(first)];
     for (int column = 0; column < kTileCells; ++column) cells[column] = value(counts[column]);
   }
 }

@@ -104,7 +104,8 @@ SurfaceMap::Surface& SurfaceMap::make(int column, int row) {
   widen(column >> kTileBits, row >> kTileBits);
   const int tile_column = (column >> kTileBits) - first_column_;
   const int tile_row = (row >> kTileBits) - first_row_;
-  std::int32_t& tile = directory_[static_cast<std::size_t>(tile_row * columns_ + tile_column)];
+  const int entry = tile_row * columns_ + tile_column;
+  std::int32_t& tile = directory_[static_cast<std::size_t>(entry)];
   if (tile < 0) {
     tile = static_cast<std::int32_t>(tiles_.size());
     tiles_.emplace_back();

@@ -57,7 +57,8 @@ class SurfaceMap {
     const int tile_column = (column >> kTileBits) - first_column_;
     const int tile_row = (row >> kTileBits) - first_row_;
     if (tile_column < 0 || tile_row < 0 || tile_column >= columns_ || tile_row >= rows_) return -1;
-    return directory_[static_cast<std::size_t>(tile_row * columns_ + tile_column)];
+    const int entry = tile_row * columns_ + tile_column;
+    return directory_[static_cast<std::size_t>(entry)];
   }
   static constexpr int kMask = kTileCells - 1;
   static int place_in_tile(int column, int row) { return (row & kMask) * kTileCells + (column & kMask); }
@@ -75,9 +76,10 @@ class SurfaceMap {
       std::uint64_t bits = seen_[static_cast<std::size_t>(tile)] >> row_begin & kRow;
       if (begin < first) bits &= kRow << (first - begin);
       if (begin + kMask > last) bits &= kRow >> (begin + kMask - last);
-      for (; bits != 0; bits &= bits - 1)
-        visitor(
-            tiles_[static_cast<std::size_t>(tile)][static_cast<std::size_t>(row_begin + lowest_bit(bits))]);
+      for (; bits != 0; bits &= bits - 1) {
+        const int cell = row_begin + lowest_bit(bits);
+        visitor(tiles_[static_cast<std::size_t>(tile)][static_cast<std::size_t>(cell)]);
+      }
     }
   }
   static int lowest_bit(std::uint64_t bits) { return __builtin_ctzll(bits); }

@@ -61,6 +61,7 @@ std::vector<bool> robot_overlaps(const CollisionModel& model, const JointVector&
   std::vector<Pose> poses;
   collision::body_poses(model.bodies(), positions.data(), poses);
   std::vector<bool> found;
+  found.reserve(shapes.size());
   for (const auto& shape : shapes) found.push_back(overlaps(shape, model.bodies(), poses));
   return found;
 }

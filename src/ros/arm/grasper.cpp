@@ -121,6 +121,7 @@ Grasper::Maybe<Grasper::Choice> Grasper::choose(const SceneItem& item, const std
   }
   if (reaches.empty()) return end(ArmCode::kNoGrasp, item.name + ": " + why);
   std::vector<arm::GraspArm> arms;
+  arms.reserve(reaches.size());
   for (auto& reach : reaches)
     arms.push_back({reach.hand->names.name, &reach.hand->kinematics, &reach.checker, reach.state,
                     &reach.grasps, ways_to_place(item, reach, room.lift_m, errand, hooks)});

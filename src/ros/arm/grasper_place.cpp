@@ -135,6 +135,7 @@ Grasper::Maybe<Grasper::Spot> Grasper::choose_spot(const Hand& hand, const Scene
     return std::move(way.waypoints);
   };
   std::vector<arm::GraspCandidate> poses;
+  poses.reserve(candidates.size());
   for (const auto& one : candidates) {
     arm::GraspCandidate pose;
     pose.root_T_pregrasp = one.root_T_above;

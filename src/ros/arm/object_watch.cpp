@@ -186,6 +186,7 @@ void ObjectWatch::mark_vague(std::vector<arm::ObjectSighting>& sightings, const 
                              const arm::JointVector& positions) const {
   const Pose root_T_frame = view.frame_T_root.inverse();
   std::vector<Shape> shapes;
+  shapes.reserve(sightings.size());
   for (const auto& sighting : sightings) {
     Shape shape;
     shape.geometry = arm::shape_in(kind_of(sighting.label),
