@@ -14,7 +14,8 @@ A ros or system test that fails in a whole run is run once more, since those mee
 machine. Both results are printed, the second one counts; --once leaves that out.
 
 EXTPERFC_TEST_DEADLINE (seconds since 1970) bounds a whole run on a machine that ends it at some time: what has not
-ended by then is printed as left out, and counts as skipped. Without it everything runs to its end.
+ended by then is printed as left out, and counts as skipped. Without it everything runs to its end, but for clang-tidy:
+a whole run gives it 40 minutes beside the other tests, newest changes first; `tools/test tidy` reads all sources.
 """
 
 import argparse
@@ -31,10 +32,13 @@ import threading
 import time
 import xml.etree.ElementTree
 
+import tidy
+
 REPO = pathlib.Path(__file__).resolve().parents[2]
 WS = pathlib.Path(os.environ.get("EXTPERFC_WS", REPO / ".ws"))
 GROUPS = ("unit", "ros", "core", "sanitize", "style", "system")
 JOBS = str(os.cpu_count() or 1)
+TIDY_LIMIT_S = 2400  # of a whole run, beside the other tests
 DEADLINE = float(os.environ.get("EXTPERFC_TEST_DEADLINE", "inf"))
 
 Counts = collections.namedtuple("Counts", "passed failed skipped")
@@ -242,18 +246,28 @@ class InBackground:
         return self.counts or Counts(0, 1, 0)
 
 
-def tidy_runner(log):
-    """clang-tidy over the sources; findings in our headers count too."""
-    command = ["run-clang-tidy", "-quiet", "-extra-arg=-std=c++17", "-p", str(WS / "tidy"), "-j", JOBS, *(f"/{f}$" for f in tidy_sources())]
-    configure = ["cmake", "-S", str(WS / "src"), "-B", str(WS / "tidy"), "-G", "Ninja",
-                 "-DCMAKE_EXPORT_COMPILE_COMMANDS=ON", "-DPYTHON_EXECUTABLE=/usr/bin/python3",
-                 f"-DCATKIN_DEVEL_PREFIX={WS}/devel", "-DCATKIN_ENABLE_TESTING=OFF", "-DEXTPERFC_TESTS=OFF",
-                 "-DEXTPERFC_BENCHMARKS=OFF", "-DCMAKE_DISABLE_PRECOMPILE_HEADERS=ON"]
-    if (WS / "openvino").exists():
-        configure.append(f"-DOpenVINO_DIR={WS}/openvino/openvino/cmake")
-    if run(configure, log, 120) != 0 or run(command, log, 4200, cwd=REPO, preexec_fn=step_aside) != 0:
-        return Counts(0, 1, 0)
-    return Counts(1, 0, 0)
+def tidy_runner(limit_s):
+    """clang-tidy over the sources, a test each; findings in our headers count too. What `limit_s` and the deadline of
+    the whole run leave no time for is skipped."""
+    def runner(log):
+        configure = ["cmake", "-S", str(WS / "src"), "-B", str(WS / "tidy"), "-G", "Ninja",
+                     "-DCMAKE_EXPORT_COMPILE_COMMANDS=ON", "-DPYTHON_EXECUTABLE=/usr/bin/python3",
+                     f"-DCATKIN_DEVEL_PREFIX={WS}/devel", "-DCATKIN_ENABLE_TESTING=OFF", "-DEXTPERFC_TESTS=OFF",
+                     "-DEXTPERFC_BENCHMARKS=OFF", "-DCMAKE_DISABLE_PRECOMPILE_HEADERS=ON"]
+        if (WS / "openvino").exists():
+            configure.append(f"-DOpenVINO_DIR={WS}/openvino/openvino/cmake")
+        if run(configure, log, 120) != 0:
+            return Counts(0, 1, 0)
+        reading = tidy.Reading(WS / "tidy" / "compile_commands.json", tidy.newest_first(REPO, tidy_sources()), int(JOBS),
+                               log, step_aside)
+        reading.run(time.monotonic() + min(limit_s, max(0.0, DEADLINE - time.time() - 20)))
+        if reading.left_out:
+            with open(log, "a") as stream:
+                stream.write(f"skipped '{len(reading.left_out)} of {len(reading.todo)} sources left out, the longest "
+                             "unchanged ones: the time is over (tools/test tidy reads all)'\n")
+        failed = len(reading.findings) if reading.todo else 1
+        return Counts(len(reading.read) - len(reading.findings), failed, len(reading.left_out))
+    return runner
 
 
 def openvino_options():
@@ -261,7 +275,7 @@ def openvino_options():
     return [f"-DOpenVINO_DIR={place}"] if place.exists() else ["-DEXTPERFC_WITH_OPENVINO=OFF"]
 
 
-def all_tests():
+def all_tests(tidy_limit_s=float("inf")):
     """Every test of the package, quick groups first."""
     for folder in ("contract", "unit"):
         for file in sorted((REPO / "test" / folder).rglob("test_*.py")):
@@ -280,7 +294,7 @@ def all_tests():
         "tsan", ["-DEXTPERFC_SANITIZE=thread", "-DEXTPERFC_WITH_OPENVINO=OFF"], "latest_slot|in_order|event_loop|resolver|mapper_threads|map_picture|planning_team"))
     yield Test("sanitize/address_undefined", "sanitize", variant_runner(
         "asan", ["-DEXTPERFC_SANITIZE=address,undefined", *openvino_options()]))
-    yield Test("style/tidy", "style", InBackground(tidy_runner))
+    yield Test("style/tidy", "style", InBackground(tidy_runner(tidy_limit_s)))
 
 
 def chosen(tests, words):
@@ -291,7 +305,7 @@ def chosen(tests, words):
 
 def telling_lines(lines):
     """What a reader of a failure needs: the place of each failure with the lines about it, then the end."""
-    marks = [i for i, line in enumerate(lines) if re.search(r"\[FAILURE\]|: Failure$|^FAIL: |\[  FAILED  \]|Sanitizer", line)]
+    marks = [i for i, line in enumerate(lines) if re.search(r"\[FAILURE\]|: Failure$|^FAIL: |\[  FAILED  \]|Sanitizer|: error: ", line)]
     wanted = {i + d for i in marks[:20] for d in range(-3, 12)} | set(range(len(lines) - 30, len(lines)))
     return [lines[i] for i in sorted(wanted) if 0 <= i < len(lines)]
 
@@ -330,7 +344,7 @@ def main(argv):
     parser.add_argument("--once", action="store_true", help="do not run a failed ros or system test again")
     parser.add_argument("--list", action="store_true", help="list the chosen tests and stop")
     options = parser.parse_args(argv)
-    tests = chosen(list(all_tests()), options.names)
+    tests = chosen(list(all_tests(float("inf") if options.names else TIDY_LIMIT_S)), options.names)
     if not tests:
         parser.error(f"no test matches {' '.join(options.names)}; --list shows all")
     if options.list:
