@@ -18,10 +18,6 @@ std::uint64_t key_of(int tile_column, int tile_row) {
          static_cast<std::uint32_t>(tile_row);
 }
 
-void change(std::uint32_t& count, int sign) {
-  count = sign > 0 ? count + 1 : count - 1;
-}
-
 }  // namespace
 
 MapRenderer::MapRenderer(double resolution_m, double occupied_threshold)
@@ -82,18 +78,27 @@ std::size_t MapRenderer::draw_ray(const Eigen::Vector2d& from, const Eigen::Vect
       way.x() != 0 ? ((column + (right > 0 ? 1 : 0)) * resolution_m_ - from.x()) / way.x() : kNever;
   double next_row = way.y() != 0 ? ((row + (up > 0 ? 1 : 0)) * resolution_m_ - from.y()) / way.y() : kNever;
   const int steps = std::abs(end_column - column) + std::abs(end_row - row);
-  for (int i = 0; i < steps; ++i) {
-    change(cell(column, row).passes, sign);
-    if (next_column < next_row) {
-      column += right;
-      next_column += per_column;
-    } else {
-      row += up;
-      next_row += per_row;
-    }
+  const auto one = static_cast<std::uint32_t>(sign);  // -1 wraps round
+  for (int left = steps; left > 0;) {
+    Tile& holder = tile(column >> kTileBits, row >> kTileBits);
+    int x = column & kTileMask;
+    int y = row & kTileMask;
+    const int tile_column = column - x;
+    const int tile_row = row - y;
+    do {  // which way is next is a coin's toss: no branches
+      holder.at(x, y).passes += one;
+      const bool sideways = next_column < next_row;
+      x += sideways ? right : 0;
+      y += sideways ? 0 : up;
+      next_column += sideways ? per_column : 0.0;
+      next_row += sideways ? 0.0 : per_row;
+    } while (--left > 0 && ((x | y) & ~kTileMask) == 0);
+    column = tile_column + x;
+    row = tile_row + y;
   }
-  Count& end = cell(end_column, end_row);
-  change(hit ? end.hits : end.passes, sign);
+  Count& end =
+      tile(end_column >> kTileBits, end_row >> kTileBits).at(end_column & kTileMask, end_row & kTileMask);
+  (hit ? end.hits : end.passes) += one;
   return static_cast<std::size_t>(steps) + 1;
 }
 
@@ -117,17 +122,15 @@ MapRenderer::Tile& MapRenderer::tile(int tile_column, int tile_row) {
   return *last_tile_;
 }
 
-MapRenderer::Count& MapRenderer::cell(int column, int row) {
-  constexpr int kMask = kTileCells - 1;
-  Tile& holder = tile(column >> kTileBits, row >> kTileBits);
-  const int index = (row & kMask) * kTileCells + (column & kMask);
-  return holder.counts[static_cast<std::size_t>(index)];
+MapRenderer::Count& MapRenderer::Tile::at(int x, int y) {
+  return counts[static_cast<std::size_t>(y * kTileCells + x)];
 }
 
 std::int8_t MapRenderer::value(const Count& count) const {
-  if (count.hits == 0) return count.passes == 0 ? OccupancyGrid::kUnknown : OccupancyGrid::kFree;
   const double seen = static_cast<double>(count.hits) + count.passes;
-  return count.hits > occupied_threshold_ * seen ? OccupancyGrid::kOccupied : OccupancyGrid::kFree;
+  const std::int8_t known =
+      count.hits > occupied_threshold_ * seen ? OccupancyGrid::kOccupied : OccupancyGrid::kFree;
+  return seen == 0 ? OccupancyGrid::kUnknown : known;
 }
 
 std::shared_ptr<const OccupancyGrid> MapRenderer::map(const MapBounds& bounds) {

@@ -44,6 +44,7 @@ class MapRenderer {
  private:
   static constexpr int kTileBits = 6;
   static constexpr int kTileCells = 1 << kTileBits;
+  static constexpr int kTileMask = kTileCells - 1;
   struct Count {
     std::uint32_t hits{0};
     std::uint32_t passes{0};
@@ -53,12 +54,12 @@ class MapRenderer {
     int row{0};
     bool changed{false};  ///< since it was drawn to the picture
     std::array<Count, kTileCells * kTileCells> counts{};
+    [[nodiscard]] Count& at(int x, int y);  ///< within the tile
   };
 
   /// Adds (+1) or takes back (-1) one key frame; the number of cells touched.
   std::size_t draw(const ScanPoints& points, const Pose2& map_T_base, int sign);
   std::size_t draw_ray(const Eigen::Vector2d& from, const Eigen::Vector2d& to, bool hit, int sign);
-  Count& cell(int column, int row);
   Tile& tile(int tile_column, int tile_row);
   [[nodiscard]] MapPicture::Extent extent() const;
   void draw_changed_tiles(std::size_t most_tiles);
