@@ -40,6 +40,7 @@ class GraspArms:
         self.robot = robot
         self.arms = extperfc.arm.Arm("both", wait_s=ANSWER_S)
         self.scene = self.arms.scene
+        self._support = None  # spot of the last show_support()
 
     def act(self, begin_motion):
         """Ending of a motion that `begin_motion` returns; cancelled when it does not answer in time."""
@@ -71,11 +72,17 @@ class GraspArms:
 
     def show_support(self, spot):
         """The node forgets everything; then it is told about tray and column. Things it has to find itself."""
+        self._support = spot
         under = spot.top - scene.TRAY_SIZE[2]
         self.scene.clear()
         self.scene.add_box("tray", scene.TRAY_SIZE, (*scene.TRAY_XY, under + scene.TRAY_SIZE[2] / 2), frame="map")
         self.scene.add_cylinder("column", scene.COLUMN_DIAMETER / 2, scene.COLUMN_HEIGHT,
                                 (*scene.COLUMN_XY, under - scene.COLUMN_HEIGHT / 2), frame="map")
+
+    def forget_things(self):
+        """The node forgets what it has found. To be called when a thing was taken away by no hand."""
+        if self._support:
+            self.show_support(self._support)
 
     def place_of(self, thing):
         """map_T_thing of an extperfc/SceneObject, 4 x 4."""

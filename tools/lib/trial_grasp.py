@@ -130,6 +130,7 @@ def trial(robot, arms, rng, camera, shape, distance):
         detect_only(robot, shape, spot, found)
         return found
     robot.park(shape)
+    arms.forget_things()
     home = arms.move_home()
     if home.code != 0:
         found.update(stage="home", code=home.code, message=home.message)

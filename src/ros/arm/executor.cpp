@@ -18,7 +18,9 @@ using control_msgs::FollowJointTrajectoryResult;
 
 namespace {
 
-constexpr double kMoved = 0.01;  ///< of a joint that stands: the way ahead is looked at again [rad]
+constexpr double kLookForContact = 1.0;  ///< after the end of what is free, to name what is there [s]
+constexpr double kContactStep = 0.02;    ///< [s]
+constexpr double kMoved = 0.01;          ///< of a joint that stands: the way ahead is looked at again [rad]
 
 /// The group whose joints are the path's, in any order.
 const arm::ArmGroup* group_of(const arm::RobotArms& arms, const TimedPath& path) {
@@ -198,10 +200,17 @@ class Executor::Motion {
     looked_at_ = positions;
     const double free = path_.free_until(*checker, now);
     if (free >= path_.duration_s()) return std::nullopt;
-    const auto contact = checker->contact(path_.position(std::min(free + 0.05, path_.duration_s())));
-    return Ending{ArmCode::kPathBlocked,
-                  "the way is blocked in " + std::to_string(free - now) + " s" +
-                      (contact ? ": " + contact->first + " would touch " + contact->second : std::string())};
+    return Ending{ArmCode::kPathBlocked, "the way is blocked in " + std::to_string(free - now) +
+                                             " s: " + why_blocked(*checker, free)};
+  }
+
+  /// The first contact after `free_s`, up to which the way is certified to be free.
+  [[nodiscard]] std::string why_blocked(arm::CollisionChecker& checker, double free_s) const {
+    const double end_s = std::min(free_s + kLookForContact, path_.duration_s());
+    for (double at_s = free_s; at_s <= end_s; at_s += kContactStep)
+      if (const auto contact = checker.contact(path_.position(at_s)))
+        return contact->first + " would touch " + contact->second;
+    return "there is too little room to be sure";
   }
 
   void stop() {
