@@ -100,7 +100,9 @@ class EmbreeScene final : public RayScene {
 }  // namespace
 
 std::unique_ptr<RayScene> make_embree_scene() {
-  RTCDevice device = rtcNewDevice("threads=1,set_affinity=0");  // works in the caller's thread
+  // No number of threads: Embree would set it as TBB's for the whole process. Inference beside the simulator
+  // then has a single thread, and the tasks that OpenVINO meant for others pile up (10 MB a minute).
+  RTCDevice device = rtcNewDevice("set_affinity=0");
   if (device == nullptr) return nullptr;
   return std::make_unique<EmbreeScene>(device);
 }
