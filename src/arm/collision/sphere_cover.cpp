@@ -55,6 +55,7 @@ std::vector<Ball> cut_cylinder(const ConvexPart& part, double excess_m) {
   const double widest = std::sqrt(excess_m * (2 * radius + excess_m));  // half height of a slice
   const int count = std::min(kMostBalls, static_cast<int>(std::ceil(half / widest)));
   std::vector<Ball> balls;
+  balls.reserve(static_cast<std::size_t>(count));
   for (int i = 0; i < count; ++i)
     balls.push_back({{0, 0, half * ((2 * i + 1.0) / count - 1)}, std::hypot(radius, half / count)});
   return balls;

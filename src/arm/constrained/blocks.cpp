@@ -162,7 +162,7 @@ double angle_of(double offset) {
 }
 
 // A Ref is copied on purpose: the rows are written through it.
-// NOLINTNEXTLINE(performance-unnecessary-value-param)
+// NOLINTBEGIN(performance-unnecessary-value-param)
 void evaluate(const Block& block, const Placed& link, const Placed& other,
               Eigen::Ref<Eigen::VectorXd> residual, ConstraintJacobian* jacobian) {
   switch (block.constraint.kind) {
@@ -181,5 +181,6 @@ void evaluate(const Block& block, const Placed& link, const Placed& other,
       return relative_rows(block, link, other, residual, jacobian);
   }
 }
+// NOLINTEND(performance-unnecessary-value-param)
 
 }  // namespace extperfc::arm::constrained

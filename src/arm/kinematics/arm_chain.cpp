@@ -14,6 +14,10 @@
 namespace extperfc::arm {
 namespace {
 
+tl::unexpected<Error> does_not_carry(const std::string& root, const std::string& tip) {
+  return fail(ErrorCode::kInvalidArgument, "link '" + root + "' does not carry '" + tip + "'");
+}
+
 /// Indices of the joints from the root to the tip.
 Result<std::vector<int>> path(const RobotModel& robot, const std::string& root, const std::string& tip) {
   for (const std::string& name : {root, tip})
@@ -21,8 +25,7 @@ Result<std::vector<int>> path(const RobotModel& robot, const std::string& root, 
   std::vector<int> joints;
   for (int link = *robot.link(tip); link != *robot.link(root);) {
     const int joint = robot.links()[link].parent_joint;
-    if (joint < 0)
-      return fail(ErrorCode::kInvalidArgument, "link '" + root + "' does not carry '" + tip + "'");
+    if (joint < 0) return does_not_carry(root, tip);
     joints.push_back(joint);
     link = robot.joints()[joint].parent_link;
   }

@@ -7,6 +7,7 @@
 #include <utility>
 
 #include <actionlib/server/simple_action_server.h>
+#include <ros/console.h>
 #include <ros/node_handle.h>
 
 #include "ros/arm/ending.hpp"
@@ -35,7 +36,11 @@ class ActionRunner {
   /// Ends what runs.
   ~ActionRunner() {
     closing_ = true;
-    server_.shutdown();
+    try {
+      server_.shutdown();
+    } catch (const std::exception& error) {
+      ROS_ERROR_STREAM("an action server does not shut down: " << error.what());
+    }
   }
   ActionRunner(const ActionRunner&) = delete;
   ActionRunner& operator=(const ActionRunner&) = delete;
