@@ -1,11 +1,9 @@
 """What the simulated depth camera sees as an obstacle to the arms: the node is told about nothing."""
 
 import math
-import os
 import pathlib
 import random
 import sys
-import tempfile
 import time
 import unittest
 
@@ -14,9 +12,8 @@ sys.path[:0] = [str(REPO / "src"), str(REPO / "tools" / "lib")]
 
 import grasp_scene as scene  # noqa: E402
 import rospy  # noqa: E402
-from demo import wait_for_master  # noqa: E402
+import simulated_robot  # noqa: E402
 from grasp_robot import GraspRobot  # noqa: E402
-from ros_session import RosSession  # noqa: E402
 from visualization_msgs.msg import Marker  # noqa: E402
 
 import extperfc.arm  # noqa: E402
@@ -33,14 +30,7 @@ TURN = (0.0, 2.0, -0.6)     # roll, pitch, yaw of the gripper: ahead, somewhat d
 class ArmDepth(unittest.TestCase):
     @classmethod
     def setUpClass(cls):
-        folder = tempfile.TemporaryDirectory()
-        cls.addClassCleanup(folder.cleanup)
-        cls.session = RosSession(os.path.join(folder.name, "log"))
-        cls.addClassCleanup(cls.session.close)
-        cls.session.launch("extperfc", "sim_grasp.launch", rviz="false", depth="true", seed=SEED)
-        wait_for_master(cls.session)
-        rospy.set_param("/use_sim_time", True)  # the launch may not have come to it yet, and a node asks once
-        rospy.init_node("test_arm_depth", disable_signals=True)
+        cls.session = simulated_robot.launch(cls, "test_arm_depth", "sim_grasp.launch", depth="true", seed=SEED)
         cls.robot = GraspRobot(cls.session.alive)
         cls.robot.ready()
         cls.voxels = None
@@ -52,13 +42,20 @@ class ArmDepth(unittest.TestCase):
     def setUp(self):
         self.robot.put("cube", self.spot)
         self.robot.park("cube")
-        self.wait(lambda: self.free(self.above), lambda: f"the place above the tray is not free: {self.refused(self.above)}")
+        self.wait_free(self.above)
         self.left.move_to("neutral", timeout=ANSWER_S)
 
     def wait(self, condition, what):
         deadline = time.monotonic() + WAIT_S
         while not condition():
-            self.assertLess(time.monotonic(), deadline, f"{what() if callable(what) else what}; launch log: {self.session.errors()}")
+            self.assertLess(time.monotonic(), deadline, f"{what}; launch log: {self.session.errors()}")
+            time.sleep(0.1)
+
+    def wait_free(self, goal):
+        """For a way to it."""
+        deadline = time.monotonic() + WAIT_S
+        while (error := self.refused(goal)) is not None:
+            self.assertLess(time.monotonic(), deadline, f"{error}; launch log: {self.session.errors()}")
             time.sleep(0.1)
 
     def refused(self, goal):
@@ -68,9 +65,6 @@ class ArmDepth(unittest.TestCase):
         except extperfc.arm.ArmError as error:
             return error
         return None
-
-    def free(self, goal):
-        return self.refused(goal) is None
 
     def stand_column(self, x, y, top):
         self.robot.move_body("column", (x, y, top - scene.COLUMN_HEIGHT))
@@ -110,9 +104,9 @@ class ArmDepth(unittest.TestCase):
 
     def test_what_has_gone_is_forgotten(self):
         self.stand_column(*self.above[:2], self.above[2] + 0.1)
-        self.wait(lambda: not self.free(self.above), "the column is not seen")
+        self.wait(lambda: self.refused(self.above), "the column is not seen")
         self.stand_column(*scene.COLUMN_XY, self.spot.top - scene.TRAY_SIZE[2])
-        self.wait(lambda: self.free(self.above), "the column is not forgotten")
+        self.wait_free(self.above)
         self.left.move_to(self.above, frame="map", timeout=ANSWER_S)
 
 

@@ -1,7 +1,6 @@
 """The arm node with the simulated robot: motions, scene, and everything that goes wrong, by the Python client."""
 
 import math
-import os
 import pathlib
 import sys
 import tempfile
@@ -14,9 +13,9 @@ sys.path[:0] = [str(REPO / "src"), str(REPO / "tools" / "lib")]
 
 import geometry_msgs.msg  # noqa: E402
 import rospy  # noqa: E402
+import simulated_robot  # noqa: E402
 import std_msgs.msg  # noqa: E402
 import std_srvs.srv  # noqa: E402
-from ros_session import RosSession  # noqa: E402
 
 import extperfc.arm  # noqa: E402
 from extperfc.msg import ArmCode  # noqa: E402
@@ -29,12 +28,7 @@ AHEAD = (0.70, 0.25, 0.30, math.pi, 0.0, 0.0)  # the left gripper looks down, in
 class ArmMoves(unittest.TestCase):
     @classmethod
     def setUpClass(cls):
-        folder = tempfile.TemporaryDirectory()
-        cls.addClassCleanup(folder.cleanup)
-        cls.session = RosSession(os.path.join(folder.name, "log"))
-        cls.addClassCleanup(cls.session.close)
-        cls.session.launch("extperfc", "sim_arm.launch", world="empty", rviz="false", markers="false", start_pose="neutral")
-        rospy.init_node("test_arm_moves", disable_signals=True)
+        simulated_robot.launch(cls, "test_arm_moves", "sim_arm.launch", world="empty", markers="false", start_pose="neutral")
         cls.left, cls.both = (extperfc.arm.Arm(side, wait_s=60) for side in ("left", "both"))
         cls.right = extperfc.arm.Arm("right", wait_s=60)
         cls.left.joints  # noqa: B018  waits for the robot

@@ -1,10 +1,8 @@
 """The simulated robot before its tray: what the detector finds is picked and placed, and what goes wrong is said."""
 
-import os
 import pathlib
 import random
 import sys
-import tempfile
 import time
 import unittest
 
@@ -12,11 +10,9 @@ REPO = pathlib.Path(__file__).resolve().parents[2]
 sys.path[:0] = [str(REPO / "src"), str(REPO / "tools" / "lib")]
 
 import grasp_scene as scene  # noqa: E402
-import rospy  # noqa: E402
-from demo import wait_for_master  # noqa: E402
+import simulated_robot  # noqa: E402
 from grasp_arms import GraspArms  # noqa: E402
 from grasp_robot import GraspRobot  # noqa: E402
-from ros_session import RosSession  # noqa: E402
 
 import extperfc.arm  # noqa: E402
 from extperfc.msg import ArmCode  # noqa: E402
@@ -30,14 +26,7 @@ ANSWER_S = 120.0    # of real time for an action
 class Grasp(unittest.TestCase):
     @classmethod
     def setUpClass(cls):
-        folder = tempfile.TemporaryDirectory()
-        cls.addClassCleanup(folder.cleanup)
-        cls.session = RosSession(os.path.join(folder.name, "log"))
-        cls.addClassCleanup(cls.session.close)
-        cls.session.launch("extperfc", "sim_grasp.launch", rviz="false", objects="true", seed=SEED)
-        wait_for_master(cls.session)
-        rospy.set_param("/use_sim_time", True)  # the launch may not have come to it yet, and a node asks once
-        rospy.init_node("test_grasp", disable_signals=True)
+        cls.session = simulated_robot.launch(cls, "test_grasp", "sim_grasp.launch", objects="true", seed=SEED)
         cls.robot = GraspRobot(cls.session.alive)
         cls.robot.ready()
         cls.arms = GraspArms(cls.robot)
