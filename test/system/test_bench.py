@@ -24,7 +24,9 @@ class Bench(unittest.TestCase):
         for row in result["rows"]:
             self.assertEqual(KEYS, set(row), row)
             if row["ratio"] is not None:
-                self.assertGreater(row["ratio"], 0.0, row)
+                self.assertAlmostEqual(row["ours"] / row["peer"], row["ratio"], delta=1e-3 * abs(row["ratio"]), msg=row)
+                if row["ours"] != 0:  # a count may be 0 where the peer's is not
+                    self.assertGreater(row["ratio"], 0.0, row)
         self.assertIn(result["rows"][0]["case"], done.stdout, "the table shows what the JSON holds")
         return result["rows"]
 
