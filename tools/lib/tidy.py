@@ -9,7 +9,7 @@ import subprocess
 import threading
 import time
 
-FILE_LIMIT_S = 900  # the largest takes 40 s alone, and much more in the idle moments of a busy run
+FILE_LIMIT_S = 3600  # the largest takes 40 s alone, and much more in the idle moments of a busy run
 
 
 def newest_first(repo, sources):
@@ -59,12 +59,15 @@ class Reading:
         except subprocess.TimeoutExpired:
             process.kill()
             process.communicate()
-            self._note(self.left_out, name)
-            return
-        if process.returncode != 0:
+            if time.monotonic() >= end:
+                self._note(self.left_out, name)
+                return
+            found, complaints = "", f"{name}: error: not read within {FILE_LIMIT_S} s\n"
+        finding = (found or complaints) if process.returncode != 0 else ""
+        if finding:
             with self._lock:
-                self.findings[name] = found or complaints
-        self._note(self.read, name, f"{time.monotonic() - begin:6.1f} s  {name}\n{found if process.returncode else ''}")
+                self.findings[name] = finding
+        self._note(self.read, name, f"{time.monotonic() - begin:6.1f} s  {name}\n{finding}")
 
     def _note(self, names, name, line=""):
         with self._lock:
