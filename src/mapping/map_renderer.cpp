@@ -123,7 +123,7 @@ MapRenderer::Tile& MapRenderer::tile(int tile_column, int tile_row) {
 }
 
 MapRenderer::Count& MapRenderer::Tile::at(int x, int y) {
-  return counts[static_cast<std::size_t>(y * kTileCells + x)];
+  return counts[static_cast<std::size_t>(y) * kTileCells + static_cast<std::size_t>(x)];
 }
 
 std::int8_t MapRenderer::value(const Count& count) const {
