@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
 #include <limits>
 #include <utility>
 
@@ -49,6 +50,7 @@ class CloudToScan::Impl {
   ScanParams params_;
   RayLayout layout_;
   CloudPoints points_;
+  std::vector<std::uint32_t> rays_;  ///< of every point, see RayLayout
   Columns columns_;
   std::vector<SilentBeam> silent_;
   std::vector<char> free_;  ///< rays along which a beam went on beyond range_max
@@ -73,7 +75,7 @@ Result<ScanStatistics> CloudToScan::Impl::convert(const CloudView& cloud, const 
   statistics.ground = level_ground(params_.ground);
   for (auto* scan : {&scans.supported, &scans.nearest})
     layout_.clear(*scan, wants_intensity && cloud.intensity);
-  columns_.clear(layout_.count());
+  columns_.clear(layout_.count(), cloud.size());
   free_.assign(layout_.count(), 0);
   if (statistics.points > 0) {
     const SweepTransform transform(track);
@@ -119,6 +121,7 @@ void CloudToScan::Impl::sort_points(const SelfFilter& robot, const Eigen::Vector
   const auto farthest = static_cast<float>(params_.range_max * params_.range_max);
   const bool has_ground = !by_slope && params_.ground.method != GroundMethod::kNone;
   const auto clearance = static_cast<float>(params_.ground.clearance_m);
+  layout_.rays_of(points_.x, points_.y, rays_);
   for (std::size_t i = 0; i < points_.size(); ++i) {
     const Eigen::Vector3f point(points_.x[i], points_.y[i], points_.z[i]);
     const float squared_range = point.x() * point.x() + point.y() * point.y();
@@ -131,7 +134,7 @@ void CloudToScan::Impl::sort_points(const SelfFilter& robot, const Eigen::Vector
       ++statistics.on_ground;
       continue;
     }
-    const std::size_t ray = layout_.ray_of(point.x(), point.y());
+    const std::size_t ray = rays_[i];
     if (ray >= layout_.count()) continue;
     if (robot.contains({points_.sensor_x[i], points_.sensor_y[i], points_.sensor_z[i]})) {
       ++statistics.on_robot;

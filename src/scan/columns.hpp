@@ -2,6 +2,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <cstring>
 #include <vector>
 
 namespace extperfc::scan {
@@ -23,28 +24,43 @@ struct Column {
   [[nodiscard]] std::size_t size() const { return static_cast<std::size_t>(last - first); }
 };
 
-/// Sorts points into columns: a counting sort by ray, then each column by range. Memory is kept from cloud to
-/// cloud.
+/// Sorts points into columns: counting sorts by range and then by ray, O(points + rays). Memory is kept from
+/// cloud to cloud.
 class Columns {
  public:
-  void clear(std::size_t rays);
-  /// The range must not be negative.
-  void add(std::size_t ray, float range, std::size_t index);
+  /// Makes room for `most_points`.
+  void clear(std::size_t rays, std::size_t most_points);
+  /// The range must not be negative. Points come in the order of their indices, which is kept among equal
+  /// ranges.
+  void add(std::size_t ray, float range, std::size_t index) {
+    Entry& entry = entries_[size_++];
+    std::memcpy(&entry.range_bits, &range, sizeof range);
+    entry.index = static_cast<std::uint32_t>(index);
+    entry.ray = static_cast<std::uint32_t>(ray);
+  }
   void sort();
 
   /// Valid after sort(). Points of a column may be dropped by shrink().
-  [[nodiscard]] Column column(std::size_t ray);
+  [[nodiscard]] Column column(std::size_t ray) {
+    return {points_.data() + starts_[ray], points_.data() + ends_[ray]};
+  }
   /// Only the first `size` points of a column remain.
   void shrink(std::size_t ray, std::size_t size) { ends_[ray] = starts_[ray] + size; }
 
  private:
-  struct Waiting {
+  struct Entry {
+    std::uint32_t range_bits;  ///< of a float: in the order of ranges
+    std::uint32_t index;
     std::uint32_t ray;
-    std::uint64_t key;  ///< the range's bits, which are in the order of ranges, before the index
   };
-  std::vector<Waiting> waiting_;
+
+  void sort_by_range();
+  void sort_by_ray();
+  void sort_equals();
+
+  std::vector<Entry> entries_, sorted_;  ///< the first size_ of them count
+  std::size_t size_{0};
   std::vector<std::size_t> starts_, ends_;
-  std::vector<std::uint64_t> keys_;
   std::vector<ColumnPoint> points_;
 };
 

@@ -1,7 +1,10 @@
 #include "scan/ray_layout.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
+
+#include "scan/arc_tangent.hpp"
 
 namespace extperfc::scan {
 
@@ -29,16 +32,29 @@ RayLayout::RayLayout(const ScanParams& params)
       angle_increment_(params.angle_increment),
       count_(count_rays(params)),
       full_turn_(is_full_turn(params, static_cast<double>(count_))),
-      rays_per_rad_(static_cast<float>(1.0 / params.angle_increment)),
-      first_edge_rad_(static_cast<float>(params.angle_min - 0.5 * params.angle_increment)) {}
+      bins_{static_cast<float>(std::remainder(params.angle_min - 0.5 * params.angle_increment, kTurn)),
+            static_cast<float>(1.0 / params.angle_increment), static_cast<float>(count_)} {}
+
+std::uint32_t RayLayout::Bins::bin_of(float x, float y) const {
+  constexpr auto kTurnF = static_cast<float>(kTurn);
+  float from_edge = arc_tangent(y, x) - first_edge_rad;
+  from_edge += from_edge < 0 ? kTurnF : 0.0F;
+  from_edge -= from_edge >= kTurnF ? kTurnF : 0.0F;
+  const float bin = from_edge * per_rad;
+  return static_cast<std::uint32_t>(static_cast<std::int32_t>(bin < none ? bin : none));
+}
 
 std::size_t RayLayout::ray_of(float x, float y) const {
-  constexpr auto kTurnF = static_cast<float>(kTurn);
-  float from_edge = std::atan2(y, x) - first_edge_rad_;
-  while (from_edge < 0) from_edge += kTurnF;
-  while (from_edge >= kTurnF) from_edge -= kTurnF;
-  const auto ray = static_cast<std::size_t>(from_edge * rays_per_rad_);
-  return full_turn_ && ray == count_ ? 0 : ray;
+  const std::size_t bin = bins_.bin_of(x, y);
+  return full_turn_ && bin == count_ ? 0 : bin;
+}
+
+void RayLayout::rays_of(const std::vector<float>& x, const std::vector<float>& y,
+                        std::vector<std::uint32_t>& rays) const {
+  rays.resize(x.size());
+  const Bins bins = bins_;  // a copy that nothing written below can be a part of
+  for (std::size_t i = 0; i < x.size(); ++i) rays[i] = bins.bin_of(x[i], y[i]);
+  if (full_turn_) std::replace(rays.begin(), rays.end(), static_cast<std::uint32_t>(count_), 0U);
 }
 
 std::size_t RayLayout::beside(std::size_t ray, int step) const {

@@ -1,6 +1,8 @@
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
+#include <vector>
 
 #include "extperfc/scan/cloud_to_scan.hpp"
 
@@ -14,8 +16,12 @@ class RayLayout {
   [[nodiscard]] std::size_t count() const { return count_; }
   [[nodiscard]] bool full_turn() const { return full_turn_; }
 
-  /// Of the direction (x, y); count() or more when there is no ray.
+  /// Of the direction (x, y); count() when there is no ray. NaN has no direction of its own: any ray, or
+  /// none.
   [[nodiscard]] std::size_t ray_of(float x, float y) const;
+  /// Of many directions; `y` is as long as `x`.
+  void rays_of(const std::vector<float>& x, const std::vector<float>& y,
+               std::vector<std::uint32_t>& rays) const;
 
   /// The ray beside `ray`, `step` = -1 or 1; `ray` itself where there is none.
   [[nodiscard]] std::size_t beside(std::size_t ray, int step) const;
@@ -24,12 +30,19 @@ class RayLayout {
   void clear(PlanarScan& scan, bool with_intensity) const;
 
  private:
+  /// Without branches and calls, so that a loop over arrays takes several directions at a time.
+  struct Bins {
+    float first_edge_rad;  ///< lower edge of the first ray's bin, in [-pi, pi]
+    float per_rad;
+    float none;                                                         ///< the number of rays
+    [[nodiscard]] inline std::uint32_t bin_of(float x, float y) const;  ///< `none` for NaN, too
+  };
+
   double angle_min_;
   double angle_increment_;
   std::size_t count_;
   bool full_turn_;
-  float rays_per_rad_;
-  float first_edge_rad_;  ///< lower edge of the first ray's bin
+  Bins bins_;
 };
 
 }  // namespace extperfc::scan

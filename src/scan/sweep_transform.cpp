@@ -1,7 +1,5 @@
 #include "scan/sweep_transform.hpp"
 
-#include <algorithm>
-
 namespace extperfc::scan {
 
 SweepTransform::Matrix SweepTransform::matrix(const Pose& pose) {
@@ -27,21 +25,6 @@ SweepTransform::SweepTransform(const SensorTrack& track)
     if (i > 0)
       for (std::size_t k = 0; k < m.size(); ++k) parts_[i - 1].change[k] = m[k] - parts_[i - 1].start[k];
   }
-}
-
-Eigen::Vector3f SweepTransform::map(float time_s, const Eigen::Vector3f& p) const {
-  Matrix m = at_stamp_;
-  if (moves_) {
-    const float since = (time_s == time_s ? time_s : 0.0F) - first_s_;
-    const float part = std::clamp(since * parts_per_s_, 0.0F, static_cast<float>(kParts));
-    const auto index = std::min(static_cast<std::size_t>(part), kParts - 1);
-    const float share = part - static_cast<float>(index);
-    const Part& from = parts_[index];
-    for (std::size_t k = 0; k < m.size(); ++k) m[k] = from.start[k] + share * from.change[k];
-  }
-  return {m[0] * p.x() + m[1] * p.y() + m[2] * p.z() + m[3],
-          m[4] * p.x() + m[5] * p.y() + m[6] * p.z() + m[7],
-          m[8] * p.x() + m[9] * p.y() + m[10] * p.z() + m[11]};
 }
 
 void SweepTransform::apply(CloudPoints& points) const {
