@@ -49,7 +49,7 @@ bool in_band(const CloudPoints& points, std::size_t i, const GroundParams& param
 }
 
 Cloud::Ptr candidates(const CloudPoints& points, const GroundParams& params) {
-  constexpr std::size_t kMost = 2000;
+  constexpr std::size_t kMost = 1000;
   std::size_t all = 0;
   for (std::size_t i = 0; i < points.size(); ++i) all += in_band(points, i, params) ? 1 : 0;
   const std::size_t every = std::max<std::size_t>(1, (all + kMost - 1) / kMost);

@@ -3,12 +3,7 @@
 namespace extperfc::scan {
 
 SweepTransform::Matrix SweepTransform::matrix(const Pose& pose) {
-  Matrix m{};
-  for (int row = 0; row < 3; ++row)
-    for (int column = 0; column < 4; ++column)
-      m[4 * static_cast<std::size_t>(row) + static_cast<std::size_t>(column)] =
-          static_cast<float>(pose.matrix()(row, column));
-  return m;
+  return pose.matrix().cast<float>();
 }
 
 SweepTransform::SweepTransform(const SensorTrack& track)
@@ -22,8 +17,7 @@ SweepTransform::SweepTransform(const SensorTrack& track)
     const double time_s = track.front().time_s + duration_s * static_cast<double>(i) / kParts;
     const Matrix m = matrix(pose_at(track, time_s));
     if (i < kParts) parts_[i].start = m;
-    if (i > 0)
-      for (std::size_t k = 0; k < m.size(); ++k) parts_[i - 1].change[k] = m[k] - parts_[i - 1].start[k];
+    if (i > 0) parts_[i - 1].change = m - parts_[i - 1].start;
   }
 }
 
@@ -38,14 +32,15 @@ void SweepTransform::apply(CloudPoints& points) const {
   }
 }
 
-void SweepTransform::apply_one(const Matrix& m, CloudPoints& points) const {
+void SweepTransform::apply_one(const Matrix& matrix, CloudPoints& points) const {
+  const Matrix m = matrix;  // a copy that nothing written below can be a part of
   for (std::size_t i = 0; i < points.size(); ++i) {
     const float x = points.sensor_x[i];
     const float y = points.sensor_y[i];
     const float z = points.sensor_z[i];
-    points.x[i] = m[0] * x + m[1] * y + m[2] * z + m[3];
-    points.y[i] = m[4] * x + m[5] * y + m[6] * z + m[7];
-    points.z[i] = m[8] * x + m[9] * y + m[10] * z + m[11];
+    points.x[i] = m(0, 0) * x + m(0, 1) * y + m(0, 2) * z + m(0, 3);
+    points.y[i] = m(1, 0) * x + m(1, 1) * y + m(1, 2) * z + m(1, 3);
+    points.z[i] = m(2, 0) * x + m(2, 1) * y + m(2, 2) * z + m(2, 3);
   }
 }
 

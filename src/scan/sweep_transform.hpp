@@ -31,7 +31,7 @@ class SweepTransform {
 
  private:
   static constexpr std::size_t kParts = 32;
-  using Matrix = std::array<float, 12>;  ///< rows of rotation and position: 3 x 4
+  using Matrix = Eigen::Matrix4f;  ///< homogeneous: a column is what one instruction takes
   struct Part {
     Matrix start;
     Matrix change;  ///< up to the end of the part
@@ -55,11 +55,10 @@ inline Eigen::Vector3f SweepTransform::map(float time_s, const Eigen::Vector3f& 
     const auto index = std::min(static_cast<std::size_t>(part), kParts - 1);
     const float share = part - static_cast<float>(index);
     const Part& from = parts_[index];
-    for (std::size_t k = 0; k < m.size(); ++k) m[k] = from.start[k] + share * from.change[k];
+    m = from.start + share * from.change;
   }
-  return {m[0] * p.x() + m[1] * p.y() + m[2] * p.z() + m[3],
-          m[4] * p.x() + m[5] * p.y() + m[6] * p.z() + m[7],
-          m[8] * p.x() + m[9] * p.y() + m[10] * p.z() + m[11]};
+  const Eigen::Vector4f mapped = m.col(0) * p.x() + m.col(1) * p.y() + m.col(2) * p.z() + m.col(3);
+  return mapped.head<3>();
 }
 
 }  // namespace extperfc::scan
