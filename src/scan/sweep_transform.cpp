@@ -32,15 +32,19 @@ void SweepTransform::apply(CloudPoints& points) const {
   }
 }
 
-void SweepTransform::apply_one(const Matrix& matrix, CloudPoints& points) const {
-  const Matrix m = matrix;  // a copy that nothing written below can be a part of
+void SweepTransform::apply_one(const Matrix& m, CloudPoints& points) const {
+  // Copies that nothing written below can be a part of.
+  const Eigen::Vector3f along_x = m.block<3, 1>(0, 0);
+  const Eigen::Vector3f along_y = m.block<3, 1>(0, 1);
+  const Eigen::Vector3f along_z = m.block<3, 1>(0, 2);
+  const Eigen::Vector3f origin = m.block<3, 1>(0, 3);
   for (std::size_t i = 0; i < points.size(); ++i) {
     const float x = points.sensor_x[i];
     const float y = points.sensor_y[i];
     const float z = points.sensor_z[i];
-    points.x[i] = m(0, 0) * x + m(0, 1) * y + m(0, 2) * z + m(0, 3);
-    points.y[i] = m(1, 0) * x + m(1, 1) * y + m(1, 2) * z + m(1, 3);
-    points.z[i] = m(2, 0) * x + m(2, 1) * y + m(2, 2) * z + m(2, 3);
+    points.x[i] = along_x.x() * x + along_y.x() * y + along_z.x() * z + origin.x();
+    points.y[i] = along_x.y() * x + along_y.y() * y + along_z.y() * z + origin.y();
+    points.z[i] = along_x.z() * x + along_y.z() * y + along_z.z() * z + origin.z();
   }
 }
 
