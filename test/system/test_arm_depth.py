@@ -88,6 +88,19 @@ class ArmDepth(unittest.TestCase):
         self.left.move_to(self.above, frame="map", timeout=ANSWER_S)
         self.assertTrue(self.left.check().free)
 
+    def test_what_becomes_known_is_no_obstacle_of_this_kind_at_once(self):
+        x, y = self.above[:2]
+        within = (x, y, self.spot.top - 0.02, *TURN)
+        self.addCleanup(self.left.scene.clear)
+        for _ in range(5):  # pictures come ten times a second
+            self.left.scene.clear()
+            self.wait(lambda: self.heights_of_voxels_near(x, y), "no voxels at the tray")
+            self.wait(lambda: "depth" in str(self.refused(within)), "the hand may go through the tray")
+            self.left.scene.add_box("tray", scene.TRAY_SIZE, (*scene.TRAY_XY, self.spot.top - scene.TRAY_SIZE[2] / 2), frame="map")
+            error = self.refused(within)
+            self.assertIn("tray", str(error))
+            self.assertNotIn("depth", str(error))
+
     def test_what_comes_into_the_way_stops_a_motion(self):
         motion = self.left.move_to(self.above, frame="map", wait=False, velocity_scale=0.15, replans=0)
         deadline = time.monotonic() + ANSWER_S

@@ -41,6 +41,7 @@ def parse_arguments(argv):
     parser.add_argument("--seed", type=int, default=1, metavar="N", help="of the places and the simulator's noise; default: 1")
     parser.add_argument("--speed", type=float, default=1.0, metavar="FACTOR", help="simulated seconds per second; default: 1")
     parser.add_argument("--without-arm", action="store_true", help="puts and detects objects, and nothing else")
+    parser.add_argument("--depth", action="store_true", help="what the depth camera sees is an obstacle, too (depth:=true)")
     parser.add_argument("--json", type=pathlib.Path, metavar="FILE", help="every trial, for programs")
     parser.add_argument("--out", type=pathlib.Path, default=WS / "grasp", metavar="FOLDER",
                         help="where the log goes; default: .ws/grasp")
@@ -54,7 +55,7 @@ def start(options, session, rospy):
     """Simulator, detection and arm node: a GraspRobot and its GraspArms, None without arm."""
     with_arm = str(not options.without_arm).lower()
     session.launch("extperfc", "sim_grasp.launch", rviz="false", seed=options.seed, real_time_factor=options.speed,
-                   arm=with_arm, objects=with_arm)
+                   arm=with_arm, objects=with_arm, depth=str(options.depth).lower())
     from demo import wait_for_master
     wait_for_master(session)
     rospy.set_param("/use_sim_time", True)  # the launch may not have come to it yet, and a node asks once

@@ -85,6 +85,10 @@ class DepthObstacles {
                                            const Pose& root_T_camera, const JointVector& positions,
                                            const CollisionWorld& known, double time_s);
 
+  /// Forgets the voxels that lie on known objects, for objects that came after the latest picture: the next
+  /// one would do the same. True when there were any. What the robot carries is passed over.
+  [[nodiscard]] bool forget(const CollisionWorld& known);
+
   /// Boxes that hold every remembered voxel and do not overlap, as one object; nothing when there is none.
   [[nodiscard]] const std::optional<WorldObject>& object() const;
   /// Middles of the remembered voxels, in the order of the grid.

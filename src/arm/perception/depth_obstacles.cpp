@@ -94,6 +94,11 @@ Result<DepthUpdate> DepthObstacles::update(const ImageView& depth, const CameraM
   return memory_->update({depth, camera, root_T_camera}, std::move(*parts), time_s);
 }
 
+bool DepthObstacles::forget(const CollisionWorld& known) {
+  return memory_->forget(
+      perception::object_parts(known, memory_->params.name, memory_->params.object_padding_m));
+}
+
 const std::optional<WorldObject>& DepthObstacles::object() const {
   return memory_->object;
 }

@@ -1,6 +1,7 @@
 #include "arm/perception/shape_mask.hpp"
 
 #include <algorithm>
+#include <iterator>
 #include <string>
 #include <utility>
 
@@ -30,11 +31,18 @@ Result<std::vector<MaskPart>> mask_parts(const collision::Bodies& bodies, const 
     for (const auto& part : carried->parts)
       parts.push_back({part, root_T_object * part->body_T_part, robot_padding_m, Owner::kRobot});
   }
+  auto objects = object_parts(known, left_out, object_padding_m);
+  parts.insert(parts.end(), std::make_move_iterator(objects.begin()), std::make_move_iterator(objects.end()));
+  return parts;
+}
+
+std::vector<MaskPart> object_parts(const CollisionWorld& known, const std::string& left_out,
+                                   double padding_m) {
+  std::vector<MaskPart> parts;
   for (const auto& [name, placed] : known.objects()) {
     if (name == left_out) continue;
     for (const auto& part : placed->parts)
-      parts.push_back(
-          {part, placed->object.root_T_object * part->body_T_part, object_padding_m, Owner::kObject});
+      parts.push_back({part, placed->object.root_T_object * part->body_T_part, padding_m, Owner::kObject});
   }
   return parts;
 }

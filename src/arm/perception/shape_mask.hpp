@@ -30,6 +30,10 @@ struct MaskPart {
                                                        const std::string& left_out, double robot_padding_m,
                                                        double object_padding_m);
 
+/// Only the known objects but that named `left_out`.
+[[nodiscard]] std::vector<MaskPart> object_parts(const CollisionWorld& known, const std::string& left_out,
+                                                 double padding_m);
+
 /// Tells whose a point is. For every voxel it knows which shapes are near, so that most points cost one look.
 class ShapeMask {
  public:

@@ -59,6 +59,17 @@ DepthUpdate VoxelMemory::update(const DepthView& view, std::vector<MaskPart> par
   return update;
 }
 
+bool VoxelMemory::forget(std::vector<MaskPart> parts) {
+  mask_.set(std::move(parts));
+  const auto kept = std::remove_if(voxels.begin(), voxels.end(),
+                                   [&](const Voxel& voxel) { return mask_.covers(voxel.index); });
+  if (kept == voxels.end()) return false;
+  voxels.erase(kept, voxels.end());
+  DepthUpdate unused;
+  make_object(unused);
+  return true;
+}
+
 template <PixelFormat kFormat>
 void VoxelMemory::count_points(const DepthView& view, DepthUpdate& update) {
   const Eigen::Matrix3f turn = view.root_T_camera.linear().cast<float>();

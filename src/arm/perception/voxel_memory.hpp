@@ -25,6 +25,8 @@ class VoxelMemory {
   VoxelMemory(const CollisionModel& model, const DepthObstaclesParams& params, const VoxelGrid& grid);
 
   [[nodiscard]] DepthUpdate update(const DepthView& view, std::vector<MaskPart> parts, double time_s);
+  /// Drops the voxels that the parts cover; true when there were any.
+  [[nodiscard]] bool forget(std::vector<MaskPart> parts);
   void clear();
 
   const CollisionModel model;

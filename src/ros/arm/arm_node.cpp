@@ -46,7 +46,7 @@ Result<std::unique_ptr<ArmNode>> ArmNode::make(const ros::NodeHandle& handle,
   }
   if (params->objects.enabled) {
     auto objects = ObjectWatch::make({node->arms_, node->frames_, node->scene_, params->world_frame,
-                                      [own = node.get()] { own->publish_scene(); }},
+                                      [own = node.get()] { own->on_scene_changed(); }},
                                      params->objects);
     if (!objects) return tl::unexpected(objects.error());
     node->objects_ = std::move(*objects);
@@ -206,8 +206,13 @@ bool ArmNode::on_apply_scene(extperfc::ApplyScene::Request& request,
   if (!applied) return true;
   for (const auto& object : request.objects)
     if (object.operation == extperfc::SceneObject::REMOVE && object.name.empty() && depth_) depth_->clear();
-  publish_scene();
+  on_scene_changed();
   return true;
+}
+
+void ArmNode::on_scene_changed() {
+  if (depth_) depth_->scene_changed();
+  publish_scene();
 }
 
 bool ArmNode::on_clear_depth(std_srvs::Empty::Request&, std_srvs::Empty::Response&) {

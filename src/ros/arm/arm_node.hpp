@@ -92,6 +92,8 @@ class ArmNode {
   bool on_solve_ik(extperfc::SolveArmIk::Request& request, extperfc::SolveArmIk::Response& response);
   bool on_clear_depth(std_srvs::Empty::Request&, std_srvs::Empty::Response&);
   bool on_stop(std_srvs::Trigger::Request&, std_srvs::Trigger::Response& response);
+  /// After every change but the grasper's own and the depth camera's.
+  void on_scene_changed();
   void publish_scene();
   void report(diagnostic_updater::DiagnosticStatusWrapper& status);
 

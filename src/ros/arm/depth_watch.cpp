@@ -164,9 +164,7 @@ Result<DepthWatch::View> DepthWatch::view_of(const std_msgs::Header& header) {
   if (!root_T_camera) return fail(ErrorCode::kNotFound, root_T_camera.error().message);
   auto positions = joints_->at(header.stamp);
   if (!positions) return tl::unexpected(positions.error());
-  auto known = uses_.scene.world();
-  if (!known) return fail(ErrorCode::kNotFound, known.error().message);
-  return View{*camera, *root_T_camera, *positions, std::move(*known), world_T_root(header.stamp)};
+  return View{*camera, *root_T_camera, *positions, world_T_root(header.stamp)};
 }
 
 std::optional<Pose> DepthWatch::world_T_root(const ros::Time& stamp) {
@@ -192,8 +190,10 @@ void DepthWatch::begin(const View& view, double time_s) {
 
 Result<bool> DepthWatch::update(const ImageView& picture, const View& view, double time_s) {
   begin(view, time_s);
+  const auto known = uses_.scene.world();
+  if (!known) return fail(ErrorCode::kNotFound, known.error().message);
   const auto done =
-      obstacles_.update(picture, view.camera, view.root_T_camera, view.positions, view.known, time_s);
+      obstacles_.update(picture, view.camera, view.root_T_camera, view.positions, *known, time_s);
   if (!done) return tl::unexpected(done.error());
   latest_ = *done;
   const bool noticeable = news_.news(obstacles_.voxels(), time_s);
@@ -223,6 +223,18 @@ void DepthWatch::clear() {
     [[maybe_unused]] const auto set = uses_.scene.set_seen(std::nullopt, true);  // nothing cannot be wrong
   }
   uses_.changed();
+  show_voxels();
+}
+
+void DepthWatch::scene_changed() {
+  {
+    const std::lock_guard lock(mutex_);
+    const auto known = uses_.scene.world();  // the next picture finds out what is wrong with it
+    if (!known || !time_s_ || !obstacles_.forget(*known)) return;
+    const bool noticeable = news_.news(obstacles_.voxels(), *time_s_);
+    [[maybe_unused]] const auto set =
+        uses_.scene.set_seen(obstacles_.object(), noticeable);  // less than before
+  }
   show_voxels();
 }
 

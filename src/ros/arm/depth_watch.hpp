@@ -69,6 +69,9 @@ class DepthWatch {
 
   /// Forgets all voxels; those that the next picture sees come again.
   void clear();
+  /// To be called when things came into the scene or moved there: voxels on them are forgotten at once, so
+  /// that a thing seen before it was known is not in the way of the fingers that shall hold it.
+  void scene_changed();
   void report(diagnostic_updater::DiagnosticStatusWrapper& status);
 
  private:
@@ -84,7 +87,6 @@ class DepthWatch {
     CameraModel camera;
     Pose root_T_camera;
     arm::JointVector positions;
-    arm::CollisionWorld known;
     std::optional<Pose> world_T_root;
   };
 

@@ -202,6 +202,44 @@ TEST(DepthObstacles, KnownObjectsAreCutOut) {
   EXPECT_GT(eyes.near({0.9, -0.3, kTable}, 0.05), 0);  // the table stays
 }
 
+// A thing is seen before a detector names it; from then on it is one to hold, without waiting for a picture.
+TEST(DepthObstacles, AThingThatBecomesKnownIsForgotten) {
+  Shape cube;
+  cube.geometry = Box{{0.1, 0.1, 0.1}};
+  CollisionWorld known;
+  ASSERT_TRUE(known.add({"cube", {cube}, make_pose(kCube)}));
+  Eyes eyes;
+  eyes.see(table_with_cube(), 0);
+  const auto all = eyes.obstacles.voxels().size();
+  EXPECT_GT(eyes.near(kCube, 0.07), 20);
+  EXPECT_TRUE(eyes.obstacles.forget(known));
+  const auto left = eyes.obstacles.voxels();
+  EXPECT_LT(left.size(), all);
+  EXPECT_EQ(eyes.near(kCube, 0.06), 0);
+  EXPECT_GT(eyes.near({0.9, -0.3, kTable}, 0.05), 0) << "the table stays";
+  EXPECT_FALSE(eyes.obstacles.forget(known)) << "there is nothing more";
+  ASSERT_TRUE(eyes.obstacles.object());
+  for (const Shape& box : eyes.obstacles.object()->shapes) {
+    const Eigen::Vector3d off = (box.body_T_shape.translation() - kCube).cwiseAbs();
+    const Eigen::Vector3d reach = std::get<Box>(box.geometry).size_m / 2;
+    EXPECT_TRUE(((off - reach).array() > 0.05 - 1e-9).any()) << "the boxes went with the voxels";
+  }
+  eyes.see(table_with_cube(), 0.1, known);
+  EXPECT_EQ(eyes.near(kCube, 0.06), 0);
+}
+
+TEST(DepthObstacles, ForgettingWithoutPicturesOrThingsDoesNothing) {
+  CollisionWorld known;
+  Eyes eyes;
+  EXPECT_FALSE(eyes.obstacles.forget(known));
+  eyes.see(table_with_cube(), 0);
+  const auto all = eyes.obstacles.voxels().size();
+  EXPECT_FALSE(eyes.obstacles.forget(known));
+  ASSERT_TRUE(known.add(*eyes.obstacles.object())) << "its own object is none that is known";
+  EXPECT_FALSE(eyes.obstacles.forget(known));
+  EXPECT_EQ(eyes.obstacles.voxels().size(), all);
+}
+
 TEST(DepthObstacles, AThingThatMovedIsCleared) {
   Eyes eyes;
   eyes.see(table_with_cube(), 0);
