@@ -59,10 +59,11 @@ struct DepthUpdate {
 /// What a depth camera sees, as boxes for collision checks, in the frame of the robot's root.
 ///
 /// Pixels become points; those within the padding of the robot's collision shapes, of what it carries and of
-/// known objects are taken out; a voxel with enough others is occupied. It stays so until a later picture
-/// sees through it, until a link of the robot is where it is, or until it is too old. Voxels that are hidden
-/// or out of view stay. No ray is followed through the grid: each remembered voxel is looked up in the
-/// picture instead, so that the cost is that of the pixels and of the voxels in memory.
+/// known objects are taken out; a voxel with enough others that the robot itself does not touch is occupied,
+/// so that what is beyond the padding is never in collision with the robot as it stands. It stays so until a
+/// later picture sees through it, until a link of the robot is where it is, or until it is too old. Voxels
+/// that are hidden or out of view stay. No ray is followed through the grid: each remembered voxel is looked
+/// up in the picture instead, so that the cost is that of the pixels and of the voxels in memory.
 ///
 /// A thing nearer to the robot than the padding is not seen as long as it is so near, but what was seen there
 /// before is kept. Memory is bounded by the number of voxels. Not thread-safe; deterministic.

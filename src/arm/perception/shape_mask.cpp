@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <iterator>
+#include <limits>
 #include <string>
 #include <utility>
 
@@ -108,14 +109,29 @@ Owner ShapeMask::look(int head, const Eigen::Vector3f& point) const {
   return owner;
 }
 
+bool ShapeMask::touches_robot(int voxel) const {
+  return is_near(voxel, [&](const MaskPart& own) {
+    return own.owner == Owner::kRobot ? grid_.half_diagonal() : -std::numeric_limits<double>::infinity();
+  });
+}
+
 bool ShapeMask::covers(int voxel) const {
+  return heads_[voxel] == kInObject || is_near(voxel, [&](const MaskPart& own) {
+           return own.owner == Owner::kRobot ? grid_.half_diagonal() : own.padding_m;
+         });
+}
+
+/// Whether the voxel is within the robot, or its middle within reach_of(part) of a part that is known to be
+/// near.
+template <typename ReachOf>
+bool ShapeMask::is_near(int voxel, ReachOf reach_of) const {
   const int head = heads_[voxel];
-  if (head < 0) return head != kFree;
+  if (head < 0) return head == kInRobot;
   const Eigen::Vector3d centre = grid_.centre(grid_.cell(voxel));
   for (int entry = head; entry >= 0; entry = entries_[entry].next) {
     const MaskPart& own = parts_[entries_[entry].part];
-    const double bound = collision::distance_bound(*own.part, own.root_T_part.inverse() * centre);
-    if (bound <= (own.owner == Owner::kRobot ? grid_.half_diagonal() : own.padding_m)) return true;
+    if (collision::distance_bound(*own.part, own.root_T_part.inverse() * centre) <= reach_of(own))
+      return true;
   }
   return false;
 }

@@ -48,7 +48,9 @@ class ShapeMask {
     if (head == kFree) return Owner::kNone;
     return head < 0 ? (head == kInRobot ? Owner::kRobot : Owner::kObject) : look(head, point);
   }
-  /// Whether the voxel touches the robot's shape itself, or its middle is within the padding of an object.
+  /// Whether the voxel may touch the robot's shape itself.
+  [[nodiscard]] bool touches_robot(int voxel) const;
+  /// Whether it touches_robot(), or its middle is within the padding of an object.
   [[nodiscard]] bool covers(int voxel) const;
 
  private:
@@ -65,6 +67,8 @@ class ShapeMask {
     Owner owner;
   };
 
+  template <typename ReachOf>
+  [[nodiscard]] bool is_near(int voxel, ReachOf reach_of) const;
   void mark(int index);
   [[nodiscard]] Owner look(int head, const Eigen::Vector3f& point) const;
 

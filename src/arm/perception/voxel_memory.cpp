@@ -139,7 +139,8 @@ void VoxelMemory::merge(const DepthView& view, double time_s, DepthUpdate& updat
   const Pose camera_T_root = view.root_T_camera.inverse();
   std::vector<Voxel> merged;
   for (const int voxel : touched_)
-    if (counts_[voxel] >= params.least_points) merged.push_back({voxel, time_s});
+    if (counts_[voxel] >= params.least_points && !mask_.touches_robot(voxel))
+      merged.push_back({voxel, time_s});
   update.seen = static_cast<int>(merged.size());
   for (const Voxel& old : voxels) {
     if (counts_[old.index] >= params.least_points) continue;

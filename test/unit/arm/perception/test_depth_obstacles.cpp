@@ -170,6 +170,59 @@ TEST(DepthObstacles, TheRobotIsFreeAmongWhatItSeesOfItself) {
   EXPECT_TRUE(eyes.obstacles.voxels().empty());
 }
 
+/// Distance of a point to both arms at reaching().
+double distance_to_robot(const Eigen::Vector3d& point) {
+  std::vector<Pose> poses;
+  const auto& bodies = both_arms().bodies();
+  collision::body_poses(bodies, reaching().data(), poses);
+  double least = 1e9;
+  for (const auto& own : bodies.parts)
+    least = std::min(
+        least, collision::distance_bound(*own.part, (poses[own.body] * own.body_T_part).inverse() * point));
+  return least;
+}
+
+// Points beyond the padding may lie in voxels that reach up to their diagonal nearer.
+TEST(DepthObstacles, TheRobotIsFreeBesideWhatIsNear) {
+  DepthObstaclesParams params = params_for_small_pictures();
+  params.low_m = {-0.5, -1.3, 0.1};
+  params.high_m = {1.6, 1.3, 1.9};
+  params.least_points = 1;
+  params.voxel_m = 0.04;
+  Eyes eyes(params);
+  eyes.tucked = reaching();
+  const Pose camera_T_root = camera_pose().inverse();
+  Rng rng(11);
+  std::vector<float> depth(static_cast<std::size_t>(eyes.camera.width * eyes.camera.height), 0.0F);
+  int near = 0;
+  for (const char* hand : {"left_gripper", "right_gripper"})
+    for (int i = 0; i < 20'000; ++i) {
+      const Eigen::Vector3d place = both_arms().link_pose(reaching(), hand).value().translation();
+      const auto random = [&] { return rng.uniform(-0.15, 0.15); };
+      const Eigen::Vector3d seen = camera_T_root * (place + Eigen::Vector3d(random(), random(), random()));
+      const Eigen::Vector2d pixel = eyes.camera.project(seen).array().round();
+      if (!(pixel.x() >= 0 && pixel.y() >= 0 && pixel.x() < eyes.camera.width &&
+            pixel.y() < eyes.camera.height))
+        continue;
+      const double to_robot =
+          distance_to_robot(camera_pose() * eyes.camera.back_project(pixel.x(), pixel.y(), seen.z()));
+      if (to_robot < params.robot_padding_m + 1e-4 || to_robot > params.robot_padding_m + 2e-3) continue;
+      depth[static_cast<std::size_t>(pixel.y() * eyes.camera.width + pixel.x())] =
+          static_cast<float>(seen.z());
+      ++near;
+    }
+  EXPECT_GT(near, 100);
+  eyes.see(depth, 0);
+  EXPECT_GT(eyes.obstacles.voxels().size(), 20U) << "what is near stays an obstacle where it can";
+  CollisionWorld world;
+  ASSERT_TRUE(world.add(*eyes.obstacles.object()));
+  auto checker = CollisionChecker::make(both_arms(), world).value();
+  const auto nearest = checker.nearest(reaching());
+  ASSERT_TRUE(nearest);
+  EXPECT_TRUE(checker.is_free(reaching()))
+      << nearest->first << " and " << nearest->second << ": " << nearest->distance_m << " m";
+}
+
 TEST(DepthObstacles, WhatAHandCarriesIsNotAnObstacle) {
   Eyes eyes;
   eyes.tucked = reaching();
