@@ -33,6 +33,8 @@ struct GraspArm {
   /// Joint values are of the arm's chain. Empty: inverse kinematics at places at most 0.01 m apart, with a
   /// free motion proven between them.
   StraightWay straight;
+  /// Values of the arm's joints to look for postures from first, before where it is; may be empty.
+  std::vector<JointVector> starts{};
 };
 
 /// Why a candidate is none for an arm.
@@ -74,8 +76,8 @@ struct NoGrasp {
 /// The first candidate that one of the arms reaches free of collisions, with a straight free way from its
 /// pregrasp. Arms with lists of their own are asked rank by rank. Where both reach theirs, the arm that has
 /// to move less (largest joint displacement). Equal inputs give equal results as long as no time is up.
-/// Throws std::invalid_argument for an arm without kinematics or checker, a state of another size, a chain
-/// with a joint that the checker's model does not move, or no arm.
+/// Throws std::invalid_argument for an arm without kinematics or checker, a state or start of another size, a
+/// chain with a joint that the checker's model does not move, or no arm.
 [[nodiscard]] tl::expected<GraspChoice, NoGrasp> choose_grasp(const std::vector<GraspCandidate>& candidates,
                                                               const std::vector<GraspArm>& arms,
                                                               const GraspChoiceOptions& options = {});

@@ -33,6 +33,9 @@ class Reach {
     }
     seed_.resize(static_cast<Eigen::Index>(joints_.size()));
     for (Eigen::Index i = 0; i < seed_.size(); ++i) seed_[i] = arm.state[joints_[i]];
+    for (const JointVector& start : arm.starts)
+      if (start.size() != seed_.size())
+        throw std::invalid_argument("arm " + arm.name + ": a start has another size than the arm's joints");
   }
 
   struct Found {
@@ -42,6 +45,9 @@ class Reach {
   };
 
   [[nodiscard]] tl::expected<Found, GraspRefusal> reach(const GraspCandidate& candidate) {
+    for (const JointVector& start : arm_.starts)
+      if (const auto grasp = solve(candidate.root_T_tip, start, 0))
+        if (auto found = from_pregrasp(grasp->joints, candidate)) return std::move(*found);
     GraspRefusal last = GraspRefusal::kOutOfReach;
     for (int posture = 0; posture < options_.postures; ++posture) {
       if (posture > 0 && options_.cancelled && options_.cancelled()) break;
@@ -51,12 +57,7 @@ class Reach {
         break;
       }
       last = GraspRefusal::kNoWay;
-      auto way = straight(grasp->joints, candidate.root_T_pregrasp);
-      if (!way || way->empty()) continue;
-      std::reverse(way->begin(), way->end());
-      const JointVector pregrasp = way->front();
-      const double effort = arm_.kinematics->chain().difference(pregrasp, seed_).cwiseAbs().maxCoeff();
-      return Found{pregrasp, grasp->joints, std::move(*way), effort};
+      if (auto found = from_pregrasp(grasp->joints, candidate)) return std::move(*found);
     }
     return tl::unexpected<GraspRefusal>(last);
   }
@@ -72,6 +73,17 @@ class Reach {
   [[nodiscard]] GraspRefusal refused(const IkFailure& failure) {
     if (failure.reason == IkReason::kCollision) in_collision_ = failure.closest;
     return refusal(failure.reason);
+  }
+
+  /// The straight way to these joint values, when it is free.
+  [[nodiscard]] std::optional<Found> from_pregrasp(const JointVector& grasp,
+                                                   const GraspCandidate& candidate) const {
+    auto way = straight(grasp, candidate.root_T_pregrasp);
+    if (!way || way->empty()) return std::nullopt;
+    std::reverse(way->begin(), way->end());
+    const JointVector pregrasp = way->front();
+    const double effort = arm_.kinematics->chain().difference(pregrasp, seed_).cwiseAbs().maxCoeff();
+    return Found{pregrasp, grasp, std::move(*way), effort};
   }
 
   [[nodiscard]] JointVector whole(const JointVector& joints) const {

@@ -46,9 +46,12 @@ Result<std::unique_ptr<Grasper>> Grasper::make(const ros::NodeHandle& handle, Co
     if (!chain) return wrong(chain.error());
     const auto& grasp = shared.params.grasp;
     hands.push_back(
-        {names, std::move(*shape), arm::InverseKinematics(std::move(*chain)),
+        {names,
+         std::move(*shape),
+         arm::InverseKinematics(std::move(*chain)),
          std::make_unique<Gripper>(handle, names.action,
-                                   Gripper::Params{grasp.effort_percent, grasp.gripper_timeout_s})});
+                                   Gripper::Params{grasp.effort_percent, grasp.gripper_timeout_s}),
+         {}});
   }
   return std::unique_ptr<Grasper>(new Grasper(commander, std::move(hands)));
 }
@@ -142,6 +145,7 @@ Grasper::Maybe<Grasper::Choice> Grasper::choose(const SceneItem& item, const std
   choice.tried = chosen->tried;
   choice.approach = chosen->way;
   choice.lift = way_on(reach.lifts, chosen->way.back());
+  choice.put_down = reach.put_down;
   choice.pregrasp = by_name(reach.hand->kinematics.chain(), chosen->pregrasp);
   return choice;
 }
@@ -169,7 +173,7 @@ Grasper::Maybe<Grasper::Reach> Grasper::reach_of(Hand& hand, const SceneItem& it
   if (!checker) return end(ArmCode::kInternal, checker.error().message);
   const auto state = arm::RobotArms::select(**shared.arms.group(hand.names.group), *open);
   if (!state) return end(ArmCode::kNoJointStates, state.error().message);
-  return Reach{&hand, std::move(*grasps), std::move(*checker), *state, {}};
+  return Reach{&hand, std::move(*grasps), std::move(*checker), *state, {}, {}};
 }
 
 arm::StraightWay Grasper::straight_ways(Reach& reach, double lift_m) const {
@@ -204,8 +208,10 @@ arm::StraightWay Grasper::ways_to_place(const SceneItem& item, Reach& reach, dou
     auto way = ways(grasp, root_T_pregrasp);
     if (!way || known) return way;
     const Pose root_T_tip = reach.hand->kinematics.chain().forward(grasp);
-    last.emplace(root_T_pregrasp, can_place(*reach.hand, item, root_T_tip, errand, hooks));
-    if (!last->second) return std::nullopt;
+    const auto there = placed(*reach.hand, item, root_T_tip, errand, hooks);
+    last.emplace(root_T_pregrasp, there.has_value());
+    if (!there) return std::nullopt;
+    reach.put_down = {*there};
     return way;
   };
 }
@@ -254,6 +260,7 @@ Ending Grasper::pick(const extperfc::PickGoal& goal, const Hooks& hooks, extperf
 Ending Grasper::grasp(const Choice& choice, double time_s, const Hooks& hooks, extperfc::PickResult& result) {
   Hand& hand = *choice.hand;
   const std::string& name = choice.item.name;
+  hand.put_down = choice.put_down;
   if (auto opened = hand.gripper->open(hooks); !opened) return opened.error();
   if (auto moved = move_joints(hand, choice.pregrasp, time_s, with(hooks, "approaching", {})); failed(moved))
     return moved;

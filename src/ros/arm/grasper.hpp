@@ -33,6 +33,7 @@ class Grasper {
     arm::ParallelHand shape;
     arm::InverseKinematics kinematics;
     std::unique_ptr<Gripper> gripper;
+    std::vector<arm::JointVector> put_down;  ///< the posture that what it holds was picked for, or nothing
   };
   struct Choice {
     Hand* hand{nullptr};
@@ -41,6 +42,7 @@ class Grasper {
     arm::JointPositions pregrasp;
     std::vector<arm::JointVector> approach;  ///< from pregrasp to grasp
     std::vector<arm::JointVector> lift;
+    std::vector<arm::JointVector> put_down;  ///< see Reach
     int tried{0};
   };
   template <typename T>
@@ -72,6 +74,8 @@ class Grasper {
     arm::CollisionChecker checker;  ///< with open fingers, which may touch the thing
     arm::JointVector state;
     WaysOn lifts;  ///< of candidates, from straight_ways()
+    /// The arm's posture at the place of the errand, for the candidate that ways_to_place() liked last.
+    std::vector<arm::JointVector> put_down;
   };
   /// Ending: kNoGrasp where the shape does not fit the hand; the scene's and the robot's.
   [[nodiscard]] Maybe<Reach> reach_of(Hand& hand, const SceneItem& item, const Room& room);
@@ -81,8 +85,10 @@ class Grasper {
   /// The same where the thing, grasped so, can be put down as the errand wants it. References are kept.
   [[nodiscard]] arm::StraightWay ways_to_place(const SceneItem& item, Reach& reach, double lift_m,
                                                const Errand& errand, const Hooks& hooks);
-  [[nodiscard]] bool can_place(const Hand& hand, const SceneItem& item, const Pose& root_T_tip,
-                               const Errand& errand, const Hooks& hooks);
+  /// The arm's joint values with the thing at one of the places.
+  [[nodiscard]] std::optional<arm::JointVector> placed(const Hand& hand, const SceneItem& item,
+                                                       const Pose& root_T_tip, const Errand& errand,
+                                                       const Hooks& hooks);
   [[nodiscard]] Ending let_go(Hand& hand, const std::string& name, const Ending& why);
   [[nodiscard]] Ending grasp(const Choice& choice, double time_s, const Hooks& hooks,
                              extperfc::PickResult& result);
@@ -98,14 +104,21 @@ class Grasper {
     double retreat_m;
     double time_s;  ///< wall time for each kind of way, at most
     bool reserve;   ///< where nothing is found, looks harder, and for less of the way down
+    std::vector<arm::JointVector> starts;  ///< see arm::GraspArm
+  };
+  /// One kind of way to look for.
+  struct SpotTry {
+    bool padded;
+    arm::GraspChoiceOptions options;
+    std::vector<arm::JointVector> starts;
   };
   /// `item` is held: frame_T_object is tip_T_object, and `carrying` is the world with it in the hand.
   [[nodiscard]] Maybe<Spot> choose_spot(const Hand& hand, const SceneItem& item,
                                         const arm::CollisionWorld& carrying, const Pose& root_T_object,
                                         bool any_yaw, const SpotSearch& search, const Hooks& hooks);
   [[nodiscard]] Maybe<Spot> choose_spot(const Hand& hand, const SceneItem& item, arm::CollisionWorld carrying,
-                                        const std::vector<arm::PlaceCandidate>& candidates, bool padded,
-                                        const arm::GraspChoiceOptions& options, const Hooks& hooks);
+                                        const std::vector<arm::PlaceCandidate>& candidates,
+                                        const SpotTry& how, const Hooks& hooks);
   [[nodiscard]] Ending put_down(Hand& hand, const SceneItem& item, const Spot& spot, double time_s,
                                 const Hooks& hooks);
 

@@ -45,7 +45,8 @@ Ending Grasper::place(const extperfc::PlaceGoal& goal, const Hooks& hooks, extpe
   if (!target) return target.error();
   const auto carrying = commander_.shared().scene.world();
   if (!carrying) return carrying.error();
-  const SpotSearch search{or_else(goal.retreat, params.grasp.retreat_m), params.planning_time_s, true};
+  const SpotSearch search{or_else(goal.retreat, params.grasp.retreat_m), params.planning_time_s, true,
+                          (*hand)->put_down};
   const auto spot = choose_spot(**hand, item, *carrying, *target, goal.any_yaw != 0, search, hooks);
   if (!spot) return spot.error();
   auto ending = put_down(**hand, item, *spot, or_else(goal.planning_time, params.planning_time_s), hooks);
@@ -85,15 +86,15 @@ Grasper::Maybe<Grasper::Spot> Grasper::choose_spot(const Hand& hand, const Scene
   for (const auto& way : ways) {
     const auto candidates = place_candidates(hand.shape, item, request, way.how);
     if (!candidates) return end(ArmCode::kGoalUnreachable, candidates.error().message);
-    arm::GraspChoiceOptions options;
-    options.timeout_s = search.time_s;
-    options.cancelled = [&hooks] { return hooks.interrupted && hooks.interrupted().has_value(); };
+    SpotTry how{way.padded, {}, search.starts};
+    how.options.timeout_s = search.time_s;
+    how.options.cancelled = [&hooks] { return hooks.interrupted && hooks.interrupted().has_value(); };
     if (way.hard) {
-      options.ik_restarts = 100;
-      options.ik_timeout_s = 0.05;
-      options.postures = 8;
+      how.options.ik_restarts = 100;
+      how.options.ik_timeout_s = 0.05;
+      how.options.postures = 8;
     }
-    auto spot = choose_spot(hand, item, carrying, *candidates, way.padded, options, hooks);
+    auto spot = choose_spot(hand, item, carrying, *candidates, how, hooks);
     if (spot || spot.error().code != ArmCode::kGoalUnreachable) return spot;
     last = spot.error();
   }
@@ -103,8 +104,7 @@ Grasper::Maybe<Grasper::Spot> Grasper::choose_spot(const Hand& hand, const Scene
 Grasper::Maybe<Grasper::Spot> Grasper::choose_spot(const Hand& hand, const SceneItem& item,
                                                    arm::CollisionWorld carrying,
                                                    const std::vector<arm::PlaceCandidate>& candidates,
-                                                   bool padded, const arm::GraspChoiceOptions& options,
-                                                   const Hooks& hooks) {
+                                                   const SpotTry& how, const Hooks& hooks) {
   const auto& shared = commander_.shared();
   const auto positions = shared.watch.positions();
   if (!positions) return tl::unexpected(positions.error());
@@ -114,8 +114,8 @@ Grasper::Maybe<Grasper::Spot> Grasper::choose_spot(const Hand& hand, const Scene
   const auto& group = **shared.arms.group(hand.names.group);
   const auto state = arm::RobotArms::select(group, *positions);
   if (!state) return end(ArmCode::kNoJointStates, state.error().message);
-  auto full = commander_.pipeline().checker(group.name, *positions, carrying, padded);
-  auto after = commander_.pipeline().checker(group.name, *positions, empty, padded);
+  auto full = commander_.pipeline().checker(group.name, *positions, carrying, how.padded);
+  auto after = commander_.pipeline().checker(group.name, *positions, empty, how.padded);
   if (!full || !after) return end(ArmCode::kInternal, (full ? after : full).error().message);
   WaysOn backs;
   // Down with the thing (asked for from below), back without it; a candidate is known by its pose above.
@@ -143,8 +143,8 @@ Grasper::Maybe<Grasper::Spot> Grasper::choose_spot(const Hand& hand, const Scene
     pose.score = 1.0;
     poses.push_back(pose);
   }
-  const auto chosen =
-      arm::choose_grasp(poses, {{hand.names.name, &hand.kinematics, &*full, *state, nullptr, ways}}, options);
+  const auto chosen = arm::choose_grasp(
+      poses, {{hand.names.name, &hand.kinematics, &*full, *state, nullptr, ways, how.starts}}, how.options);
   if (hooks.interrupted)
     if (const auto ended = hooks.interrupted()) return tl::unexpected(*ended);
   if (!chosen)
@@ -158,21 +158,22 @@ Grasper::Maybe<Grasper::Spot> Grasper::choose_spot(const Hand& hand, const Scene
 }
 
 /// Asked for one grasp after the other, so it must not take long.
-bool Grasper::can_place(const Hand& hand, const SceneItem& item, const Pose& root_T_tip, const Errand& errand,
-                        const Hooks& hooks) {
+std::optional<JointVector> Grasper::placed(const Hand& hand, const SceneItem& item, const Pose& root_T_tip,
+                                           const Errand& errand, const Hooks& hooks) {
   constexpr double kTime_s = 0.3;
   auto carrying = commander_.shared().scene.world();
-  if (!carrying) return false;
+  if (!carrying) return std::nullopt;
   SceneItem held = item;
   held.frame_T_object = root_T_tip.inverse() * item.frame_T_object;
   carrying->remove(item.name);
   const auto done = carrying->attach(
       {item.name, hand.names.tip, item.shapes, held.frame_T_object, hand.shape.finger_links});
-  if (!done) return false;
-  const SpotSearch search{commander_.shared().params.grasp.retreat_m, kTime_s, false};
-  return std::any_of(errand.root_T_places.begin(), errand.root_T_places.end(), [&](const Pose& root_T_place) {
-    return choose_spot(hand, held, *carrying, root_T_place, errand.any_yaw, search, hooks).has_value();
-  });
+  if (!done) return std::nullopt;
+  const SpotSearch search{commander_.shared().params.grasp.retreat_m, kTime_s, false, {}};
+  for (const Pose& root_T_place : errand.root_T_places)
+    if (const auto spot = choose_spot(hand, held, *carrying, root_T_place, errand.any_yaw, search, hooks))
+      return spot->down.back();
+  return std::nullopt;
 }
 
 Ending Grasper::put_down(Hand& hand, const SceneItem& item, const Spot& spot, double time_s,

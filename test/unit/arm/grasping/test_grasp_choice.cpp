@@ -76,6 +76,58 @@ GraspObject cube_at(const Eigen::Vector3d& place) {
   return cube;
 }
 
+/// Another posture for the same grasp: far from the one that is found from where the arm is.
+JointVector other_posture(const GraspArm& arm, const JointVector& usual, const Pose& root_T_tip) {
+  const auto& chain = arm.kinematics->chain();
+  for (std::uint64_t seed = 1; seed < 200; ++seed) {
+    IkOptions options;
+    options.rng_seed = seed;
+    options.timeout_s = 0.05;
+    options.accept = [&](const JointVector& joints) {
+      JointVector whole = arm.state;
+      whole.head<7>() = joints;
+      return (joints - usual).cwiseAbs().maxCoeff() > 0.5 && arm.checker->is_free(whole);
+    };
+    JointVector start = chain.mid_range();
+    start[2] += std::sin(static_cast<double>(seed));
+    const auto found = arm.kinematics->solve(root_T_tip, chain.clamp(start), options);
+    if (found) return found->joints;
+  }
+  throw std::runtime_error("no other posture");
+}
+
+TEST(GraspChoice, StartsAreLookedFromFirst) {
+  Scene scene(cube_at({0.85, 0.35, kTable}));
+  auto arms = scene.arms();
+  arms.resize(1);
+  const auto grasps = scene.grasps();
+  const auto usual = choose_grasp(grasps, arms);
+  ASSERT_TRUE(usual) << usual.error().message;
+  const std::vector<GraspCandidate> one{grasps[static_cast<std::size_t>(usual->candidate)]};
+  const auto start = other_posture(arms[0], usual->grasp, one[0].root_T_tip);
+  arms[0].starts = {start};
+  const auto chosen = choose_grasp(one, arms);
+  ASSERT_TRUE(chosen) << chosen.error().message;
+  EXPECT_LT((chosen->grasp - start).cwiseAbs().maxCoeff(), 0.05);
+  EXPECT_GT((chosen->grasp - usual->grasp).cwiseAbs().maxCoeff(), 0.4);
+}
+
+TEST(GraspChoice, AStartThatLeadsNowhereChangesNothing) {
+  Scene scene(cube_at({0.85, 0.35, kTable}));
+  auto arms = scene.arms();
+  arms.resize(1);
+  // Of no use to any way: it is refused whatever it is asked for first.
+  int asked = 0;
+  arms[0].straight = [&](const JointVector& from, const Pose&) -> std::optional<std::vector<JointVector>> {
+    if (++asked == 1) return std::nullopt;
+    return std::vector<JointVector>{from};
+  };
+  arms[0].starts = {arms[0].kinematics->chain().mid_range()};
+  EXPECT_TRUE(choose_grasp(scene.grasps(), arms));
+  arms[0].starts = {JointVector::Zero(3)};
+  EXPECT_THROW((void)choose_grasp(scene.grasps(), arms), std::invalid_argument);
+}
+
 TEST(GraspChoice, TheArmOnTheThingsSideTakesIt) {
   for (const double side : {1.0, -1.0}) {
     Scene scene(cube_at({0.8, 0.35 * side, kTable}));
