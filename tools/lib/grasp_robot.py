@@ -117,10 +117,14 @@ class GraspRobot:
     def park(self, shape):
         self.move_body(shape, scene.body_position(shape, scene.Spot(*PARKING[shape], PARKING_TOP_M, 0.0)))
 
+    def park_all(self):
+        """All objects out of the way."""
+        for shape in scene.SHAPES:
+            self.park(shape)
+
     def put(self, shape, spot):
         """Tray and object where they are wanted, the other objects out of the way. The object comes to rest."""
-        for other in scene.SHAPES:
-            self.park(other)
+        self.park_all()
         under = spot.top - scene.TRAY_SIZE[2]
         self.move_body("tray", (*scene.TRAY_XY, under))
         self.move_body("column", (*scene.COLUMN_XY, under - scene.COLUMN_HEIGHT))

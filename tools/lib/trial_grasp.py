@@ -130,7 +130,7 @@ def trial(robot, arms, rng, camera, shape, distance):
         robot.put(shape, spot)
         detect_only(robot, shape, spot, found)
         return found
-    robot.park(shape)
+    robot.park_all()
     arms.forget_things()
     home = arms.move_home()
     if home.code != 0:
@@ -145,11 +145,11 @@ def trial(robot, arms, rng, camera, shape, distance):
     return found
 
 
-def tidy_up(robot, arms, shape, spot):
-    """After a failure: hands are empty, and the arm node knows of nothing but the tray."""
-    robot.park(shape)
+def tidy_up(robot, arms):
+    """After a failure: hands are empty, and the arm node knows of nothing but the tray, as high as it is."""
+    robot.park_all()
     arms.open_grippers()
-    arms.show_support(spot)
+    arms.forget_things()
 
 
 def show(number, found):
@@ -171,7 +171,7 @@ def run(options, robot, arms):
         trials.append(found)
         show(number + 1, found)
         if found["outcome"] != "success" and arms is not None:
-            tidy_up(robot, arms, found["shape"], scene.Spot(**found["spot"]))
+            tidy_up(robot, arms)
     return trials
 
 
