@@ -153,12 +153,13 @@ TEST_F(LocalizerTest, ThePoseIsStoredAndTheNextStartBeginsThere) {
     (void)ros::param::get(std::string("/localizer/") + key, value);
     return value;
   };
+  // The values are stored one after the other, and for a pose on the way first.
   EXPECT_TRUE(wait_for([&] {
     return distance_m({stored("initial_pose_x"), stored("initial_pose_y"), 0}, map_T_base_) < 0.15 &&
-           std::abs(stored("initial_pose_a") - map_T_base_.yaw) < 0.1;
-  }));
-  EXPECT_LT(stored("initial_cov_xx"), 0.04);
-  EXPECT_LT(stored("initial_cov_aa"), 0.02);
+           std::abs(stored("initial_pose_a") - map_T_base_.yaw) < 0.1 && stored("initial_cov_xx") < 0.04 &&
+           stored("initial_cov_aa") < 0.02;
+  })) << stored("initial_cov_xx")
+      << " m^2, " << stored("initial_cov_aa") << " rad^2";
   Params again = start;
   for (const char* key : {"initial_pose_x", "initial_pose_y", "initial_pose_a", "initial_cov_xx",
                           "initial_cov_yy", "initial_cov_aa"})
