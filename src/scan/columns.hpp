@@ -24,8 +24,8 @@ struct Column {
   [[nodiscard]] std::size_t size() const { return static_cast<std::size_t>(last - first); }
 };
 
-/// Sorts points into columns: counting sorts by range and then by ray, O(points + rays). Memory is kept from
-/// cloud to cloud.
+/// Sorts points into columns: counting sorts by range and then by ray, O(points + rays) but for columns with
+/// ranges that are alike to some 5e-6, which are sorted once more. Memory is kept from cloud to cloud.
 class Columns {
  public:
   /// Makes room for `most_points`.
