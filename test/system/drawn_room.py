@@ -3,11 +3,14 @@ the tests of whatever maps a recording."""
 
 import itertools
 import math
+import pathlib
 import random
 import re
+import subprocess
 
 import numpy
 
+MAP = pathlib.Path(__file__).resolve().parents[2] / "tools" / "extperfc-map"
 RAYS = 180
 ANGLES = numpy.radians(numpy.arange(RAYS) - 90.0)
 # A room of 12 m x 9 m with a niche and three pillars: walls as x0 y0 x1 y1 [m].
@@ -126,6 +129,14 @@ def write_bag(file, stamps, scans, odometry, kind="tf"):
             message.pose.pose.orientation.z = math.sin(pose[2] / 2)
             message.pose.pose.orientation.w = math.cos(pose[2] / 2)
             bag.write("/odom", message, stamp)
+
+
+def map_the_drive(folder):
+    """Writes the drive's bag, and its map as map.yaml: the bag, and the mapper's pose at each stamp, to the millisecond."""
+    bag = folder / "room.bag"
+    write_bag(bag, DRIVE.stamps, DRIVE.scans, DRIVE.odometry)
+    subprocess.run([MAP, bag, "--out", folder, "--quiet"], check=True, capture_output=True, timeout=120)
+    return bag, {round(stamp, 3): pose for stamp, *pose in read_tum(folder / "trajectory.tum")}
 
 
 def transform_message(parent, child, stamp, pose):

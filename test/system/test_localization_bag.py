@@ -2,17 +2,14 @@
 
 import math
 import pathlib
-import subprocess
 import tempfile
 import time
 import unittest
 
 from bag_player import BagSession, end
-from drawn_room import DRIVE, between, compose, read_tum, write_bag
+from drawn_room import DRIVE, between, compose, map_the_drive
 from ros_session import RosSession
 
-REPO = pathlib.Path(__file__).resolve().parents[2]
-MAP = REPO / "tools" / "extperfc-map"
 RATE = 6                             # simulated seconds per second
 SECONDS = 60                         # of the recording
 WRONG_BY = (0.3, -0.2, 0.15)         # of the initial pose [m, m, rad]
@@ -30,10 +27,7 @@ class LocalizationBag(unittest.TestCase):
     def test_a_map_file_is_enough(self):
         import rospy
         from geometry_msgs.msg import PoseWithCovarianceStamped
-        bag = self.folder / "room.bag"
-        write_bag(bag, DRIVE.stamps, DRIVE.scans, DRIVE.odometry)
-        subprocess.run([MAP, bag, "--out", self.folder, "--quiet"], check=True, capture_output=True, timeout=120)
-        path = {round(stamp, 3): pose for stamp, *pose in read_tum(self.folder / "trajectory.tum")}
+        bag, path = map_the_drive(self.folder)
         start = compose(path[DRIVE.stamps[0]], WRONG_BY)
         poses = []
         with BagSession(self.folder / "launch.log") as session:

@@ -143,6 +143,21 @@ TEST(LocalizerParams, OursLoadsWithoutANote) {
   EXPECT_GT(params->filter.recovery_alpha_fast, 0) << "kidnapping is recovered from";
 }
 
+// What is loaded at every start replaces the pose that was stored.
+TEST(LocalizerParams, APoseThatIsGivenIsInAFileOfItsOwn) {
+  const std::string folder = ros::package::getPath("extperfc") + "/config/";
+  for (const auto& entry : YAML::LoadFile(folder + "localizer.yaml"))
+    EXPECT_NE(entry.first.as<std::string>().rfind("initial_", 0), 0U) << entry.first;
+  const auto given = load_yaml(YAML::LoadFile(folder + "initial_pose.yaml"));
+  const auto without = load_yaml({});
+  ASSERT_TRUE(given) << given.error().message;
+  ASSERT_TRUE(without);
+  EXPECT_EQ(given->initial_pose.x, without->initial_pose.x);
+  EXPECT_EQ(given->initial_pose.y, without->initial_pose.y);
+  EXPECT_EQ(given->initial_pose.yaw, without->initial_pose.yaw);
+  EXPECT_EQ(given->initial_variance, without->initial_variance);
+}
+
 TEST(LocalizerParams, WithoutAnyItHasAmclsFramesAndAStartAtTheOrigin) {
   const auto params = load_yaml({});
   ASSERT_TRUE(params) << params.error().message;
