@@ -133,7 +133,6 @@ class Network(unittest.TestCase):
         self.assertLess(float(good), 0.3 * float(bad))
 
 
-@unittest.skipUnless((MODEL / 'shapes.onnx').exists(), 'models/shapes/shapes.onnx is not there')
 class Shipped(unittest.TestCase):
     """The model in models/shapes."""
 
