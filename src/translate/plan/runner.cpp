@@ -291,7 +291,9 @@ bool Runner::numbers(const Op& op, std::size_t count) {
   return fitted == count || fail_value(op, source + fitted * size, fitted);
 }
 
-/// Reads a string: its bytes, or null after a failure. What was wanted before it is copied.
+/// Copies a string without its leading slashes, or with one where none was (`kAddSlash`; an empty one stays
+/// empty). What was wanted before it is copied first. False after a failure: the bytes end too early, or the
+/// output is full.
 bool Runner::slash(const Op& op) {
   std::uint32_t count = 0;
   if (!flush(op) || !read_count(1, op, count)) return false;
