@@ -33,7 +33,7 @@ struct RealRevolution {
 
 /// The revolution of MRPT's recording test_velodyne_VLP16.rawlog: a car park, seen from a car's roof, 2.1 m
 /// above the ground. Without points when MRPT or its recording (package mrpt-common) is missing; `why` says
-/// which.
+/// which. Throws when the recording is there but cannot be read.
 [[nodiscard]] RealRevolution read_real_revolution(std::string& why);
 
 }  // namespace extperfc::scan

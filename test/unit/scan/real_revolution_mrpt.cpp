@@ -1,9 +1,10 @@
 // Decodes the raw packets (VLP-16 user manual 63-9243, section 9.3). MRPT's own decoder leaves out the second
 // of the two firings of every block, which is half of the points.
 #include <cmath>
-#include <exception>
 #include <filesystem>
 #include <limits>
+#include <stdexcept>
+#include <string>
 
 #include <mrpt/io/CFileGZInputStream.h>
 #include <mrpt/obs/CObservationVelodyneScan.h>
@@ -77,16 +78,11 @@ RealRevolution read_real_revolution(std::string& why) {
     why = std::string(kRecording) + " is missing: install mrpt-common";
     return {};
   }
-  try {
-    mrpt::io::CFileGZInputStream file(kRecording);
-    auto archive = mrpt::serialization::archiveFrom(file);
-    const auto scan = std::dynamic_pointer_cast<CObservationVelodyneScan>(archive.ReadObject());
-    if (scan) return decode(*scan);
-    why = std::string(kRecording) + " holds no Velodyne scan";
-  } catch (const std::exception& error) {
-    why = error.what();
-  }
-  return {};
+  mrpt::io::CFileGZInputStream file(kRecording);
+  auto archive = mrpt::serialization::archiveFrom(file);
+  const auto scan = std::dynamic_pointer_cast<CObservationVelodyneScan>(archive.ReadObject());
+  if (!scan) throw std::runtime_error(std::string(kRecording) + " holds no Velodyne scan");
+  return decode(*scan);
 }
 
 }  // namespace extperfc::scan
