@@ -139,7 +139,7 @@ class GraspRobot:
         with self.lock:
             for thing in self.truth.detections:
                 if self.names["truth"][thing.results[0].id] == shape:
-                    return matrix(thing.results[0].pose.pose)
+                    return scene.body_of(shape, matrix(thing.bbox.center))
         raise Stalled(f"no {shape} in sim/truth/objects")
 
     # Detection.

@@ -42,6 +42,13 @@ def body_position(shape, spot):
     return numpy.array([spot.x, spot.y, spot.top + SHAPES[shape].height * SHAPES[shape].origin])
 
 
+def body_of(shape, map_T_middle):
+    """map_T_body of the object whose middle of the bounding box is there, 4 x 4."""
+    middle_T_body = numpy.eye(4)
+    middle_T_body[2, 3] = SHAPES[shape].height * (SHAPES[shape].origin - 0.5)
+    return map_T_middle @ middle_T_body
+
+
 def on_tray(x, y):
     return (max(TRAY_XY[0] - TRAY_SIZE[0] / 2 + EDGE_M, LEAST_X_M) < x < TRAY_XY[0] + TRAY_SIZE[0] / 2 - EDGE_M
             and abs(y - TRAY_XY[1]) < TRAY_SIZE[1] / 2 - EDGE_M)

@@ -31,9 +31,10 @@ vision_msgs::Detection3D to_detection(int class_id, const Pose& map_T_thing,
   detection.results.resize(1);
   detection.results[0].id = class_id;
   detection.results[0].score = 1.0;
-  detection.results[0].pose.pose = convert::to_message(map_T_thing);
   detection.bbox.center = convert::to_message(map_T_thing * make_pose(extent.center()));
   detection.bbox.size = convert::to_vector(extent.sizes());
+  detection.results[0].pose.pose = detection.bbox.center;
+  detection.results[0].pose.covariance = convert::planar_covariance(kExact, kExact, kExact);
   return detection;
 }
 

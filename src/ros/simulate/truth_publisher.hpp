@@ -20,7 +20,9 @@ namespace extperfc {
 /// Publishes, in the frame `map`:
 ///   sim/truth/odom         nav_msgs/Odometry: where the robot is, map -> base_footprint
 ///   sim/truth/objects      vision_msgs/Detection3DArray of the bodies that have a class and of the people:
-///                          results[0].id is the class, results[0].pose the body's, bbox encloses the body
+///                          results[0].id is the class; bbox encloses the body and has its axes;
+///                          results[0].pose is bbox.center, as with box_depth: a cone's centre of mass lies a
+///                          quarter of its height lower
 ///   sim/truth/map          nav_msgs/OccupancyGrid, latched: the floor plan at the start
 ///   sim/truth/vision_info  vision_msgs/VisionInfo, latched: where the class names are
 ///   sim/world_markers      visualization_msgs/MarkerArray: everything to each new listener, then what moves

@@ -181,6 +181,25 @@ TEST_F(World, TheTruthNamesTheCubeAndItsPlace) {
   EXPECT_NEAR(cube.bbox.size.x, 0.05, 1e-6);
 }
 
+/// A body's origin is its centre of mass, which a cone has at a quarter of its height.
+TEST_F(World, TheTruthOfAnObjectIsItsCentreWhereverItIsRead) {
+  const Inbox<vision_msgs::Detection3DArray> objects("sim/truth/objects");
+  load(with(small_simulation(), {{"world", "grasp"}}));
+  ASSERT_TRUE(wait_for([&] { return objects.connected(); }));
+  step(24);
+  ASSERT_TRUE(objects.wait_for_count(1));
+  const auto message = objects.all().back();
+  ASSERT_EQ(message->detections.size(), 3U) << "cube, sphere and cone";
+  constexpr double kTableM = 0.7;
+  for (const auto& object : message->detections) {
+    const auto& result = object.results.at(0);
+    EXPECT_NEAR(object.bbox.center.position.z, kTableM + 0.5 * object.bbox.size.z, 0.005) << result.id;
+    EXPECT_EQ(result.pose.pose, object.bbox.center) << result.id;
+    EXPECT_GT(result.pose.covariance[0], 0.0) << "0 would say that nothing is known";
+    EXPECT_LT(result.pose.covariance[0], 1e-6);
+  }
+}
+
 TEST_F(World, LabelsAndBoxesShowWhatTheCameraSees) {
   const Inbox<sensor_msgs::Image> labels("sim/truth/labels");
   const Inbox<vision_msgs::Detection2DArray> boxes("sim/truth/detections");

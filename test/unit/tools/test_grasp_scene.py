@@ -47,6 +47,18 @@ class Places(unittest.TestCase):
                         x, y, z = (numpy.linalg.inv(pose) @ numpy.append(point, 1))[:3]
                         self.assertTrue(0 < 615 * x / z + 319.5 < 640 and 0 < 615 * y / z + 239.5 < 480, (shape, distance))
 
+    def test_the_body_is_where_it_was_put_when_the_middle_is_known(self):
+        spot = scene.Spot(0.5, 0.1, 1.1, 0.7)
+        for shape in scene.SHAPES:
+            middle = numpy.eye(4)
+            middle[:3, :3], middle[:3, 3] = turn(2, spot.yaw), scene.middle(shape, spot)
+            body = scene.body_of(shape, middle)
+            self.assertLess(abs(body[:3, 3] - scene.body_position(shape, spot)).max(), 1e-12, shape)
+            self.assertTrue((body[:3, :3] == middle[:3, :3]).all(), shape)
+        lying = numpy.eye(4)
+        lying[:3, :3] = turn(1, math.pi / 2)  # its tip points along x, so that its heavy end is behind the middle
+        self.assertAlmostEqual(-0.0225, scene.body_of("cone", lying)[0, 3])
+
     def test_a_distance_that_cannot_be_is_told(self):
         with self.assertRaises(scene.NoPlace):
             scene.draw_spot(random.Random(1), "cube", 3.0, CAMERA, camera_pose())
