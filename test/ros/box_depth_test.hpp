@@ -1,7 +1,9 @@
 #pragma once
 
 #include <string>
+#include <vector>
 
+#include <geometry_msgs/PoseWithCovariance.h>
 #include <gtest/gtest.h>
 #include <sensor_msgs/CameraInfo.h>
 #include <sensor_msgs/Image.h>
@@ -48,7 +50,7 @@ class BoxDepthTest : public testing::Test {
     ASSERT_TRUE(manager_.load("/box_depth", "box_depth", params)) << log_.text();
     ASSERT_TRUE(wait_for([this] {
       return detections_.getNumSubscribers() > 0 && depth_.getNumSubscribers() > 0 &&
-             info_.getNumSubscribers() > 0 && objects_.connected();
+             info_.getNumSubscribers() > 0 && objects_.connected() && surface_.connected();
     }));
   }
 
@@ -58,6 +60,23 @@ class BoxDepthTest : public testing::Test {
     info_.publish(info);
     ASSERT_TRUE(
         diagnostics_.wait_latest([&](const Report& r) { return r.number("camera info received") > before; }));
+  }
+
+  /// The surface points that belong to `objects`: one for each.
+  [[nodiscard]] std::vector<geometry_msgs::PoseWithCovariance> surface_of(
+      const vision_msgs::Detection3DArray& objects) const {
+    const auto message = surface_.wait_for_stamp(objects.header.stamp);
+    EXPECT_TRUE(message);
+    if (!message) return std::vector<geometry_msgs::PoseWithCovariance>(objects.detections.size());
+    EXPECT_EQ(message->header, objects.header);
+    EXPECT_EQ(message->detections.size(), objects.detections.size());
+    std::vector<geometry_msgs::PoseWithCovariance> points;
+    for (const auto& detection : message->detections) {
+      EXPECT_EQ(detection.results.size(), 1U);
+      EXPECT_EQ(detection.results.front().pose.pose, detection.bbox.center);
+      points.push_back(detection.results.front().pose);
+    }
+    return points;
   }
 
   /// One box before a wall at 3 m. Null when no result comes.
@@ -73,6 +92,7 @@ class BoxDepthTest : public testing::Test {
   ros::Publisher depth_{handle_.advertise<sensor_msgs::Image>(kDepthTopic, 10)};
   ros::Publisher info_{handle_.advertise<sensor_msgs::CameraInfo>(kInfoTopic, 10)};
   Inbox<vision_msgs::Detection3DArray> objects_{"detections_3d"};
+  Inbox<vision_msgs::Detection3DArray> surface_{"detections_3d/surface"};
   DiagnosticsWatch diagnostics_{"box_depth"};
   LogWatch log_;
   Manager manager_;

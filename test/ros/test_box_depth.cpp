@@ -1,5 +1,6 @@
 // Where box_depth puts boxes, on scenes whose geometry is known.
 #include <array>
+#include <cmath>
 
 #include <Eigen/Eigenvalues>
 #include <geometry_msgs/TransformStamped.h>
@@ -19,6 +20,15 @@ constexpr double kRayY = (89.5 - 119.5) / kFocalPx;
 constexpr double kBoxM = 1.5;
 constexpr double kToleranceM = 0.005;
 
+Eigen::Vector3d vector_of(const geometry_msgs::Pose& pose) {
+  return {pose.position.x, pose.position.y, pose.position.z};
+}
+
+Eigen::Matrix3d covariance_of(const geometry_msgs::PoseWithCovariance& pose) {
+  const Eigen::Map<const Eigen::Matrix<double, 6, 6, Eigen::RowMajor>> all(pose.covariance.data());
+  return all.topLeftCorner<3, 3>();
+}
+
 class KnownGeometryTest : public BoxDepthTest, public testing::WithParamInterface<const char*> {};
 
 TEST_P(KnownGeometryTest, PositionExtentAndCovariance) {
@@ -33,21 +43,27 @@ TEST_P(KnownGeometryTest, PositionExtentAndCovariance) {
   EXPECT_EQ(object.results.front().id, 1);
   EXPECT_FLOAT_EQ(static_cast<float>(object.results.front().score), 0.9F);
 
-  const auto& surface = object.results.front().pose.pose.position;
-  EXPECT_NEAR(surface.x, kRayX * kBoxM, kToleranceM);
-  EXPECT_NEAR(surface.y, kRayY * kBoxM, kToleranceM);
-  EXPECT_NEAR(surface.z, kBoxM, kToleranceM);
+  const Eigen::Vector3d on_surface = kBoxM * Eigen::Vector3d(kRayX, kRayY, 1.0);
+  const auto surface = surface_of(*message).front();
+  EXPECT_LT((vector_of(surface.pose) - on_surface).cwiseAbs().maxCoeff(), kToleranceM) << surface;
+  const double height_m = 60 * kBoxM / kFocalPx;
   EXPECT_NEAR(object.bbox.size.x, 80 * kBoxM / kFocalPx, 2 * kToleranceM);
-  EXPECT_NEAR(object.bbox.size.y, 60 * kBoxM / kFocalPx, 2 * kToleranceM);
-  EXPECT_GT(object.bbox.center.position.z, surface.z) << "the centre lies behind the surface";
+  EXPECT_NEAR(object.bbox.size.y, height_m, 2 * kToleranceM);
+  const Eigen::Vector3d center = on_surface + 0.5 * height_m * on_surface.normalized();
+  const auto& estimate = object.results.front().pose;
+  EXPECT_LT((vector_of(object.bbox.center) - center).cwiseAbs().maxCoeff(), 2 * kToleranceM) << object.bbox;
+  EXPECT_EQ(estimate.pose, object.bbox.center) << "whoever reads one of both gets the object's centre";
   EXPECT_DOUBLE_EQ(object.bbox.center.orientation.w, 1.0);
 
-  const Eigen::Map<const Eigen::Matrix<double, 6, 6, Eigen::RowMajor>> covariance(
-      object.results.front().pose.covariance.data());
-  const Eigen::Matrix3d of_position = covariance.topLeftCorner<3, 3>();
-  EXPECT_TRUE(of_position.isApprox(of_position.transpose()));
-  EXPECT_GT(Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d>(of_position).eigenvalues().minCoeff(), 0.0)
-      << of_position;
+  for (const auto& pose : {estimate, surface}) {
+    const Eigen::Matrix3d covariance = covariance_of(pose);
+    EXPECT_TRUE(covariance.isApprox(covariance.transpose()));
+    EXPECT_GT(Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d>(covariance).eigenvalues().minCoeff(), 0.0)
+        << covariance;
+  }
+  // The centre may lie a quarter of the extent nearer or farther: 0.08 m. The surface is measured to some mm.
+  EXPECT_NEAR(std::sqrt(estimate.covariance[14]), 0.05, 0.03);
+  EXPECT_LT(std::sqrt(surface.covariance[14]), 0.01);
 }
 
 INSTANTIATE_TEST_SUITE_P(All, KnownGeometryTest, testing::Values("16UC1", "32FC1"),
@@ -63,7 +79,7 @@ TEST_F(BoxDepthTest, ASizeOfItsOwnComesFromTheCamera) {
   const auto message = objects_.wait_for_stamp(ros::Time(1, 0));
   ASSERT_TRUE(message);
   ASSERT_EQ(message->detections.size(), 1U);
-  const auto& surface = message->detections.front().results.front().pose.pose.position;
+  const auto surface = surface_of(*message).front().pose.position;
   EXPECT_NEAR(surface.x, (429.5 - 319.5) / kFocalPx * 2.0, kToleranceM);
   EXPECT_NEAR(surface.y, (329.5 - 239.5) / kFocalPx * 2.0, kToleranceM);
 }
@@ -123,15 +139,67 @@ TEST_F(BoxDepthTest, ResultsComeInTheTargetFrame) {
   ASSERT_EQ(message->detections.size(), 1U);
   const auto& object = message->detections.front();
   EXPECT_EQ(object.header.frame_id, "base_link");
-  const auto& surface = object.results.front().pose.pose.position;
+  const auto surface = surface_of(*message).front().pose.position;
   EXPECT_NEAR(surface.x, kBoxM, kToleranceM);
   EXPECT_NEAR(surface.y, -kRayX * kBoxM, kToleranceM);
   EXPECT_NEAR(surface.z, 1.0 - kRayY * kBoxM, kToleranceM);
-  // Depth is what a camera knows worst, and it lies along x now.
+  EXPECT_EQ(object.results.front().pose.pose, object.bbox.center);
+  EXPECT_GT(object.bbox.center.position.x, kBoxM + 0.1) << "the centre lies behind the surface";
+  // Half of the extent is a guess, and it lies along x now.
   const auto& covariance = object.results.front().pose.covariance;
-  EXPECT_GT(covariance[0], 0.0);
   EXPECT_GT(covariance[7], 0.0);
   EXPECT_GT(covariance[14], 0.0);
+  EXPECT_GT(covariance[0], covariance[7]);
+  EXPECT_GT(covariance[0], covariance[14]);
+}
+
+/// A cube on a table under a camera that looks straight down from 1 m above the table.
+TEST_F(BoxDepthTest, AFittedCubesCentreIsInBothPlacesAndItsTopOnTheOtherTopic) {
+  constexpr double kEdgeM = 0.16;
+  constexpr double kTopM = 1.0 - kEdgeM;
+  constexpr int kEdgePx = 57;  // kEdgeM at kTopM
+  const cv::Rect top(kSize.width / 2 - kEdgePx / 2, kSize.height / 2 - kEdgePx / 2, kEdgePx, kEdgePx);
+  tf2_ros::StaticTransformBroadcaster broadcaster;
+  geometry_msgs::TransformStamped above;
+  above.header.stamp = ros::Time(1, 0);
+  above.header.frame_id = "table";
+  above.child_frame_id = kFrame;
+  above.transform.translation.z = 1.0;
+  above.transform.rotation.x = 1.0;
+  broadcaster.sendTransform(above);
+  ros::param::set("/some_detector/classes", std::vector<std::string>{"cone", "cube"});
+  auto vision_info = handle_.advertise<vision_msgs::VisionInfo>("vision_info", 1, true);
+  vision_msgs::VisionInfo where;
+  where.database_location = "/some_detector/classes";
+  vision_info.publish(where);
+  load({{"target_frame", "table"}, {"transform_timeout_s", 5.0}, {"fit_objects", true}});
+  send_info(camera_info(ros::Time(1, 0)));
+
+  ros::Time stamp(1, 0);
+  vision_msgs::Detection3DArrayConstPtr message;
+  EXPECT_TRUE(wait_for([&] {  // the names are asked for in the background
+    stamp += ros::Duration(1.0);
+    depth_.publish(depth_image(1.0, kTopM, top, "16UC1", stamp));
+    detections_.publish(boxes_at(stamp, {top}));
+    message = objects_.wait_for_stamp(stamp);
+    return message && message->detections.size() == 1U &&
+           std::abs(message->detections.front().bbox.size.z - kEdgeM) < kToleranceM;
+  })) << diagnostics_.latest().message()
+      << (message ? message->detections.front().bbox.size.z : 0.0);
+  const auto& cube = message->detections.front();
+  EXPECT_NEAR(cube.bbox.center.position.z, 0.5 * kEdgeM, kToleranceM);
+  EXPECT_EQ(cube.results.front().pose.pose, cube.bbox.center);
+  const double sigma_m = std::sqrt(cube.results.front().pose.covariance[14]);
+  EXPECT_GT(sigma_m, 0.0);
+  EXPECT_LT(sigma_m, 0.01) << "the shape knows its extent: the box's guess of it no longer counts";
+  EXPECT_NEAR(surface_of(*message).front().pose.position.z, kEdgeM, kToleranceM);
+}
+
+TEST_F(BoxDepthTest, TheSurfaceAloneIsComputedToo) {
+  const Inbox<vision_msgs::Detection3DArray> surface("/alone/detections_3d/surface");
+  const auto detections = handle_.advertise<vision_msgs::Detection2DArray>("/alone/detections", 10);
+  ASSERT_TRUE(manager_.load("/alone/box_depth", "box_depth", {})) << log_.text();
+  EXPECT_TRUE(wait_for([&] { return detections.getNumSubscribers() > 0; }));
 }
 
 TEST_F(BoxDepthTest, BoxesWithoutDepthAreLeftOutAndCounted) {
@@ -147,7 +215,7 @@ TEST_F(BoxDepthTest, BoxesWithoutDepthAreLeftOutAndCounted) {
   const auto message = objects_.wait_for_stamp(ros::Time(1, 0));
   ASSERT_TRUE(message);
   ASSERT_EQ(message->detections.size(), 1U);
-  EXPECT_NEAR(message->detections.front().results.front().pose.pose.position.z, kBoxM, kToleranceM);
+  EXPECT_NEAR(surface_of(*message).front().pose.position.z, kBoxM, kToleranceM);
   EXPECT_TRUE(diagnostics_.wait([](const Report& r) { return r.number("boxes without depth") == 2; }));
   EXPECT_EQ(diagnostics_.latest().level(), 0) << "a box without depth is no fault";
 }
@@ -174,7 +242,7 @@ TEST_F(BoxDepthTest, SlowDetectionsFindTheirOwnPicture) {
   const auto message = objects_.wait_for_stamp(ros::Time(4, 0));
   ASSERT_TRUE(message);
   ASSERT_EQ(message->detections.size(), 1U);
-  EXPECT_NEAR(message->detections.front().results.front().pose.pose.position.z, 0.8, kToleranceM);
+  EXPECT_NEAR(surface_of(*message).front().pose.position.z, 0.8, kToleranceM);
 }
 
 }  // namespace

@@ -60,6 +60,7 @@ class RosbagTest : public testing::Test {
   static constexpr const char* kInfo = "/camera/color/camera_info";
   TemporaryFolder folder_;
   Inbox<vision_msgs::Detection3DArray> objects_{"detections_3d"};
+  Inbox<vision_msgs::Detection3DArray> surface_{"detections_3d/surface"};
   DiagnosticsWatch detector_{"detector"};
   DiagnosticsWatch depth_{"box_depth"};
   LogWatch log_;
@@ -85,6 +86,13 @@ TEST_P(RosbagClockTest, ALoopedBagIsDetectedAgainAndAgain) {
     stamps.insert(stamp_s);
     EXPECT_GE(stamp_s, kFirstStampS - 1e-6);
     EXPECT_LE(stamp_s, kLastStampS + 1e-6);
+    ASSERT_EQ(message->detections.size(), 1U);
+    const auto& object = message->detections.front();
+    EXPECT_EQ(object.results.front().pose.pose, object.bbox.center);
+    EXPECT_NEAR(object.bbox.center.position.z, 1.0 + 0.5 * object.bbox.size.z, 0.02);
+  }
+  EXPECT_GT(surface_.count(), static_cast<std::size_t>(kFrames / 2));
+  for (const auto& message : surface_.all()) {
     ASSERT_EQ(message->detections.size(), 1U);
     EXPECT_NEAR(message->detections.front().results.front().pose.pose.position.z, 1.0, 0.01);
   }

@@ -37,11 +37,18 @@ class Demo(unittest.TestCase):
             for row in rows:
                 if row["found"] == "1" and row["center_x_m"]:
                     self.assert_error_is_the_distance(row)
+                    self.assert_surface_lies_before_the_centre(row)
             self.assertGreaterEqual(len(list(pathlib.Path(out).glob("*.png"))), 10)
 
     def assert_error_is_the_distance(self, row):
         center, truth = ([float(row[f"{name}_{axis}_m"]) for axis in "xyz"] for name in ("center", "true"))
         self.assertAlmostEqual(math.dist(center, truth), float(row["error_m"]), delta=5e-4)
+
+    def assert_surface_lies_before_the_centre(self, row):
+        """x y z of a row are what was measured; objects are 4 to 20 cm large."""
+        center, surface = ([float(row[f"{name}{axis}_m"]) for axis in "xyz"] for name in ("center_", ""))
+        self.assertTrue(0.01 < math.dist(center, surface) < 0.12, row)
+        self.assertLess(float(row["sigma_m"]), 0.1, "nothing of the extent is in the error of the surface")
 
     def test_plays_generated_pictures_once(self):
         with tempfile.TemporaryDirectory() as folder:

@@ -23,10 +23,10 @@ def vector(message):
 
 
 class Watcher:
-    """Joins detections, 3D detections and annotated pictures of one stamp and hands complete frames on."""
+    """Joins detections, their centres and surface points, and annotated pictures of one stamp; hands complete frames on."""
 
     KEPT = 20  # stamps waited for at the same time
-    PARTS = frozenset({"boxes", "image", "objects"})  # of a complete frame
+    PARTS = frozenset({"boxes", "image", "objects", "surface"})  # of a complete frame
 
     def __init__(self, options, table):
         import rospy
@@ -47,7 +47,8 @@ class Watcher:
         rospy.Subscriber("detections/image", sensor_msgs.msg.Image, self._add, "image", queue_size=20, buff_size=2**24)
         rospy.Subscriber("vision_info", vision_msgs.msg.VisionInfo, self._info)
         # Last, because the recording starts when this chain is wanted.
-        rospy.Subscriber("detections_3d", vision_msgs.msg.Detection3DArray, self._add, "objects", queue_size=20)
+        for topic, part in (("detections_3d/surface", "surface"), ("detections_3d", "objects")):
+            rospy.Subscriber(topic, vision_msgs.msg.Detection3DArray, self._add, part, queue_size=20)
 
     def _info(self, message):
         self.names = self.rospy.get_param(message.database_location, [])
@@ -64,7 +65,7 @@ class Watcher:
                 del self.parts[min(self.parts)]
 
     def _finish(self, stamp, entry):
-        rows = self._rows(entry["boxes"], entry["objects"])
+        rows = self._rows(entry["boxes"], list(zip(entry["objects"].detections, entry["surface"].detections)))
         if self.complete == 0:
             self.table.header()
         self._write_picture(entry["image"], rows)
@@ -77,32 +78,32 @@ class Watcher:
     def _name(self, class_id):
         return self.names[class_id] if class_id < len(self.names) else str(class_id)
 
-    def _rows(self, boxes, objects):
-        """One row per box; boxes without depth are missing in `objects`, the order is the same."""
-        rows, rest = [], list(objects.detections)
+    def _rows(self, boxes, located):
+        """One row per box; `located` are object and surface of the boxes that have a depth, in the same order."""
+        rows, rest = [], list(located)
         for detection in boxes.detections:
             best = detection.results[0]
             row = {"class": self._name(best.id), "score": best.score, "box": corners(detection.bbox)}
-            if rest and (rest[0].results[0].id, rest[0].results[0].score) == (best.id, best.score):
-                self._locate(row, rest.pop(0))
+            if rest and (rest[0][0].results[0].id, rest[0][0].results[0].score) == (best.id, best.score):
+                self._locate(row, *rest.pop(0))
             rows.append(row)
         return rows
 
-    def _locate(self, row, item):
-        hypothesis = item.results[0].pose
-        row["position"] = vector(hypothesis.pose.position)
-        covariance = numpy.array(hypothesis.covariance).reshape(6, 6)[:3, :3]
+    def _locate(self, row, item, surface):
+        """Adds the object's centre; and depth, position and standard deviation of the point that was measured."""
+        row["center"] = vector(item.results[0].pose.pose.position)
+        measured = surface.results[0].pose
+        row["position"] = vector(measured.pose.position)
+        covariance = numpy.array(measured.covariance).reshape(6, 6)[:3, :3]
         row["sigma"] = float(numpy.sqrt(max(numpy.linalg.eigvalsh(covariance)[-1], 0.0)))
-        row["center"] = vector(item.bbox.center.position)
-        row["depth"] = self._depth(item)
+        row["depth"] = self._depth(measured.pose, surface.header)
         row["xyz_csv"] = (row["depth"], *row["position"], row["sigma"])
 
-    def _depth(self, item):
-        """Distance along the optical axis [m]; the boxes' axes are those of the optical frame, so its third is that axis."""
-        q = item.results[0].pose.pose.orientation
+    def _depth(self, pose, header):
+        """Distance along the optical axis [m]; a surface point has the axes of the optical frame, so its third is that axis."""
+        q = pose.orientation
         axis = numpy.array([2 * (q.x * q.z + q.y * q.w), 2 * (q.y * q.z - q.x * q.w), 1 - 2 * (q.x * q.x + q.y * q.y)])
-        surface = numpy.array(vector(item.results[0].pose.pose.position))
-        return float(axis @ (surface - self._camera_position(item.header)))
+        return float(axis @ (numpy.array(vector(pose.position)) - self._camera_position(header)))
 
     def _camera_position(self, header):
         """Where the camera was when it took the picture, in the table's frame [m]."""

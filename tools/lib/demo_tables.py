@@ -12,8 +12,10 @@ class Table:
 
     COLUMNS = (("frame", 6), ("class", 14), ("score", 6), ("box x0 y0 x1 y1 [px]", 22), ("depth [m]", 10),
                ("x y z [m]", 22), ("+- [cm]", 8))
+    # From depth_m to sigma_m: the measured point of the surface.
     FILE_COLUMNS = ("frame", "stamp", "class", "score", "x0", "y0", "x1", "y1", "depth_m", "x_m", "y_m", "z_m", "sigma_m")
-    HEADLINE = "Positions in frame {}; depth along the camera's axis"
+    HEADLINE = ("Measured points of the objects' surfaces (detections_3d/surface) in frame {}; depth along the camera's "
+                "axis")
 
     def __init__(self, folder, frame_id):
         self.frame_id = frame_id
@@ -74,7 +76,7 @@ class TruthTable(Table):
                ("error [cm]", 10), ("", 6))
     FILE_COLUMNS = (*Table.FILE_COLUMNS, "found", "center_x_m", "center_y_m", "center_z_m", "true_x_m", "true_y_m",
                     "true_z_m", "error_m")
-    HEADLINE = ("Estimated centres of the objects (bbox.center of detections_3d) in frame {}, and the centre of the "
+    HEADLINE = ("Estimated centres of the objects (detections_3d) in frame {}, and the centre of the "
                 "nearest\nobject of the same class (sim/truth/objects)")
 
     def __init__(self, folder, frame_id):

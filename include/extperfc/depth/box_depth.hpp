@@ -60,7 +60,10 @@ struct Object3 {
   Eigen::Vector3d
       center;  ///< estimate of the object's centre: surface pushed back along the ray by half the extent [m]
   Eigen::Vector3d size;  ///< extent along x, y (from the box at that depth) and z (the smaller of both) [m]
-  Eigen::Matrix3d covariance;  ///< of `center` [m^2]
+  Eigen::Matrix3d surface_covariance;  ///< from the depth and the box's own error [m^2]
+  /// The same for `center`, and what a box leaves open: how far behind its surface an object of unknown shape
+  /// has its centre, and how far beside the middle of what is seen of it [m^2].
+  Eigen::Matrix3d center_covariance;
 };
 
 /// Puts box and depth together. Precondition: camera.validate() passed and depth.depth_m > 0.

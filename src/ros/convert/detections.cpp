@@ -59,12 +59,41 @@ visualization_msgs::Marker label_marker(const vision_msgs::Detection3D& object, 
   marker.scale.z = kTextHeightM;
   marker.color.r = marker.color.g = marker.color.b = marker.color.a = 1.0F;
   const auto& result = object.results.front();
-  const auto& surface = result.pose.pose.position;
+  const auto& center = result.pose.pose.position;
   std::array<char, 128> text{};
   std::snprintf(text.data(), text.size(), "%s %.0f %%\n%.2f  %.2f  %.2f m", name.c_str(),
-                100.0 * result.score, surface.x, surface.y, surface.z);
+                100.0 * result.score, center.x, center.y, center.z);
   marker.text = text.data();
   return marker;
+}
+
+/// Where something is in the optical frame.
+struct Placed {
+  Eigen::Isometry3d optical_T_body;
+  Eigen::Vector3d size_m;
+  Eigen::Matrix3d covariance;  ///< of the body's origin [m^2]
+};
+
+Eigen::Isometry3d with_axes_of_camera(const Eigen::Vector3d& position) {
+  return Eigen::Isometry3d(Eigen::Translation3d(position));
+}
+
+vision_msgs::Detection3D detection_of(const Detection& detection, const Placed& placed,
+                                      const Eigen::Isometry3d& target_T_optical,
+                                      const std_msgs::Header& header) {
+  vision_msgs::Detection3D message;
+  message.header = header;
+  message.bbox.center = to_message(Eigen::Isometry3d(target_T_optical * placed.optical_T_body));
+  message.bbox.size = to_vector(placed.size_m);
+  message.results.resize(1);
+  auto& result = message.results[0];
+  result.id = detection.class_index;
+  result.score = detection.score;
+  result.pose.pose = message.bbox.center;
+  const Eigen::Matrix3d rotation = target_T_optical.linear();
+  Eigen::Map<Eigen::Matrix<double, 6, 6, Eigen::RowMajor>> covariance(result.pose.covariance.data());
+  covariance.topLeftCorner<3, 3>() = rotation * placed.covariance * rotation.transpose();
+  return message;
 }
 
 }  // namespace
@@ -111,23 +140,23 @@ Detections from_message(const vision_msgs::Detection2DArray& message) {
 vision_msgs::Detection3D to_message(const Detection& detection, const depth::Object3& object,
                                     const Eigen::Isometry3d& target_T_optical,
                                     const std_msgs::Header& header) {
-  vision_msgs::Detection3D message;
-  message.header = header;
-  message.bbox.center.position = to_point(target_T_optical * object.center);
-  message.bbox.center.orientation = to_quaternion(target_T_optical);
-  message.bbox.size.x = object.size.x();
-  message.bbox.size.y = object.size.y();
-  message.bbox.size.z = object.size.z();
-  message.results.resize(1);
-  auto& result = message.results[0];
-  result.id = detection.class_index;
-  result.score = detection.score;
-  result.pose.pose.position = to_point(target_T_optical * object.surface);
-  result.pose.pose.orientation = message.bbox.center.orientation;
-  const Eigen::Matrix3d rotation = target_T_optical.rotation();
-  Eigen::Map<Eigen::Matrix<double, 6, 6, Eigen::RowMajor>> covariance(result.pose.covariance.data());
-  covariance.topLeftCorner<3, 3>() = rotation * object.covariance * rotation.transpose();
-  return message;
+  const Placed placed{with_axes_of_camera(object.center), object.size, object.center_covariance};
+  return detection_of(detection, placed, target_T_optical, header);
+}
+
+vision_msgs::Detection3D to_message(const Detection& detection, const depth::ObjectFit& object,
+                                    const Eigen::Isometry3d& target_T_optical,
+                                    const std_msgs::Header& header) {
+  const Placed placed{object.camera_T_object, object.size_m, object.covariance};
+  return detection_of(detection, placed, target_T_optical, header);
+}
+
+vision_msgs::Detection3D to_surface_message(const Detection& detection, const depth::Object3& object,
+                                            const Eigen::Isometry3d& target_T_optical,
+                                            const std_msgs::Header& header) {
+  const Placed placed{with_axes_of_camera(object.surface), Eigen::Vector3d::Zero(),
+                      object.surface_covariance};
+  return detection_of(detection, placed, target_T_optical, header);
 }
 
 visualization_msgs::MarkerArray to_markers(const vision_msgs::Detection3DArray& objects,

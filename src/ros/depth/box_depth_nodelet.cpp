@@ -42,15 +42,6 @@ std::optional<depth::FitShape> shape_of(const std::vector<std::string>& names, i
   return std::nullopt;
 }
 
-/// The fitted shape in place of the box's guess.
-void put(const depth::ObjectFit& fit, const Eigen::Isometry3d& target_T_optical,
-         vision_msgs::Detection3D& detection) {
-  detection.bbox.center = convert::to_message(Eigen::Isometry3d(target_T_optical * fit.camera_T_object));
-  detection.bbox.size.x = fit.size_m.x();
-  detection.bbox.size.y = fit.size_m.y();
-  detection.bbox.size.z = fit.size_m.z();
-}
-
 }  // namespace
 
 /// Puts detected boxes into space with the depth picture that belongs to them.
@@ -62,10 +53,14 @@ void put(const depth::ObjectFit& fit, const Eigen::Isometry3d& target_T_optical,
 ///   size of the depth picture vision_info                              vision_msgs/VisionInfo: class names
 ///   for the markers
 /// Publishes:
-///   detections_3d     vision_msgs/Detection3DArray   stamp of the detections; results[0].pose is the
-///   measured surface
-///                     point with its covariance, bbox.center and bbox.size the estimated extent. Boxes
-///                     without a valid depth are left out and counted.
+///   detections_3d     vision_msgs/Detection3DArray   stamp of the detections
+///                     results[0].pose and bbox.center are both the object's estimated centre, the first
+///                     with its covariance; bbox.size is the estimated extent. Boxes without a valid depth
+///                     are left out and counted.
+///   detections_3d/surface   vision_msgs/Detection3DArray   the same objects in the same order, same header
+///                     results[0].pose and bbox.center are both the measured point of the visible surface
+///                     behind the box's middle (the paper's result), the first with its covariance;
+///                     bbox.size is 0.
 ///   objects/markers   visualization_msgs/MarkerArray
 ///   diagnostics       diagnostic_msgs/DiagnosticArray
 /// Parameters (private; unknown keys are refused):
@@ -112,7 +107,8 @@ class BoxDepthNodelet : public nodelet::Nodelet {
   static constexpr const char* kInfoTopic = "camera/color/camera_info";
 
   struct Objects {
-    vision_msgs::Detection3DArray message;
+    vision_msgs::Detection3DArray centers;
+    vision_msgs::Detection3DArray surface;  ///< in the same order
     std::uint64_t without_depth{0};
     std::uint64_t not_fitted{0};  ///< of a known shape, but the depth says otherwise
   };
@@ -126,6 +122,12 @@ class BoxDepthNodelet : public nodelet::Nodelet {
   void on_names(const vision_msgs::VisionInfoConstPtr& message);
   void process(const Matcher::Pair& pair);
   Result<Objects> locate_all(const Matcher::Pair& pair);
+  void locate(const Detection& detection, const ImageView& depth, const CameraModel& camera,
+              const Eigen::Isometry3d& target_T_optical, Objects& objects);
+  std::optional<depth::ObjectFit> fit(const Detection& detection, const ImageView& depth,
+                                      const CameraModel& camera, const Eigen::Isometry3d& target_T_optical,
+                                      Objects& objects);
+  [[nodiscard]] std::vector<std::string> class_names();
   [[nodiscard]] depth::ObjectFitParams fit_params() const;
   Result<CameraModel> camera_for(const ImageView& depth);
   Result<Eigen::Isometry3d> transform_at(const std_msgs::Header& header);
@@ -143,6 +145,7 @@ class BoxDepthNodelet : public nodelet::Nodelet {
   std::mutex subscription_mutex_;
   bool closing_{false};
   ros::Publisher objects_publisher_;
+  ros::Publisher surface_publisher_;
   ros::Publisher markers_publisher_;
   ros::Subscriber detections_subscriber_;
   ros::Subscriber depth_subscriber_;
@@ -186,18 +189,21 @@ void BoxDepthNodelet::onInit() {
 }
 
 void BoxDepthNodelet::advertise() {
-  const std::lock_guard lock(subscription_mutex_);  // the callbacks must not run before both publishers exist
+  const std::lock_guard lock(subscription_mutex_);  // the callbacks must not run before all publishers exist
   const auto changed = [this](const ros::SingleSubscriberPublisher&) { update_subscription(); };
   auto& nh = getNodeHandle();
   objects_publisher_ = nh.advertise<vision_msgs::Detection3DArray>("detections_3d", 5, changed, changed);
+  surface_publisher_ =
+      nh.advertise<vision_msgs::Detection3DArray>("detections_3d/surface", 5, changed, changed);
   markers_publisher_ = nh.advertise<visualization_msgs::MarkerArray>("objects/markers", 2, changed, changed);
 }
 
 void BoxDepthNodelet::update_subscription() {
   const std::lock_guard lock(subscription_mutex_);
   if (closing_) return;
-  const bool wanted =
-      objects_publisher_.getNumSubscribers() > 0 || markers_publisher_.getNumSubscribers() > 0;
+  const bool wanted = objects_publisher_.getNumSubscribers() > 0 ||
+                      surface_publisher_.getNumSubscribers() > 0 ||
+                      markers_publisher_.getNumSubscribers() > 0;
   for (auto* input : {&detections_health_, &depth_health_, &info_health_}) input->listening(wanted);
   if (!wanted) {
     for (auto* subscriber :
@@ -255,20 +261,19 @@ void BoxDepthNodelet::process(const Matcher::Pair& pair) {
     if (work_health_.failed(objects.error().message)) NODELET_ERROR("%s", objects.error().message.c_str());
     return;
   }
-  std::vector<std::string> names;
   {
     const std::lock_guard lock(state_mutex_);
     without_depth_ += objects->without_depth;
     not_fitted_ += objects->not_fitted;
-    names = class_names_;
   }
   const double work_ms = watch.milliseconds();
-  const auto message = boost::make_shared<vision_msgs::Detection3DArray>(std::move(objects->message));
+  const auto message = boost::make_shared<vision_msgs::Detection3DArray>(std::move(objects->centers));
+  surface_publisher_.publish(boost::make_shared<vision_msgs::Detection3DArray>(std::move(objects->surface)));
   objects_publisher_.publish(message);
   work_health_.done(work_ms, health::age_ms(message->header.stamp));
   if (markers_publisher_.getNumSubscribers() > 0)
     markers_publisher_.publish(boost::make_shared<visualization_msgs::MarkerArray>(
-        convert::to_markers(*message, names, params_.marker_lifetime_s)));
+        convert::to_markers(*message, class_names(), params_.marker_lifetime_s)));
 }
 
 Result<BoxDepthNodelet::Objects> BoxDepthNodelet::locate_all(const Matcher::Pair& pair) {
@@ -283,33 +288,50 @@ Result<BoxDepthNodelet::Objects> BoxDepthNodelet::locate_all(const Matcher::Pair
   const auto target_T_optical = transform_at(depth_message->header);
   if (!target_T_optical) return tl::unexpected(target_T_optical.error());
 
-  std::vector<std::string> names;
-  {
-    const std::lock_guard lock(state_mutex_);
-    names = class_names_;
-  }
   Objects objects;
-  objects.message.header = detections->header;
-  if (!params_.target_frame.empty()) objects.message.header.frame_id = params_.target_frame;
-  for (const auto& detection : convert::from_message(*detections)) {
-    const auto estimate = depth::estimate_depth(depth->view, detection.box, params_.estimate);
-    if (!estimate) {
-      ++objects.without_depth;
-      continue;
-    }
-    const auto object = depth::locate(*camera, detection.box, *estimate);
-    objects.message.detections.push_back(
-        convert::to_message(detection, object, *target_T_optical, objects.message.header));
-    const auto shape = shape_of(names, detection.class_index);
-    if (!params_.fit_objects || !shape) continue;
-    const Eigen::Vector3d up = target_T_optical->linear().transpose() * Eigen::Vector3d::UnitZ();
-    const auto fit = depth::fit_object(depth->view, *camera, detection.box, *shape, up, fit_params());
-    if (fit)
-      put(*fit, *target_T_optical, objects.message.detections.back());
-    else
-      ++objects.not_fitted;
-  }
+  objects.centers.header = detections->header;
+  if (!params_.target_frame.empty()) objects.centers.header.frame_id = params_.target_frame;
+  objects.surface.header = objects.centers.header;
+  for (const auto& detection : convert::from_message(*detections))
+    locate(detection, depth->view, *camera, *target_T_optical, objects);
   return objects;
+}
+
+void BoxDepthNodelet::locate(const Detection& detection, const ImageView& depth, const CameraModel& camera,
+                             const Eigen::Isometry3d& target_T_optical, Objects& objects) {
+  const auto estimate = depth::estimate_depth(depth, detection.box, params_.estimate);
+  if (!estimate) {
+    ++objects.without_depth;
+    return;
+  }
+  const auto& header = objects.centers.header;
+  const auto object = depth::locate(camera, detection.box, *estimate);
+  const auto fitted = fit(detection, depth, camera, target_T_optical, objects);
+  objects.surface.detections.push_back(
+      convert::to_surface_message(detection, object, target_T_optical, header));
+  objects.centers.detections.push_back(
+      fitted ? convert::to_message(detection, *fitted, target_T_optical, header)
+             : convert::to_message(detection, object, target_T_optical, header));
+}
+
+/// The shape that the depth picture shows; nothing for other classes, and where the shape does not fit.
+std::optional<depth::ObjectFit> BoxDepthNodelet::fit(const Detection& detection, const ImageView& depth,
+                                                     const CameraModel& camera,
+                                                     const Eigen::Isometry3d& target_T_optical,
+                                                     Objects& objects) {
+  if (!params_.fit_objects) return std::nullopt;
+  const auto shape = shape_of(class_names(), detection.class_index);
+  if (!shape) return std::nullopt;
+  const Eigen::Vector3d up = target_T_optical.linear().transpose() * Eigen::Vector3d::UnitZ();
+  const auto fitted = depth::fit_object(depth, camera, detection.box, *shape, up, fit_params());
+  if (fitted) return *fitted;
+  ++objects.not_fitted;
+  return std::nullopt;
+}
+
+std::vector<std::string> BoxDepthNodelet::class_names() {
+  const std::lock_guard lock(state_mutex_);
+  return class_names_;
 }
 
 depth::ObjectFitParams BoxDepthNodelet::fit_params() const {

@@ -3,6 +3,7 @@
 #include "extperfc/base/rng.hpp"
 
 #include "ros/convert/detections.hpp"
+#include "ros/convert/geometry.hpp"
 
 namespace extperfc::convert {
 namespace {
@@ -65,7 +66,8 @@ depth::Object3 some_object() {
   object.surface = {0.1, -0.2, 1.5};
   object.center = {0.11, -0.21, 1.6};
   object.size = {0.2, 0.3, 0.2};
-  object.covariance = Eigen::Vector3d(1e-4, 2e-4, 9e-4).asDiagonal();
+  object.surface_covariance = Eigen::Vector3d(1e-5, 2e-5, 9e-5).asDiagonal();
+  object.center_covariance = Eigen::Vector3d(1e-4, 2e-4, 9e-4).asDiagonal();
   return object;
 }
 
@@ -82,8 +84,8 @@ Eigen::Isometry3d base_T_optical() {
 TEST(Detections3D, InTheOpticalFrame) {
   const auto message = to_message({3, 0.7F, {}}, some_object(), Eigen::Isometry3d::Identity(), some_header());
   EXPECT_EQ(message.results[0].id, 3);
-  EXPECT_EQ(message.results[0].pose.pose.position.z, 1.5);
   EXPECT_EQ(message.bbox.center.position.z, 1.6);
+  EXPECT_EQ(message.results[0].pose.pose, message.bbox.center);
   EXPECT_EQ(message.bbox.size.y, 0.3);
   EXPECT_EQ(message.bbox.center.orientation.w, 1.0);
   EXPECT_EQ(message.results[0].pose.covariance[14], 9e-4);
@@ -92,14 +94,45 @@ TEST(Detections3D, InTheOpticalFrame) {
 
 TEST(Detections3D, InAnotherFrame) {
   const auto message = to_message({3, 0.7F, {}}, some_object(), base_T_optical(), some_header());
-  const auto& surface = message.results[0].pose.pose.position;
-  EXPECT_NEAR(surface.x, 0.5 + 1.5, 1e-12);
-  EXPECT_NEAR(surface.y, -0.1, 1e-12);
-  EXPECT_NEAR(surface.z, 1.0 + 0.2, 1e-12);
+  const auto& center = message.results[0].pose.pose.position;
+  EXPECT_NEAR(center.x, 0.5 + 1.6, 1e-12);
+  EXPECT_NEAR(center.y, -0.11, 1e-12);
+  EXPECT_NEAR(center.z, 1.0 + 0.21, 1e-12);
+  EXPECT_EQ(message.results[0].pose.pose, message.bbox.center);
   const auto& covariance = message.results[0].pose.covariance;
   EXPECT_NEAR(covariance[0], 9e-4, 1e-12) << "the uncertain depth lies along x now";
   EXPECT_NEAR(covariance[7], 1e-4, 1e-12);
   EXPECT_NEAR(covariance[14], 2e-4, 1e-12);
+}
+
+TEST(Detections3D, AFittedShapeBringsItsOwnPoseSizeAndCovariance) {
+  depth::ObjectFit fit;
+  fit.camera_T_object.linear() = Eigen::AngleAxisd(0.4, Eigen::Vector3d::UnitX()).toRotationMatrix();
+  fit.camera_T_object.translation() = Eigen::Vector3d(0.11, -0.21, 1.6);
+  fit.size_m = {0.2, 0.2, 0.3};
+  fit.covariance = Eigen::Vector3d(1e-6, 2e-6, 9e-6).asDiagonal();
+  const auto message = to_message({3, 0.7F, {}}, fit, base_T_optical(), some_header());
+  EXPECT_EQ(message.results[0].id, 3);
+  EXPECT_NEAR(message.bbox.center.position.x, 0.5 + 1.6, 1e-12);
+  const auto expected = to_message(Eigen::Isometry3d(base_T_optical() * fit.camera_T_object));
+  EXPECT_EQ(message.bbox.center, expected);
+  EXPECT_EQ(message.results[0].pose.pose, expected);
+  EXPECT_EQ(message.bbox.size.z, 0.3);
+  EXPECT_NEAR(message.results[0].pose.covariance[0], 9e-6, 1e-15);
+}
+
+TEST(Detections3D, TheSurfaceIsAPointWithItsOwnCovariance) {
+  const auto message = to_surface_message({3, 0.7F, {}}, some_object(), base_T_optical(), some_header());
+  EXPECT_EQ(message.results[0].id, 3);
+  EXPECT_FLOAT_EQ(static_cast<float>(message.results[0].score), 0.7F);
+  EXPECT_EQ(message.header.frame_id, "optical");
+  const auto& surface = message.results[0].pose.pose.position;
+  EXPECT_NEAR(surface.x, 0.5 + 1.5, 1e-12);
+  EXPECT_NEAR(surface.y, -0.1, 1e-12);
+  EXPECT_NEAR(surface.z, 1.0 + 0.2, 1e-12);
+  EXPECT_EQ(message.bbox.center, message.results[0].pose.pose);
+  EXPECT_EQ(message.bbox.size, geometry_msgs::Vector3());
+  EXPECT_NEAR(message.results[0].pose.covariance[0], 9e-5, 1e-15) << "depth lies along x now";
 }
 
 TEST(Markers, OneClearThenTwoForEachObject) {
@@ -115,7 +148,7 @@ TEST(Markers, OneClearThenTwoForEachObject) {
   EXPECT_EQ(markers[1].lifetime, ros::Duration(2.0));
   EXPECT_EQ(markers[1].scale.y, 0.3);
   EXPECT_LT(markers[1].color.a, 1.0F);
-  EXPECT_EQ(markers[2].text.rfind("cup 70 %", 0), 0U) << markers[2].text;
+  EXPECT_EQ(markers[2].text, "cup 70 %\n0.11  -0.21  1.60 m") << "the centre's position";
   EXPECT_EQ(markers[4].text.rfind("class 5 70 %", 0), 0U) << markers[4].text;
   EXPECT_NE(markers[1].id, markers[3].id);
   EXPECT_TRUE(markers[1].color.r != markers[3].color.r || markers[1].color.g != markers[3].color.g ||
