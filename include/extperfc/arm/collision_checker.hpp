@@ -21,7 +21,7 @@ struct CollisionCheckerParams {
   /// motion_free() gives up on a piece of a motion that is shorter than this (Euclidean length of the joint
   /// displacement) and still not proven free; 1e-5 to 0.1 rad.
   double min_step_rad{1e-3};
-  /// Ask the spheres first. Without them every pair goes to Bullet; results are the same, only slower.
+  /// Ask the spheres first. Without them every pair goes to GJK; results are the same, only slower.
   bool spheres{true};
 };
 
@@ -36,15 +36,17 @@ struct CollisionCounters {
   std::uint64_t states{0};          ///< states asked for
   std::uint64_t motions{0};         ///< motions asked for
   std::uint64_t sphere_batches{0};  ///< calls of the sphere kernel
-  std::uint64_t exact_pairs{0};     ///< pairs of shapes that Bullet saw
+  std::uint64_t exact_pairs{0};     ///< pairs of shapes that GJK saw
 };
 
 /// Collision checks of one robot in one world.
 ///
 /// Two layers. Spheres that enclose every moving shape are tested in batches, in single precision with the
 /// rounding added to their radii: what they call free is free. The pairs of shapes that they do not clear are
-/// decided by Bullet's GJK in double precision; a pair counts as free only when the axis that GJK returns
-/// proves the separation by the support functions of both shapes. Contact with distance 0 is a collision.
+/// decided by GJK in double precision; a pair counts as free only when the axis that GJK returns proves a gap
+/// of more than 1e-6 m by the support functions of both shapes. GJK goes on until it has such an axis within
+/// 1e-7 m of the distance, so what is free is found free, and no state of a motion that was proven is found
+/// in contact.
 ///
 /// Joint limits are not checked. Not thread-safe, each thread makes its own or a clone(); the same calls give
 /// the same results. All JointVectors have model.joint_count() values, else std::invalid_argument is thrown;
@@ -67,10 +69,10 @@ class CollisionChecker {
   [[nodiscard]] std::vector<bool> are_free(const std::vector<JointVector>& states);
   /// Spheres alone: true means free, false means unknown.
   [[nodiscard]] std::vector<bool> spheres_free(const std::vector<JointVector>& states);
-  /// Bullet alone: the first pair found in collision, nothing when free.
+  /// GJK alone: the first pair that touches or is nearer than its padding; std::nullopt when there is none.
   [[nodiscard]] std::optional<Contact> contact(const JointVector& positions);
-  /// Bullet alone: the nearest pair with its distance or penetration (padding is subtracted); nothing when no
-  /// pair is checked.
+  /// GJK alone: the nearest pair with its distance, to 1e-7 m, or penetration by Bullet's EPA (padding is
+  /// subtracted); std::nullopt when no pair is checked.
   [[nodiscard]] std::optional<Contact> nearest(const JointVector& positions);
 
   /// True only when every state of the straight segment from `from` to `to` in joint space, ends included, is
@@ -81,7 +83,11 @@ class CollisionChecker {
   /// moving joints of |q'_j| |q'_k| times the largest distance of the body from the later joint's axis. For a
   /// separating plane with normal n at m, the gap at t is at least its value under the motion linear in t,
   /// which is least at t = -h or h, minus A h^2 / 2 of both bodies.
-  [[nodiscard]] bool motion_free(const JointVector& from, const JointVector& to);
+  ///
+  /// With `deviation_rad` the proof covers every state within that distance (Euclidean, of the joint values;
+  /// 0 or more) of the segment, so that a curve near it is proven too: each point of a body gets a margin of
+  /// deviation_rad times the root of the sum of its squared largest distances from the joints' axes.
+  [[nodiscard]] bool motion_free(const JointVector& from, const JointVector& to, double deviation_rad = 0);
   /// Largest proven fraction in [0, 1] of the segment, counted from `from`; 1 when motion_free(). -1 when
   /// `from` itself is not proven free.
   [[nodiscard]] double free_fraction(const JointVector& from, const JointVector& to);

@@ -86,4 +86,16 @@ MotionBound motion_bound(const Bodies& bodies, int ancestor, int body, const std
   return bound;
 }
 
+// A point moves at sum |q'_i| d_i at most, d_i its distance from axis i: |q'| times the root of the sum of
+// the squared d_i at most. Joints that follow one position (mimic) add up before they are squared.
+double displacement_per_rad(const Bodies& bodies, int ancestor, int body,
+                            const std::vector<double>& from_axis) {
+  std::array<double, kMaxJoints> of_joint{};
+  for (int i = body; i != ancestor; i = bodies.bodies[i].parent)
+    of_joint.at(bodies.bodies[i].joint) += std::abs(bodies.bodies[i].multiplier) * from_axis[i];
+  double square = 0;
+  for (const double distance : of_joint) square += distance * distance;
+  return std::sqrt(square);
+}
+
 }  // namespace extperfc::arm::collision

@@ -65,10 +65,16 @@ struct Reach {
 struct MotionBound {
   double speed{0};         ///< of any of its points
   double acceleration{0};  ///< of any of its points, in the ancestor's frame
+  double displacement{0};  ///< of any of its points beside the motion [m]; motion_bound() leaves it 0
 };
 /// `from_axis` as in Reach, `rates` per body.
 [[nodiscard]] MotionBound motion_bound(const Bodies& bodies, int ancestor, int body,
                                        const std::vector<double>& from_axis,
                                        const std::vector<double>& rates);
+
+/// Bound of how far points of a thing are displaced against an ancestor of its body, per radian (Euclidean
+/// norm) that the joint positions differ; `from_axis` as in Reach.
+[[nodiscard]] double displacement_per_rad(const Bodies& bodies, int ancestor, int body,
+                                          const std::vector<double>& from_axis);
 
 }  // namespace extperfc::arm::collision

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
 #include <limits>
 #include <stdexcept>
 #include <string>
@@ -33,6 +34,13 @@ Checks::Checks(const CollisionModel& model_in, const CollisionWorld& world_in,
   for (const MovingPart& part : scene_.moving)
     for (std::size_t i = 0; i < count; ++i)
       farthest_[part.body][i] = std::max(farthest_[part.body][i], part.reach.from_axis[i]);
+  for (std::size_t body = 1; body < count; ++body) {
+    // The centre of the ball about a body need not lie in any of its parts.
+    const Ball centre{body_ball(scene_, static_cast<int>(body)).centre, 0};
+    const Reach reach = reach_of(model.bodies(), static_cast<int>(body), centre);
+    for (std::size_t i = 0; i < count; ++i)
+      farthest_[body][i] = std::max(farthest_[body][i], reach.from_axis[i]);
+  }
   for (const Body& body : model.bodies().bodies)
     if (body.joint >= 0 && (body.prismatic || std::abs(body.multiplier) != 1)) turns_[body.joint] = false;
 }
@@ -60,17 +68,17 @@ int Checks::run_kernel(const KernelMotion* motion) {
   return kernel_(kernel_scene_, memory_.positions(), motion, memory_.scratch());
 }
 
-bool Checks::pair_apart(int pair, const Placement& placement) {
-  const double padding = scene_.pairs[pair].padding_m;
-  if (exact_.rough_bound(pair, placement) > padding) return true;
-  if (const auto known = exact_.remembered(pair, placement); known && known->gap_m > padding) return true;
-  return exact_.separation(pair, placement).gap_m > padding;
+bool Checks::pair_apart(int pair, const Placement& placement, double beyond_padding_m) {
+  const double gap = scene_.pairs[pair].padding_m + beyond_padding_m;
+  if (exact_.rough_bound(pair, placement) > gap) return true;
+  if (const auto known = exact_.remembered(pair, placement); known && known->gap_m > gap) return true;
+  return exact_.separation(pair, placement).gap_m > gap;
 }
 
 bool Checks::all_apart(const JointVector& positions) {
   placement_.set(bodies(), scene_, positions.data());
   for (std::size_t pair = 0; pair < scene_.pairs.size(); ++pair)
-    if (!pair_apart(static_cast<int>(pair), placement_)) return false;
+    if (!pair_apart(static_cast<int>(pair), placement_, kLeastGap_m)) return false;
   return true;
 }
 
@@ -81,7 +89,7 @@ bool Checks::lane_apart(const JointVector& positions, int flags, unsigned lane_b
     if ((flag.lanes & lane_bit) == 0) continue;
     if (!placed) placement_.set(bodies(), scene_, positions.data());
     placed = true;
-    if (!pair_apart(flag.pair, placement_)) return false;
+    if (!pair_apart(flag.pair, placement_, kLeastGap_m)) return false;
   }
   return true;
 }
@@ -132,7 +140,7 @@ std::optional<Contact> Checks::contact(const JointVector& positions) {
   if (!usable(positions)) throw std::invalid_argument("a state is not finite");
   placement_.set(bodies(), scene_, positions.data());
   for (int pair = 0; pair < static_cast<int>(scene_.pairs.size()); ++pair)
-    if (!pair_apart(pair, placement_))
+    if (!pair_apart(pair, placement_, 0))
       return named(pair, std::min(exact_.signed_distance(pair, placement_), scene_.pairs[pair].padding_m));
   return std::nullopt;
 }
@@ -140,11 +148,18 @@ std::optional<Contact> Checks::contact(const JointVector& positions) {
 std::optional<Contact> Checks::nearest(const JointVector& positions) {
   if (!usable(positions)) throw std::invalid_argument("a state is not finite");
   placement_.set(bodies(), scene_, positions.data());
+  // Pairs whose boxes are near each other first: few others are left to be looked at then.
+  std::vector<std::pair<double, int>> bounds;
+  for (int pair = 0; pair < static_cast<int>(scene_.pairs.size()); ++pair)
+    bounds.emplace_back(exact_.rough_bound(pair, placement_) - scene_.pairs[pair].padding_m, pair);
+  const auto farther = std::greater<>();
+  std::make_heap(bounds.begin(), bounds.end(), farther);
   double least = std::numeric_limits<double>::infinity();
   std::optional<Contact> result;
-  for (int pair = 0; pair < static_cast<int>(scene_.pairs.size()); ++pair) {
+  for (; !bounds.empty() && bounds.front().first < least; bounds.pop_back()) {
+    std::pop_heap(bounds.begin(), bounds.end(), farther);
+    const int pair = bounds.back().second;
     const double padding = scene_.pairs[pair].padding_m;
-    if (exact_.rough_bound(pair, placement_) - padding >= least) continue;
     const double distance = exact_.signed_distance(pair, placement_) - padding;
     if (distance >= least) continue;
     least = distance;
@@ -153,11 +168,14 @@ std::optional<Contact> Checks::nearest(const JointVector& positions) {
   return result;
 }
 
-double Checks::free_fraction(const JointVector& from, const JointVector& to, bool whole_only) {
+double Checks::free_fraction(const JointVector& from, const JointVector& to, bool whole_only,
+                             double deviation_rad) {
+  if (!(deviation_rad >= 0) || !std::isfinite(deviation_rad))
+    throw std::invalid_argument("the deviation of a motion must be 0 rad or more");
   ++counters.motions;
   if (!usable(from)) return -1;
   if (!usable(to)) return states_free(&from, 1, true)[0] ? 0 : -1;
-  const double fraction = MotionProof(*this, from, to).fraction(whole_only);
+  const double fraction = MotionProof(*this, from, to, deviation_rad).fraction(whole_only);
   counters.exact_pairs = exact_.queries();
   return fraction;
 }

@@ -46,8 +46,8 @@ std::optional<Contact> CollisionChecker::nearest(const JointVector& positions) {
   return checks_->nearest(positions);
 }
 
-bool CollisionChecker::motion_free(const JointVector& from, const JointVector& to) {
-  return checks_->free_fraction(from, to, true) >= 1;
+bool CollisionChecker::motion_free(const JointVector& from, const JointVector& to, double deviation_rad) {
+  return checks_->free_fraction(from, to, true, deviation_rad) >= 1;
 }
 
 double CollisionChecker::free_fraction(const JointVector& from, const JointVector& to) {

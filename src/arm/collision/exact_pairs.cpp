@@ -52,6 +52,10 @@ std::unique_ptr<btConvexShape> bullet_shape(const ConvexPart& part) {
   return shape;
 }
 
+Eigen::Vector3d support_point(const ConvexPart& part, const Pose& pose, const Eigen::Vector3d& direction) {
+  return pose * support(part, pose.linear().transpose() * direction);
+}
+
 double support_value(const ConvexPart& part, const Pose& pose, const Eigen::Vector3d& direction) {
   const Eigen::Vector3d local = pose.linear().transpose() * direction;
   return direction.dot(pose.translation()) + local.dot(support(part, local));
@@ -65,16 +69,17 @@ struct ExactPairs::Bullet {
   btVoronoiSimplexSolver simplex;
   btGjkEpaPenetrationDepthSolver depth;
 
-  btPointCollector closest(const btConvexShape& a, const btTransform& a_pose, const btConvexShape& b,
-                           const btTransform& b_pose, bool with_depth) {
-    btGjkPairDetector detector(&a, &b, &simplex, with_depth ? &depth : nullptr);
+  /// How deep two shapes that touch are in each other, as EPA sees it [m].
+  double penetration_m(const btConvexShape& a, const btTransform& a_pose, const btConvexShape& b,
+                       const btTransform& b_pose) {
+    btGjkPairDetector detector(&a, &b, &simplex, &depth);
     btGjkPairDetector::ClosestPointInput input;
     input.m_transformA = a_pose;
     input.m_transformB = b_pose;
     input.m_maximumDistanceSquared = BT_LARGE_FLOAT;
     btPointCollector collector;
     detector.getClosestPoints(input, collector, nullptr);
-    return collector;
+    return collector.m_hasResult ? std::max(0.0, -collector.m_distance) : 0.0;
   }
 };
 
@@ -157,28 +162,39 @@ std::optional<Separation> ExactPairs::remembered(int index, const Placement& pla
   return along(pair, placement, placement.bodies()[pair.ancestor].linear() * axes_[index]);
 }
 
-btPointCollector ExactPairs::closest(const PartPair& pair, const Placement& placement, bool with_depth) {
+Proximity ExactPairs::proximity(const PartPair& pair, const Placement& placement, double relative_tolerance) {
   ++queries_;
-  const btConvexShape& other = pair.self ? *bullet_->moving[pair.other] : *bullet_->obstacles[pair.other];
-  const btTransform other_pose =
-      pair.self ? to_bullet(placement.part(pair.other).root_T_part) : bullet_->obstacle_poses[pair.other];
-  return bullet_->closest(*bullet_->moving[pair.part], to_bullet(placement.part(pair.part).root_T_part),
-                          other, other_pose, with_depth);
+  const ConvexPart& part = *scene_.moving[pair.part].part;
+  const Pose& part_pose = placement.part(pair.part).root_T_part;
+  const ConvexPart& other = pair.self ? *scene_.moving[pair.other].part : *scene_.obstacles[pair.other].part;
+  const Pose& other_pose =
+      pair.self ? placement.part(pair.other).root_T_part : scene_.obstacles[pair.other].root_T_part;
+  const Eigen::Vector3d apart = part_pose.translation() - other_pose.translation();
+  const auto lowest = [&](const Eigen::Vector3d& direction) {
+    return Eigen::Vector3d(support_point(part, part_pose, -direction) -
+                           support_point(other, other_pose, direction));
+  };
+  return gjk(lowest, apart.isZero() ? Eigen::Vector3d::UnitZ() : apart, relative_tolerance);
 }
 
 Separation ExactPairs::separation(int index, const Placement& placement) {
+  constexpr double kLoose = 0.01;  // of the gap: an axis need not be better
   const PartPair& pair = scene_.pairs[index];
-  const btPointCollector found = closest(pair, placement, false);
-  if (!found.m_hasResult || found.m_distance <= 0) return {Eigen::Vector3d::UnitZ(), -1};
-  const btVector3& n = found.m_normalOnBInWorld;
-  Separation result = along(pair, placement, Eigen::Vector3d(n.x(), n.y(), n.z()).normalized());
-  axes_[index] = placement.bodies()[pair.ancestor].linear().transpose() * result.normal;
-  return result;
+  const Proximity found = proximity(pair, placement, kLoose);
+  if (!(found.at_least_m > 0)) return {found.axis, std::min(found.at_least_m, 0.0)};
+  axes_[index] = placement.bodies()[pair.ancestor].linear().transpose() * found.axis;
+  return along(pair, placement, found.axis);
 }
 
 double ExactPairs::signed_distance(int index, const Placement& placement) {
-  const btPointCollector found = closest(scene_.pairs[index], placement, true);
-  return found.m_hasResult ? found.m_distance : 0;
+  const PartPair& pair = scene_.pairs[index];
+  const Proximity found = proximity(pair, placement, 0);
+  if (found.at_least_m > 0) return found.at_least_m;
+  const btConvexShape& other = pair.self ? *bullet_->moving[pair.other] : *bullet_->obstacles[pair.other];
+  const btTransform other_pose =
+      pair.self ? to_bullet(placement.part(pair.other).root_T_part) : bullet_->obstacle_poses[pair.other];
+  return -bullet_->penetration_m(*bullet_->moving[pair.part],
+                                 to_bullet(placement.part(pair.part).root_T_part), other, other_pose);
 }
 
 double ExactPairs::rough_bound(int index, const Placement& placement) const {
@@ -217,7 +233,7 @@ bool ExactPairs::stays_apart(int index, const Moment& moment, const Separation& 
     } else {
       high = highest(pair, moment.placement, n);
     }
-    if (!(low - high - bend_m > pair.padding_m)) return false;
+    if (!(low - high - bend_m > pair.padding_m + kLeastGap_m)) return false;
   }
   return true;
 }

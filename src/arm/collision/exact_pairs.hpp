@@ -7,9 +7,8 @@
 
 #include <Eigen/Core>
 
+#include "arm/collision/gjk.hpp"
 #include "arm/collision/scene.hpp"
-
-struct btPointCollector;
 
 namespace extperfc::arm::collision {
 
@@ -19,6 +18,10 @@ struct Separation {
   Eigen::Vector3d normal{Eigen::Vector3d::UnitZ()};
   double gap_m{0};
 };
+
+/// What counts as free keeps this beyond its padding: above what a distance may be off by, so that no check
+/// of a state finds a contact on a motion that was proven [m].
+constexpr double kLeastGap_m = 1e-6;
 
 /// Where a scene's bodies are, and its moving parts as far as they were asked for. Not thread-safe.
 class Placement {
@@ -51,7 +54,8 @@ struct Moment {
 /// Sets `turning` and `sliding` from the poses and each joint's rate.
 void set_velocities(const Bodies& bodies, const std::vector<double>& rates, Moment& moment);
 
-/// Bullet on single pairs of a scene. Not thread-safe.
+/// Single pairs of a scene: distances by GJK with a certificate (gjk.hpp), depths of penetration by Bullet's
+/// EPA. Not thread-safe.
 class ExactPairs {
  public:
   explicit ExactPairs(const Scene& scene);
@@ -59,17 +63,17 @@ class ExactPairs {
   ExactPairs(const ExactPairs&) = delete;
   ExactPairs& operator=(const ExactPairs&) = delete;
 
-  /// The separation of a pair, as GJK finds it and the support functions confirm; its gap is a lower bound of
-  /// the distance, and within some 1e-5 m of it when positive. Its direction is remembered.
+  /// The separation of a pair, as GJK finds it and the support functions confirm: its gap is a lower bound of
+  /// the distance, and within kGjkTolerance_m and 1 % of it. A direction that separates is remembered.
   [[nodiscard]] Separation separation(int pair, const Placement& placement);
   /// The separation along the remembered direction, turned with the common ancestor; nothing the first time.
   [[nodiscard]] std::optional<Separation> remembered(int pair, const Placement& placement) const;
-  /// Distance, or minus the depth of penetration (EPA) [m].
+  /// Distance, to kGjkTolerance_m, or minus the depth of penetration (EPA) [m].
   [[nodiscard]] double signed_distance(int pair, const Placement& placement);
   /// A lower bound of the distance from bounding boxes; cheap.
   [[nodiscard]] double rough_bound(int pair, const Placement& placement) const;
-  /// Whether the plane of `separation`, found at `moment`, keeps the pair more than its padding apart for all
-  /// |t| <= half, when each point strays at most `bend_m` from its motion linear in t, both together.
+  /// Whether the plane of `separation`, found at `moment`, keeps the pair its padding and kLeastGap_m apart
+  /// for all |t| <= half, when each point strays at most `bend_m` from its motion linear in t, both together.
   [[nodiscard]] bool stays_apart(int pair, const Moment& moment, const Separation& separation, double half,
                                  double bend_m) const;
 
@@ -77,7 +81,8 @@ class ExactPairs {
 
  private:
   struct Bullet;
-  [[nodiscard]] btPointCollector closest(const PartPair& pair, const Placement& placement, bool with_depth);
+  [[nodiscard]] Proximity proximity(const PartPair& pair, const Placement& placement,
+                                    double relative_tolerance);
   [[nodiscard]] Separation along(const PartPair& pair, const Placement& placement,
                                  const Eigen::Vector3d& normal) const;
   /// Least value of m . x over the moving part.

@@ -29,22 +29,6 @@ void store(const Eigen::Vector3d& point, float* out) {
   for (int axis = 0; axis < 3; ++axis) out[axis] = static_cast<float>(point[axis]);
 }
 
-/// A ball about the balls of all parts on the body.
-Ball body_ball(const Scene& scene, int body) {
-  Eigen::Vector3d low = Eigen::Vector3d::Constant(INFINITY), high = -low;
-  for (const MovingPart& part : scene.moving)
-    if (part.body == body) {
-      low = low.cwiseMin((part.ball.centre.array() - part.ball.radius).matrix());
-      high = high.cwiseMax((part.ball.centre.array() + part.ball.radius).matrix());
-    }
-  if (!low.allFinite()) return {};
-  Ball ball{(low + high) / 2, 0};
-  for (const MovingPart& part : scene.moving)
-    if (part.body == body)
-      ball.radius = std::max(ball.radius, (part.ball.centre - ball.centre).norm() + part.ball.radius);
-  return ball;
-}
-
 KernelShape kernel_shape(PartKind kind) {
   switch (kind) {
     case PartKind::kBox:

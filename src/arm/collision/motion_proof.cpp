@@ -12,18 +12,19 @@ constexpr double kSafety = 1 + 1e-6;  // over the kernel's single precision
 constexpr double kSafety_m = 1e-7;
 
 KernelDrift drift_over(const MotionBound& bound, double half) {
-  return {static_cast<float>(bound.speed * half * kSafety + kSafety_m),
-          static_cast<float>(bound.acceleration * half * half / 2 * kSafety + kSafety_m)};
+  const double margin = bound.displacement * kSafety + kSafety_m;
+  return {static_cast<float>(bound.speed * half * kSafety + margin),
+          static_cast<float>(bound.acceleration * half * half / 2 * kSafety + margin)};
 }
 
 MotionBound sum(const MotionBound& a, const MotionBound& b) {
-  return {a.speed + b.speed, a.acceleration + b.acceleration};
+  return {a.speed + b.speed, a.acceleration + b.acceleration, a.displacement + b.displacement};
 }
 
 }  // namespace
 
-MotionProof::MotionProof(Checks& checks, const JointVector& from, const JointVector& to)
-    : checks_(checks), from_(from), way_(to - from), length_(way_.norm()) {
+MotionProof::MotionProof(Checks& checks, const JointVector& from, const JointVector& to, double deviation_rad)
+    : checks_(checks), from_(from), way_(to - from), length_(way_.norm()), deviation_rad_(deviation_rad) {
   for (const Body& body : checks.bodies().bodies)
     rates_.push_back(body.joint < 0 ? 0 : body.multiplier * way_[body.joint]);
   bound_drifts();
@@ -31,16 +32,14 @@ MotionProof::MotionProof(Checks& checks, const JointVector& from, const JointVec
 }
 
 void MotionProof::bound_drifts() {
-  const Bodies& bodies = checks_.bodies();
   const auto& farthest = checks_.farthest_;
-  for (std::size_t i = 0; i < bodies.bodies.size(); ++i)
-    world_bounds_.push_back(motion_bound(bodies, 0, static_cast<int>(i), farthest[i], rates_));
+  for (std::size_t i = 0; i < farthest.size(); ++i)
+    world_bounds_.push_back(part_bound(0, static_cast<int>(i), farthest[i]));
   for (const PairGroup& group : checks_.scene_.groups) {
     if (!group.self) continue;
     const int ancestor = checks_.scene_.pairs[group.first_pair].ancestor;
     const auto bound = [&](int body) {
-      return ancestor == 0 ? world_bounds_[body]
-                           : motion_bound(bodies, ancestor, body, farthest[body], rates_);
+      return ancestor == 0 ? world_bounds_[body] : part_bound(ancestor, body, farthest[body]);
     };
     self_bounds_.push_back(sum(bound(group.body), bound(group.other)));
   }
@@ -59,7 +58,7 @@ void MotionProof::count_intervals() {
 }
 
 double MotionProof::fraction(bool whole_only) {
-  if (length_ == 0) return checks_.states_free(&from_, 1, true)[0] ? 1 : -1;
+  if (length_ == 0 && deviation_rad_ == 0) return checks_.states_free(&from_, 1, true)[0] ? 1 : -1;
   const int batches = intervals_ / kLanes;
   constexpr unsigned kAll = (1U << kLanes) - 1;
   for (int batch = 0; batch < batches; ++batch) {
@@ -119,20 +118,28 @@ void MotionProof::set_moment(Moment& moment, double parameter) const {
   set_velocities(checks_.bodies(), rates_, moment);
 }
 
+MotionBound MotionProof::part_bound(int ancestor, int body, const std::vector<double>& from_axis) const {
+  MotionBound bound = motion_bound(checks_.bodies(), ancestor, body, from_axis, rates_);
+  if (deviation_rad_ > 0)
+    bound.displacement = deviation_rad_ * displacement_per_rad(checks_.bodies(), ancestor, body, from_axis);
+  return bound;
+}
+
 MotionBound MotionProof::pair_bound(int index) const {
   const PartPair& pair = checks_.scene_.pairs[index];
   const auto bound = [&](int part) {
     const MovingPart& moving = checks_.scene_.moving[part];
-    return motion_bound(checks_.bodies(), pair.ancestor, moving.body, moving.reach.from_axis, rates_);
+    return part_bound(pair.ancestor, moving.body, moving.reach.from_axis);
   };
   return pair.self ? sum(bound(pair.part), bound(pair.other)) : bound(pair.part);
 }
 
 bool MotionProof::pair_proven(int pair, const MotionBound& bound, double middle, double half, int depth) {
   const Moment& moment = moments_[depth];
-  const double padding = checks_.scene_.pairs[pair].padding_m;
-  const double bend = bound.acceleration * half * half / 2;
-  if (checks_.exact_.rough_bound(pair, moment.placement) > padding + bound.speed * half) return true;
+  const double padding = checks_.scene_.pairs[pair].padding_m + kLeastGap_m;
+  const double bend = bound.acceleration * half * half / 2 + bound.displacement;
+  if (checks_.exact_.rough_bound(pair, moment.placement) > padding + bound.speed * half + bound.displacement)
+    return true;
   if (const auto known = checks_.exact_.remembered(pair, moment.placement);
       known && checks_.exact_.stays_apart(pair, moment, *known, half, bend))
     return true;

@@ -12,10 +12,12 @@ namespace extperfc::arm::collision {
 ///
 /// The motion, parameter 0 to 1, is cut into equal intervals, a multiple of the kernel's lanes and so many
 /// that the bend of no body exceeds 2 mm. The spheres clear pairs over whole intervals; a pair that they do
-/// not clear is proven by Bullet's separating plane, over halves of halves of the interval where needed.
+/// not clear is proven by the separating plane that GJK finds, over halves of halves of the interval where
+/// needed.
 class MotionProof {
  public:
-  MotionProof(Checks& checks, const JointVector& from, const JointVector& to);
+  /// `deviation_rad` as in CollisionChecker::motion_free().
+  MotionProof(Checks& checks, const JointVector& from, const JointVector& to, double deviation_rad);
   /// As Checks::free_fraction().
   [[nodiscard]] double fraction(bool whole_only);
 
@@ -28,6 +30,7 @@ class MotionProof {
   [[nodiscard]] bool lane_proven(double middle, int flags, unsigned lane_bit);
   [[nodiscard]] bool all_pairs_proven(double middle);
   void set_moment(Moment& moment, double parameter) const;
+  [[nodiscard]] MotionBound part_bound(int ancestor, int body, const std::vector<double>& from_axis) const;
   [[nodiscard]] MotionBound pair_bound(int pair) const;
   [[nodiscard]] bool pair_proven(int pair, const MotionBound& bound, double middle, double half, int depth);
   [[nodiscard]] bool halves_proven(int pair, const MotionBound& bound, double middle, double half, int depth);
@@ -37,6 +40,7 @@ class MotionProof {
   Checks& checks_;
   const JointVector from_, way_;
   const double length_;
+  const double deviation_rad_;
   std::vector<double> rates_;  ///< per body
   std::vector<MotionBound> world_bounds_, self_bounds_;
   std::vector<float> kernel_rates_;

@@ -1,6 +1,7 @@
 #include "arm/collision/scene.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <utility>
 
 namespace extperfc::arm::collision {
@@ -166,6 +167,21 @@ class SceneBuilder {
 };
 
 }  // namespace
+
+Ball body_ball(const Scene& scene, int body) {
+  Eigen::Vector3d low = Eigen::Vector3d::Constant(INFINITY), high = -low;
+  for (const MovingPart& part : scene.moving)
+    if (part.body == body) {
+      low = low.cwiseMin((part.ball.centre.array() - part.ball.radius).matrix());
+      high = high.cwiseMax((part.ball.centre.array() + part.ball.radius).matrix());
+    }
+  if (!low.allFinite()) return {};
+  Ball ball{(low + high) / 2, 0};
+  for (const MovingPart& part : scene.moving)
+    if (part.body == body)
+      ball.radius = std::max(ball.radius, (part.ball.centre - ball.centre).norm() + part.ball.radius);
+  return ball;
+}
 
 Result<Scene> make_scene(const Bodies& bodies, const CollisionWorld& world) {
   return SceneBuilder(bodies, world).build();

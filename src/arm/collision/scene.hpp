@@ -53,6 +53,9 @@ struct Scene {
   std::vector<PairGroup> groups;
 };
 
+/// A ball about the balls of all parts on the body, in the body's frame; radius 0 when there are none.
+[[nodiscard]] Ball body_ball(const Scene& scene, int body);
+
 /// Errors: an object attached to a link that the robot lacks, an object named like a link. Pairs that are too
 /// far apart in every position of the joints are left out.
 [[nodiscard]] Result<Scene> make_scene(const Bodies& bodies, const CollisionWorld& world);

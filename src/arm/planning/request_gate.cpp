@@ -90,7 +90,7 @@ class Gate {
 
   [[nodiscard]] Contact collision(const JointVector& state) const {
     if (auto contact = checker_.contact(state)) return *contact;
-    return Contact{"something", "something else", 0.0};  // a gap too small to prove
+    return checker_.nearest(state).value();  // not in contact, but too near to be proven free
   }
 
   CollisionChecker& checker_;

@@ -1,6 +1,9 @@
 // Motions: what is proven free is free for Bullet every 0.002 rad, and what is free is nearly always proven.
 #include <algorithm>
 #include <cmath>
+#include <functional>
+#include <stdexcept>
+#include <string>
 
 #include <gtest/gtest.h>
 
@@ -85,6 +88,73 @@ TEST(Motion, HoldsWithThingsInTheHandsAndPadding) {
   EXPECT_EQ(0, score.wrong);
   EXPECT_GT(score.free, 5);
   EXPECT_GE(score.proven, 0.9 * score.free);
+}
+
+/// Random motions, some of which are free, among cylinders and cones, where axes are hard to find.
+void for_motions_among_round_things(int motions, Rng& rng,
+                                    const std::function<void(const CollisionModel&, const CollisionWorld&,
+                                                             const JointVector&, const JointVector&)>& use) {
+  const auto model = CollisionModel::make(test::baxter(), test::group_params("left_arm")).value();
+  CollisionWorld world;
+  for (int i = 0; i < 8; ++i) {
+    Shape shape;
+    shape.geometry = test::random_geometry(i % 2 == 0 ? 1 : 3, rng);
+    test::must(world.add(
+        {"round_" + std::to_string(i), {shape}, test::random_pose(rng, {0.3, 0.0, 0.6}, {1.1, 1.0, 1.4})}));
+  }
+  for (int i = 0; i < motions; ++i) {
+    const JointVector from = test::random_state(model.limits(), rng);
+    use(model, world, from, from + 0.3 * (test::random_state(model.limits(), rng) - from));
+  }
+}
+
+TEST(Motion, NoStateOfAProvenMotionIsFoundInContact) {
+  Rng rng(27);
+  int proven = 0;
+  for_motions_among_round_things(
+      400, rng, [&](const auto& model, const auto& world, const auto& from, const auto& to) {
+        if (!CollisionChecker::make(model, world).value().motion_free(from, to)) return;
+        ++proven;
+        // Each state by a checker that has seen nothing before, which would help it.
+        for (int i = 0; i <= 20; ++i) {
+          CollisionChecker exact = CollisionChecker::make(model, world, {1e-3, false}).value();
+          const JointVector state = from + (to - from) * (i / 20.0);
+          const auto contact = exact.contact(state);
+          EXPECT_FALSE(contact) << contact->first << " and " << contact->second << ", "
+                                << exact.nearest(state)->distance_m;
+          EXPECT_TRUE(exact.is_free(state));
+        }
+      });
+  EXPECT_GT(proven, 40);
+}
+
+TEST(Motion, ADeviationIsProvenFreeToo) {
+  constexpr double kDeviation = 0.02;  // [rad]
+  Rng rng(28);
+  int proven = 0, refused = 0;
+  for_motions_among_round_things(
+      400, rng, [&](const auto& model, const auto& world, const auto& from, const auto& to) {
+        CollisionChecker checker = CollisionChecker::make(model, world).value();
+        const bool straight = checker.motion_free(from, to);
+        if (!checker.motion_free(from, to, kDeviation)) {
+          refused += straight ? 1 : 0;
+          return;
+        }
+        EXPECT_TRUE(straight);
+        ++proven;
+        for (int i = 0; i < 100; ++i) {
+          JointVector aside(from.size());
+          for (auto& value : aside) value = rng.normal(0, 1);
+          const JointVector state = from + (to - from) * rng.uniform(0, 1) + kDeviation * aside.normalized();
+          EXPECT_TRUE(checker.is_free(state));
+        }
+      });
+  EXPECT_GT(proven, 30);
+  EXPECT_GT(refused, 0) << "nothing was near enough to tell the difference";
+  EXPECT_THROW((void)CollisionChecker::make(test::group_model("left_arm"), {})
+                   .value()
+                   .motion_free(JointVector::Zero(7), JointVector::Zero(7), -1),
+               std::invalid_argument);
 }
 
 TEST(Motion, BulletAloneProvesTheSame) {
