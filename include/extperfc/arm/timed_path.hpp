@@ -31,8 +31,8 @@ class TimedPath {
   /// every 10 ms and at both ends.
   [[nodiscard]] double deviation(const JointVector& measured, double from_s, double to_s) const;
 
-  /// Largest time [s] up to which the motion from `from_s` on is proven free, as chords that leave it by
-  /// 1e-3 rad at most; duration_s() when all of it is. The checker's joints are the path's, in its order.
+  /// Largest time [s] up to which the motion from `from_s` on, as the controller follows it, is proven free;
+  /// duration_s() when all of it is. The checker's joints are the path's, in its order.
   [[nodiscard]] double free_until(CollisionChecker& checker, double from_s) const;
 
  private:

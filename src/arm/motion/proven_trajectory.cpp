@@ -3,25 +3,32 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <optional>
 #include <utility>
+
+#include "arm/motion/spline_proof.hpp"
 
 namespace extperfc::arm::motion {
 
 namespace {
 
-constexpr double kChordError = 1e-4;  // [rad]
-constexpr double kLeast = 1e-3;       // a corner rounded by less is stopped at [rad]
+constexpr double kChordError = 1e-4;       // [rad]
+constexpr double kLeast = 1e-3;            // a corner rounded by less is stopped at [rad]
+constexpr double kFinestTolerance = 1e-7;  // of the points; the last one tried [rad]
+constexpr double kFiner = 0.1;
 
 /// q'' of a corner is turn * (6 x - 6 x^2) / length: 1.5 |turn| / length at most. A chord over ds leaves a
-/// curve by at most ds^2 / 8 of that.
-bool corner_free(CollisionChecker& checker, const PathPiece& corner) {
+/// curve by at most ds^2 / 8 of that; the points leave the curve by `tolerance_rad` more in each joint.
+bool corner_free(CollisionChecker& checker, const PathPiece& corner, double tolerance_rad) {
   const double curvature = 1.5 * corner.turn.norm() / corner.length;
   const double chord = std::sqrt(8.0 * kChordError / std::max(curvature, 1e-9));
   const int chords = 1 + static_cast<int>(corner.length / chord);
+  const double deviation = std::min(kChordError, curvature * std::pow(corner.length / chords, 2) / 8) +
+                           std::sqrt(static_cast<double>(corner.turn.size())) * tolerance_rad;
   JointVector from = corner.position;
   for (int i = 1; i <= chords; ++i) {
     const JointVector to = evaluate(corner, corner.length * i / chords).position;
-    if (!checker.motion_free(from, to)) return false;
+    if (!checker.motion_free(from, to, deviation)) return false;
     from = to;
   }
   return true;
@@ -39,23 +46,89 @@ std::size_t nearest(const std::vector<JointVector>& waypoints, const JointVector
   return best;
 }
 
-/// Halves what corners that are not free may deviate; false when all are free.
-bool sharpen(CollisionChecker& checker, const JointPath& path, const std::vector<JointVector>& waypoints,
-             std::vector<double>* deviations, std::vector<bool>* proven) {
-  bool changed = false;
-  for (const auto& piece : path.pieces()) {
-    if (piece.straight) continue;
-    const auto corner = nearest(waypoints, evaluate(piece, 0.5 * piece.length).position);
-    if ((*proven)[corner]) continue;
-    if (corner_free(checker, piece)) {
-      (*proven)[corner] = true;
-      continue;
-    }
-    (*deviations)[corner] = (*deviations)[corner] > 2.0 * kLeast ? 0.5 * (*deviations)[corner] : 0.0;
-    changed = true;
-  }
-  return changed;
+/// Makes a corner rounder by half as little, or a stop.
+void sharpen(double& deviation_rad) {
+  deviation_rad = deviation_rad > 2.0 * kLeast ? 0.5 * deviation_rad : 0.0;
 }
+
+/// Tries with less and less rounding, then with finer points, until the proof succeeds.
+class Prover {
+ public:
+  Prover(CollisionChecker& checker, const std::vector<JointVector>& waypoints, const CornerParams& corners)
+      : checker_(checker),
+        waypoints_(waypoints),
+        path_params_{1.0, corners.deviation_rad},
+        proven_(waypoints.size(), false),
+        tolerance_rad_(corners.point_tolerance_rad) {}
+
+  Result<ProvenTrajectory> run(const TrajectoryLimits& limits, const TimeParams& times) {
+    for (;;) {
+      auto path = rounded_path();
+      if (!path) return tl::unexpected(path.error());
+      auto trajectory = parameterize(*path, limits, times);
+      if (!trajectory) return tl::unexpected(trajectory.error());
+      PointParams sampling;
+      sampling.tolerance_rad = tolerance_rad_;
+      auto points = to_points(*trajectory, sampling);
+      if (!points) return tl::unexpected(points.error());
+      const auto blocked = first_unproven(*points);
+      if (!blocked) return ProvenTrajectory{std::move(*trajectory), std::move(*points), 0};
+      if (!try_harder(*blocked))
+        return fail(ErrorCode::kInvalidArgument, "clearance too small to prove the trajectory free");
+    }
+  }
+
+  [[nodiscard]] const std::vector<double>& deviations() const { return path_params_.corner_deviation_rad; }
+
+ private:
+  /// With corners that are all proven.
+  Result<JointPath> rounded_path() {
+    auto path = JointPath::make(waypoints_, path_params_);
+    while (path && sharpen_corners(*path)) path = JointPath::make(waypoints_, path_params_);
+    return path;
+  }
+
+  /// Sharpens what corners are not free; false when all are.
+  bool sharpen_corners(const JointPath& path) {
+    bool changed = false;
+    for (const auto& piece : path.pieces()) {
+      if (piece.straight) continue;
+      const auto corner = nearest(waypoints_, evaluate(piece, 0.5 * piece.length).position);
+      if (proven_[corner]) continue;
+      if (corner_free(checker_, piece, tolerance_rad_)) {
+        proven_[corner] = true;
+        continue;
+      }
+      sharpen(path_params_.corner_deviation_rad[corner]);
+      changed = true;
+    }
+    return changed;
+  }
+
+  /// Where the points' spline is not proven free.
+  [[nodiscard]] std::optional<JointVector> first_unproven(const std::vector<TrajectoryPoint>& points) const {
+    for (std::size_t i = 1; i < points.size(); ++i)
+      if (proven_fraction(checker_, points[i - 1], points[i]) < 1)
+        return JointVector(0.5 * (points[i - 1].position + points[i].position));
+    return std::nullopt;
+  }
+
+  bool try_harder(const JointVector& blocked) {
+    double& deviation = path_params_.corner_deviation_rad[nearest(waypoints_, blocked)];
+    if (deviation > 0) {
+      sharpen(deviation);
+      return true;
+    }
+    tolerance_rad_ *= kFiner;
+    return tolerance_rad_ >= kFinestTolerance;
+  }
+
+  CollisionChecker& checker_;
+  const std::vector<JointVector>& waypoints_;
+  JointPathParams path_params_;
+  std::vector<bool> proven_;  ///< corners, by their waypoints; sharper ones of them too
+  double tolerance_rad_;
+};
 
 }  // namespace
 
@@ -63,22 +136,12 @@ Result<ProvenTrajectory> prove_trajectory(CollisionChecker& checker,
                                           const std::vector<JointVector>& waypoints,
                                           const TrajectoryLimits& limits, const TimeParams& times,
                                           const CornerParams& corners) {
-  JointPathParams params{1.0, corners.deviation_rad};
-  std::vector<bool> proven(waypoints.size(), false);
-  auto path = JointPath::make(waypoints, params);
-  while (path && sharpen(checker, *path, waypoints, &params.corner_deviation_rad, &proven))
-    path = JointPath::make(waypoints, params);
-  if (!path) return tl::unexpected(path.error());
-  auto trajectory = parameterize(*path, limits, times);
-  if (!trajectory) return tl::unexpected(trajectory.error());
-  PointParams sampling;
-  sampling.tolerance_rad = corners.point_tolerance_rad;
-  auto points = to_points(*trajectory, sampling);
-  if (!points) return tl::unexpected(points.error());
-  int sharpened = 0;
+  Prover prover(checker, waypoints, corners);
+  auto proven = prover.run(limits, times);
+  if (!proven) return proven;
   for (std::size_t i = 0; i < waypoints.size(); ++i)
-    if (params.corner_deviation_rad[i] < corners.deviation_rad[i]) ++sharpened;
-  return ProvenTrajectory{std::move(*trajectory), std::move(*points), sharpened};
+    if (prover.deviations()[i] < corners.deviation_rad[i]) ++proven->sharpened;
+  return proven;
 }
 
 }  // namespace extperfc::arm::motion

@@ -17,13 +17,13 @@ struct ProvenTrajectory {
 
 struct CornerParams {
   std::vector<double> deviation_rad;  ///< of each waypoint, see JointPathParams
-  double point_tolerance_rad{5e-5};   ///< of one joint, between the points at corners
+  double point_tolerance_rad{5e-5};   ///< of one joint, between the points
 };
 
-/// The fastest motion along `waypoints`, whose straight segments were proven free. Each rounded corner is
-/// proven free too, as chords that leave it by 1e-4 rad at most, and is rounded less, or stopped at, where
-/// that does not succeed. On the straight lines points leave nothing: with no rounding at all everything is
-/// on the proven lines.
+/// The fastest motion along `waypoints`, whose straight segments were proven free. What is proven in the end
+/// is the spline through the points, as the controller follows it. Where that does not succeed, corners are
+/// rounded less or stopped at, then the points are brought nearer to the path; with no rounding at all
+/// everything is on the straight segments. Error: something is so near that not even that can be proven.
 [[nodiscard]] Result<ProvenTrajectory> prove_trajectory(CollisionChecker& checker,
                                                         const std::vector<JointVector>& waypoints,
                                                         const TrajectoryLimits& limits,

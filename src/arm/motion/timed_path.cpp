@@ -5,6 +5,8 @@
 #include <limits>
 #include <utility>
 
+#include "arm/motion/spline_proof.hpp"
+
 namespace extperfc::arm {
 
 namespace {
@@ -86,27 +88,15 @@ double TimedPath::deviation(const JointVector& measured, double from_s, double t
 }
 
 double TimedPath::free_until(CollisionChecker& checker, double from_s) const {
-  double proven = std::clamp(from_s, 0.0, duration_s());
-  JointVector from = position(proven);
-  if (!checker.is_free(from)) return proven;
-  for (std::size_t i = 0; i < points_.size(); ++i) {
-    const double end = points_[i].time_s;
-    if (end <= proven) continue;
-    // The second derivative of a cubic is largest at an end of its interval.
-    const auto& a = points_[i == 0 ? 0 : i - 1];
-    const double h = std::max(end - a.time_s, 1e-9);
-    const JointVector way = points_[i].position - a.position;
-    const double bend = std::max((6 * way - h * (4 * a.velocity + 2 * points_[i].velocity)).norm(),
-                                 (6 * way - h * (2 * a.velocity + 4 * points_[i].velocity)).norm());
-    const int chords = 1 + static_cast<int>(std::sqrt(bend / 8e-3));
-    const double begin = proven;
-    for (int c = 1; c <= chords; ++c) {
-      const double t = c == chords ? end : begin + (end - begin) * c / chords;
-      const JointVector to = position(t);
-      if (!checker.motion_free(from, to)) return proven;
-      from = to;
-      proven = t;
-    }
+  const double begin_s = std::clamp(from_s, 0.0, duration_s());
+  if (!checker.is_free(position(begin_s))) return begin_s;
+  for (std::size_t i = 1; i < points_.size(); ++i) {
+    const auto& before = points_[i - 1];
+    const double length_s = points_[i].time_s - before.time_s;
+    if (points_[i].time_s <= begin_s) continue;
+    const double begin = std::max(0.0, (begin_s - before.time_s) / length_s);
+    const double proven = motion::proven_fraction(checker, before, points_[i], begin);
+    if (proven < 1) return before.time_s + proven * length_s;
   }
   return duration_s();
 }
