@@ -30,8 +30,9 @@ class RosSession:
         os.environ.pop("ROS_HOSTNAME", None)
 
     def launch(self, package, launch_file, **arguments):
-        """Starts a launch file; arguments are its `name:=value` pairs."""
-        words = ["roslaunch", "-p", str(self.port), package, launch_file]
+        """Starts a launch file of a package, or one given by its path (package None); arguments are its `name:=value`
+        pairs."""
+        words = ["roslaunch", "-p", str(self.port), *([package] if package else []), str(launch_file)]
         words += [f"{name}:={value}" for name, value in arguments.items()]
         with open(self.log_file, "w") as log:
             self.process = subprocess.Popen(words, stdout=log, stderr=subprocess.STDOUT, stdin=subprocess.DEVNULL)

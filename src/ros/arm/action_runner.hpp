@@ -72,6 +72,7 @@ class ActionRunner {
     Ending ending;
     const Hooks hooks{[this] { return interrupted(); },
                       [this](const std::string& stage, double executed) { report(stage, executed); },
+                      {},
                       {}};
     try {
       ending = work_(goal, hooks, result);

@@ -143,7 +143,10 @@ Hooks ArmNode::with_stops(const Hooks& hooks, const ArmsLease::Hold& hold) {
             return hooks.interrupted();
           },
           hooks.progress,
-          {}};
+          {},
+          [this](const trajectory_msgs::JointTrajectory& trajectory) {
+            trajectory_publisher_.publish(trajectory);
+          }};
 }
 
 Ending ArmNode::pick(const extperfc::PickGoal& goal, const Hooks& hooks, extperfc::PickResult& result) {
@@ -178,7 +181,6 @@ Ending ArmNode::move(const extperfc::MoveArmGoal& goal, const Hooks& hooks, extp
   } else {
     moved = mover_.move(std::move(*request), goal.replans, stops);
   }
-  if (!moved.trajectory.points.empty()) trajectory_publisher_.publish(moved.trajectory);
   result.trajectory = std::move(moved.trajectory);
   result.fraction = moved.fraction;
   result.executed = moved.executed;

@@ -157,6 +157,7 @@ Moved Commander::move(MotionRequest request, std::uint32_t replans, const Hooks&
     moved.trajectory = convert::to_message(outcome.joints, outcome.points);
     const auto path = arm::TimedPath::make(outcome.joints, outcome.points);
     if (!path) return moved.ending = {ArmCode::kInternal, path.error().message}, moved;
+    if (hooks.planned) hooks.planned(moved.trajectory);
     const auto execution = shared_.executor.run(*path, pipeline_, hooks);
     moved.executed = execution.executed;
     if (execution.ending.code == ArmCode::kSuccess) return moved;
@@ -174,6 +175,7 @@ Moved Commander::execute(const trajectory_msgs::JointTrajectory& trajectory, con
   moved.fraction = 1.0;
   const auto path = convert::to_path(trajectory);
   if (!path) return moved.ending = {ArmCode::kInvalidRequest, path.error().message}, moved;
+  if (hooks.planned) hooks.planned(moved.trajectory);
   const auto execution = shared_.executor.run(*path, pipeline_, hooks);
   moved.ending = execution.ending;
   moved.executed = execution.executed;

@@ -97,19 +97,28 @@ class Executor::Motion {
     if (const auto wrong = look_first()) return {*wrong, 0.0};
     for (auto* controller : controllers_)
       if (auto connected = executor_.connect(*controller); !connected) return {connected.error(), 0.0};
-    for (auto* controller : controllers_) {
-      control_msgs::FollowJointTrajectoryGoal goal;
-      const auto part = path_.only((*executor_.arms_.group(controller->group))->joints);
-      goal.trajectory = convert::to_message(part->joints(), part->points());
-      controller->client->sendGoal(goal);
-    }
-    started_ = ros::Time::now();
+    send_goals();
     const auto ending = watch();
     if (ending.code != ArmCode::kSuccess) stop();
     return {ending, ending.code == ArmCode::kSuccess ? 1.0 : executed_};
   }
 
  private:
+  /// See Executor. `started_` is that start by our own clock.
+  void send_goals() {
+    const bool together = controllers_.size() > 1;
+    const ros::Duration delay(together ? executor_.params_.start_delay_s : 0.0);
+    const ros::Time stamp = together ? executor_.watch_.robot_time() + delay : ros::Time();
+    started_ = ros::Time::now() + delay;
+    for (auto* controller : controllers_) {
+      control_msgs::FollowJointTrajectoryGoal goal;
+      const auto part = path_.only((*executor_.arms_.group(controller->group))->joints);
+      goal.trajectory = convert::to_message(part->joints(), part->points());
+      goal.trajectory.header.stamp = stamp;
+      controller->client->sendGoal(goal);
+    }
+  }
+
   [[nodiscard]] double elapsed() const { return std::max(0.0, (ros::Time::now() - started_).toSec()); }
 
   /// Whether it may begin.

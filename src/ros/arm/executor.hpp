@@ -8,6 +8,7 @@
 #include <actionlib/client/simple_action_client.h>
 #include <control_msgs/FollowJointTrajectoryAction.h>
 #include <ros/node_handle.h>
+#include <trajectory_msgs/JointTrajectory.h>
 
 #include "extperfc/arm/motion_pipeline.hpp"
 #include "extperfc/arm/timed_path.hpp"
@@ -27,6 +28,8 @@ struct Hooks {
   std::function<void(const std::string& stage, double executed)> progress;
   /// Contacts that this motion may have, allowed in the present world. May be empty.
   std::function<void(arm::CollisionWorld& world)> allow;
+  /// Called with every trajectory before it is executed. May be empty.
+  std::function<void(const trajectory_msgs::JointTrajectory& trajectory)> planned;
 };
 
 struct Execution {
@@ -37,6 +40,10 @@ struct Execution {
 /// Has the robot's trajectory servers follow a path, and watches: the way ahead whenever the scene changes,
 /// the joints, the robot's state. Whatever goes wrong, all arms stop before run() returns. One motion at a
 /// time: callers see to that.
+///
+/// A path for several servers is proven free for joints that move together, so all of them get the same start
+/// time (header.stamp, on the robot's clock), `start_delay_s` ahead. A single server starts at once (stamp
+/// 0).
 class Executor {
  public:
   Executor(const ros::NodeHandle& handle, const arm::RobotArms& arms, const RobotWatch& watch,

@@ -7,6 +7,12 @@ namespace extperfc::arm_node {
 using arm::ArmCode;
 using baxter_core_msgs::AssemblyState;
 
+namespace {
+
+constexpr double kClockWindow_s = 1.0;  // of the samples that the robot's clock is read from
+
+}  // namespace
+
 RobotWatch::RobotWatch(ros::NodeHandle handle, const Params& params) : params_(params) {
   joints_subscriber_ = handle.subscribe("robot/joint_states", 1, &RobotWatch::on_joints, this,
                                         ros::TransportHints().tcpNoDelay());
@@ -20,6 +26,20 @@ void RobotWatch::on_joints(const sensor_msgs::JointStateConstPtr& message) {
   for (std::size_t i = 0; i < count; ++i)
     if (std::isfinite(message->position[i])) positions_[message->name[i]] = message->position[i];
   heard_ = ros::WallTime::now();
+  if (!message->header.stamp.isZero()) note_clock(message->header.stamp);
+}
+
+void RobotWatch::note_clock(const ros::Time& stamp) {
+  const ros::Duration ahead = stamp - ros::Time::now();
+  while (!clock_samples_.empty() && clock_samples_.back().robot_ahead <= ahead) clock_samples_.pop_back();
+  clock_samples_.push_back({heard_, ahead});
+  while ((heard_ - clock_samples_.front().heard).toSec() > kClockWindow_s) clock_samples_.pop_front();
+}
+
+ros::Time RobotWatch::robot_time() const {
+  const std::lock_guard lock(mutex_);
+  const ros::Time now = ros::Time::now();
+  return clock_samples_.empty() ? now : now + clock_samples_.front().robot_ahead;
 }
 
 void RobotWatch::on_state(const baxter_core_msgs::AssemblyStateConstPtr& message) {

@@ -81,6 +81,7 @@ void read_execution(ParamReader& reader, ExecutionParams& params) {
   reader.read("joint_state_timeout_s", params.joint_state_timeout_s, {0.05, 10.0});
   reader.read("finish_time_s", params.finish_time_s, {0.1, 60.0});
   reader.read("connect_timeout_s", params.connect_timeout_s, {0.0, 60.0});
+  reader.read("start_delay_s", params.start_delay_s, {0.01, 2.0});
   reader.read("robot_state", params.robot_state);
 }
 

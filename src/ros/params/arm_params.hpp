@@ -30,6 +30,7 @@ struct ExecutionParams {
   double joint_state_timeout_s{1.0};  ///< older joint states are none [s], [0.05, 10]
   double finish_time_s{3.0};          ///< beyond the trajectory's duration that it may take, [0.1, 60]
   double connect_timeout_s{3.0};      ///< wait for a trajectory server [s of wall time], [0, 60]
+  double start_delay_s{0.1};          ///< of motions by several servers, to start together, [0.01, 2]
   bool robot_state{true};             ///< robot/state tells whether the robot is enabled
 };
 
