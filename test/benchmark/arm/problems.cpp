@@ -65,19 +65,6 @@ bool read_states(const std::string& kind, std::istringstream& line, ArmProblem* 
   return kind == "START" && next == "GOAL" && read_states(next, line, problem);
 }
 
-struct Baxter {
-  RobotModel robot;
-  arm::AllowedPairs allowed;
-};
-
-Result<Baxter> load_baxter() {
-  auto robot = RobotModel::from_file(kRoot / "urdf/mobile_baxter.urdf", kRoot);
-  if (!robot) return tl::unexpected(robot.error());
-  auto srdf = arm::read_srdf(kRoot / "config/robots/baxter/mobile_baxter.srdf");
-  if (!srdf) return tl::unexpected(srdf.error());
-  return Baxter{*std::move(robot), arm::allowed_pairs(*srdf)};
-}
-
 }  // namespace
 
 Result<std::vector<ArmProblem>> read_problems(const std::filesystem::path& file) {
@@ -115,26 +102,46 @@ arm::JointVector states_of(const arm::JointVector& both, ArmGroup group) {
   return group == ArmGroup::kBoth ? both : arm::JointVector(both.head(kArmJoints));
 }
 
+const Result<arm::RobotArms>& baxter_arms() {
+  static const Result<arm::RobotArms> arms = []() -> Result<arm::RobotArms> {
+    auto robot = RobotModel::from_file(kRoot / "urdf/mobile_baxter.urdf", kRoot);
+    if (!robot) return tl::unexpected(robot.error());
+    auto srdf = arm::read_srdf(kRoot / "config/robots/baxter/mobile_baxter.srdf");
+    if (!srdf) return tl::unexpected(srdf.error());
+    return arm::RobotArms::make(*robot, *srdf);
+  }();
+  return arms;
+}
+
 namespace {
 
-/// The model of a group with open grippers.
-Result<arm::CollisionModel> make_model(const Baxter& baxter, const ArmProblem& problem, ArmGroup group) {
+/// Both arms at the problem's start, grippers open.
+arm::JointPositions standing(const ArmProblem& problem) {
   constexpr double kOpenM = 0.020833;
-  arm::CollisionModelParams params;
-  params.allowed = baxter.allowed;
+  arm::JointPositions positions;
   for (const char* side : {"l", "r"}) {
-    params.fixed_positions[std::string(side) + "_gripper_l_finger_joint"] = kOpenM;
-    params.fixed_positions[std::string(side) + "_gripper_r_finger_joint"] = -kOpenM;
+    positions[std::string(side) + "_gripper_l_finger_joint"] = kOpenM;
+    positions[std::string(side) + "_gripper_r_finger_joint"] = -kOpenM;
   }
-  for (const char* joint : kJoints) params.joints.push_back(std::string("left_") + joint);
   for (int j = 0; j < kArmJoints; ++j) {
-    const std::string name = std::string("right_") + kJoints[j];
-    if (group == ArmGroup::kBoth)
-      params.joints.push_back(name);
-    else
-      params.fixed_positions[name] = problem.start[kArmJoints + j];
+    positions[std::string("left_") + kJoints[j]] = problem.start[j];
+    positions[std::string("right_") + kJoints[j]] = problem.start[kArmJoints + j];
   }
-  return arm::CollisionModel::make(baxter.robot, params);
+  return positions;
+}
+
+Result<arm::CollisionModel> make_model(const arm::RobotArms& arms, const arm::JointPositions& positions,
+                                       ArmGroup group) {
+  arm::CollisionModelParams params;
+  params.allowed = arm::allowed_pairs(arms.srdf());
+  params.fixed_positions = positions;
+  for (const char* side : {"left_", "right_"})
+    for (const char* joint : kJoints) {
+      if (group == ArmGroup::kLeft && side[0] == 'r') continue;
+      params.joints.push_back(std::string(side) + joint);
+      params.fixed_positions.erase(params.joints.back());
+    }
+  return arm::CollisionModel::make(arms.robot(), params);
 }
 
 bool is_finger(const std::string& link) {
@@ -163,11 +170,11 @@ Result<void> allow_grasps(const arm::CollisionModel& model, const arm::JointVect
 
 }  // namespace
 
-Result<arm::CollisionChecker> make_checker(const ArmProblem& problem, ArmGroup group,
-                                           const arm::CollisionCheckerParams& params) {
-  static const Result<Baxter> baxter = load_baxter();
-  if (!baxter) return tl::unexpected(baxter.error());
-  auto model = make_model(*baxter, problem, group);
+Result<ProblemScene> make_scene(const ArmProblem& problem, ArmGroup group) {
+  const auto& arms = baxter_arms();
+  if (!arms) return tl::unexpected(arms.error());
+  const auto positions = standing(problem);
+  auto model = make_model(*arms, positions, group);
   if (!model) return tl::unexpected(model.error());
   const Pose root_T_base = *model->link_pose(arm::JointVector::Zero(model->joint_count()), "base");
   arm::CollisionWorld world;
@@ -177,7 +184,7 @@ Result<arm::CollisionChecker> make_checker(const ArmProblem& problem, ArmGroup g
   }
   if (auto allowed = allow_grasps(*model, states_of(problem.goal, group), &world); !allowed)
     return tl::unexpected(allowed.error());
-  return arm::CollisionChecker::make(*model, world, params);
+  return ProblemScene{std::move(*model), std::move(world), positions};
 }
 
 }  // namespace extperfc::benchmark

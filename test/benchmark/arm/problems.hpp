@@ -6,6 +6,7 @@
 #include "extperfc/arm/collision_checker.hpp"
 #include "extperfc/arm/collision_world.hpp"
 #include "extperfc/arm/joint_vector.hpp"
+#include "extperfc/arm/robot_arms.hpp"
 #include "extperfc/base/error.hpp"
 
 namespace extperfc::benchmark {
@@ -25,8 +26,16 @@ enum class ArmGroup { kLeft, kBoth };
 /// The values of the group's joints.
 [[nodiscard]] arm::JointVector states_of(const arm::JointVector& both, ArmGroup group);
 
-/// The mobile Baxter in the world of a problem. A right arm that is not in the group stands at its start.
-[[nodiscard]] Result<arm::CollisionChecker> make_checker(const ArmProblem& problem, ArmGroup group,
-                                                         const arm::CollisionCheckerParams& params);
+/// The mobile Baxter and the world of a problem, with the contacts that its goal needs allowed. A right arm
+/// that is not in the group stands at its start.
+struct ProblemScene {
+  arm::CollisionModel model;
+  arm::CollisionWorld world;
+  arm::JointPositions standing;  ///< every joint that matters, at the problem's start, grippers open
+};
+[[nodiscard]] Result<ProblemScene> make_scene(const ArmProblem& problem, ArmGroup group);
+
+/// The mobile Baxter's arms, with the accelerations of config/arm.yaml's default.
+[[nodiscard]] const Result<arm::RobotArms>& baxter_arms();
 
 }  // namespace extperfc::benchmark
