@@ -9,7 +9,9 @@ Bytes are written as "x" and two hexadecimal digits each: a serialized message, 
   publish TOPIC BYTES
   repeat TOPIC HZ COUNT BYTES            repeated TOPIC COUNT
   stream TOPIC HZ COUNT                  repeated TOPIC COUNT     std_msgs/Float64: the time of sending [s]
-  stop TOPIC                             ends repeat and stream
+  number TOPIC HZ COUNT                  repeated TOPIC COUNT     sensor_msgs/JointState: stamped, and numbered (Python only)
+  hang_up TOPIC                          closes its connections (Python only)
+  stop TOPIC                             ends repeat, stream and number
   subscribe TOPIC TYPE                   message TOPIC CALLERID BYTES, for each message
   unsubscribe TOPIC
   serve NAME TYPE (RESPONSE|-)           request NAME BYTES, for each call; "-": the server fails
@@ -28,6 +30,7 @@ Every command is answered by "ok COMMAND" or "error ...". Which classes the type
 """
 
 import io
+import itertools
 import sys
 import threading
 import time
@@ -100,6 +103,21 @@ class Puppet:
     def do_stream(self, topic, hz, count):
         publisher = self.publishers[topic]
         self._repeat(topic, float(hz), int(count), lambda: publisher.publish(time.time()))
+
+    def do_number(self, topic, hz, count):
+        """Messages of sensor_msgs/JointState with a stamp, whose names are 0, 1, 2, ..."""
+        publisher, numbers = self.publishers[topic], itertools.count()
+
+        def once():
+            message = publisher.data_class(name=[str(next(numbers))])
+            message.header.stamp = rospy.Time.now()
+            publisher.publish(message)
+        self._repeat(topic, float(hz), int(count), once)
+
+    def do_hang_up(self, topic):
+        """Closes all connections of a publisher, as a node that is overloaded or confused does."""
+        for connection in self.publishers[topic].impl.connections:
+            connection.close()
 
     def _repeat(self, topic, hz, count, once):
         def run():

@@ -128,6 +128,7 @@ struct BridgeStatus {
     double offset_s{0};  ///< the old side's clock minus ours (the new side's)
     std::string source;  ///< "ntp host", "topic /robot/joint_states"
     double age_s{0};
+    std::string problem;  ///< of a reference topic; empty when all is well
   } clock;
 };
 
@@ -138,6 +139,8 @@ class Bridge {
   struct Handlers {
     std::function<void(const std::string& line)> on_log;      ///< what people should know
     std::function<void(const std::string& line)> on_problem;  ///< what people should mend; each once
+    std::function<void()>
+        on_shutdown;  ///< `rosnode kill` of one of the bridge's nodes, or its name was taken
   };
   /// Checks parameters (regular expressions, URIs, sets), opens ports. Masters need not be there yet.
   [[nodiscard]] static Result<std::unique_ptr<Bridge>> make(EventLoop& loop, BridgeParams params,

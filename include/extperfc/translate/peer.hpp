@@ -23,7 +23,10 @@ struct PeerParams {
   std::string advertised_host;  ///< name or address by which this side reaches us; empty: the address that
                                 ///< the system uses towards the master
   std::string bind_address{"0.0.0.0"};
-  std::map<std::string, std::string> hosts;         ///< names to addresses that the system does not resolve
+  std::map<std::string, std::string> hosts;  ///< names to addresses that the system does not resolve
+  /// What errors advise: for a name without an address, and when our own address is not known.
+  std::string hosts_remedy{"add it to /etc/hosts"};
+  std::string advertised_host_remedy{"set the advertised host"};
   std::chrono::milliseconds master_period{1'000};   ///< between looks whether the master lives
   std::chrono::milliseconds master_timeout{3'000};  ///< of a call to it
   std::chrono::milliseconds node_timeout{5'000};    ///< of a call to another node
@@ -59,6 +62,8 @@ class Peer {
     std::function<void(const MasterStatus&)> on_master;  ///< whenever it goes, comes, or restarted
     std::function<void(const std::string& line)>
         on_log;  ///< what people should know; bounded in rate by the peer
+    /// The master or a node asks this one to end: `rosnode kill`, or another node took its name.
+    std::function<void()> on_shutdown;
   };
 
   /// Opens ports. The master need not be there yet.

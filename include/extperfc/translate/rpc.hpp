@@ -88,7 +88,9 @@ struct HostPort {
 class Resolver {
  public:
   using Done = std::function<void(Result<std::string> address)>;  ///< numeric IPv4 or IPv6
-  Resolver(EventLoop& loop, std::map<std::string, std::string> table);
+  /// `remedy` is what the error of a name without an address advises.
+  Resolver(EventLoop& loop, std::map<std::string, std::string> table,
+           std::string remedy = "add it to /etc/hosts");
   ~Resolver();
   Resolver(const Resolver&) = delete;
   Resolver& operator=(const Resolver&) = delete;

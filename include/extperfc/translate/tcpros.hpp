@@ -46,6 +46,10 @@ struct TcprosParams {
   std::chrono::milliseconds call_back_first{1'000};  ///< after a broken connection, until the master is asked
                                                      ///< to name publishers again; doubles
   std::chrono::milliseconds call_back_last{30'000};
+  /// A publisher that was connected and cannot be reached any more is a problem after this time.
+  std::chrono::milliseconds lost_grace{5'000};
+  /// A publisher whose connection is lost several times within this time is a problem: messages are lost.
+  std::chrono::milliseconds flap_window{30'000};
   std::size_t read_at_once{256U << 10U};  ///< bytes of one connection before others have their turn
 };
 
@@ -113,7 +117,10 @@ struct PublisherLink {
 };
 
 /// A topic that we subscribe to: one connection to each publisher, retried after a loss for as long as the
-/// master lists the publisher. Our own node and publishers that carry our mark are left out.
+/// master lists the publisher. Our own node and publishers that carry our mark are left out. Subscriptions of
+/// one peer with the same topic and MD5 share their connections: rospy closes the older one of two
+/// connections of one caller id. Each has its own view: what one refuses, another may take; one that comes
+/// later is given what latching publishers sent last.
 class Subscription {
  public:
   struct Handlers {
@@ -139,6 +146,8 @@ class Subscription {
   /// To be told each look at the master's graph: how many publishers it lists, ourselves left out. When that
   /// stays another number than we were told, what the master told us was lost, and it is asked again.
   virtual void compare(std::size_t publishers) = 0;
+  /// Why messages are lost now: a publisher's connection ends again and again. Empty when all is well.
+  [[nodiscard]] virtual std::string problem() const = 0;
 };
 
 /// A client's connection to a service of ours. Requests of one connection are answered in order, one at a

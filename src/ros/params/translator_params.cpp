@@ -188,6 +188,8 @@ void read_end(ParamReader& reader, const ros::NodeHandle& handle, EndParams& end
   read_seconds(reader, "master_timeout_s", end.peer.master_timeout, {0.1, 60.0});
   read_seconds(reader, "node_timeout_s", end.peer.node_timeout, {0.1, 60.0});
   check_name(reader, handle, end.peer.name);
+  end.peer.hosts_remedy = "add it to the parameter " + handle.resolveName("hosts");
+  end.peer.advertised_host_remedy = "set the parameter " + handle.resolveName("advertised_host");
 }
 
 void read_old(ParamReader& reader, const ros::NodeHandle& handle, EndParams& end) {

@@ -99,8 +99,10 @@ void add_end(DiagnosticStatus& status, const BridgeStatus& bridge, End end) {
 }
 
 void add_clock(DiagnosticStatus& status, const BridgeStatus::Clock& clock, const ReportParams& params) {
+  if (!clock.problem.empty()) merge(status, DiagnosticStatus::WARN, clock.problem);
   if (!clock.known) {
     add(status, "clock offset [s]", "not known");
+    add(status, "stamps", params.shift_stamps ? "not shifted yet" : "not shifted");
     if (params.shift_stamps)
       merge(status, DiagnosticStatus::WARN, "stamps are not shifted yet: the clock offset is not known");
     return;
@@ -108,6 +110,7 @@ void add_clock(DiagnosticStatus& status, const BridgeStatus::Clock& clock, const
   add(status, "clock offset [s]", number(clock.offset_s, 6));
   add(status, "clock source", clock.source);
   add(status, "clock age [s]", number(clock.age_s, 1));
+  add(status, "stamps", params.shift_stamps ? "shifted" : "not shifted");
   if (params.shift_stamps || std::abs(clock.offset_s) <= params.offset_warn_s) return;
   merge(status, DiagnosticStatus::WARN,
         "the old side's clock is " + number(std::abs(clock.offset_s), 3) + " s " +
@@ -167,7 +170,9 @@ DiagnosticStatus link_status(const BridgeStatus& status, const ReportParams& par
   add(link, "not shown one by one", std::to_string(all - std::min(all, params.most)));
   add(link, "parameters that cross", std::to_string(status.params));
   if (troubled > 0)
-    merge(link, DiagnosticStatus::WARN, std::to_string(troubled) + " topics or services have a problem");
+    merge(link, DiagnosticStatus::WARN,
+          std::to_string(troubled) +
+              (troubled == 1 ? " topic or service has a problem" : " topics or services have a problem"));
   return link;
 }
 
@@ -226,8 +231,9 @@ DiagnosticArray to_diagnostics(const BridgeStatus& status, const ReportParams& p
   return report;
 }
 
-std::string to_text(const BridgeStatus& status) {
-  const auto link = link_status(status, {});
+std::string to_text(const BridgeStatus& status, ReportParams params) {
+  params.most = status.topics.size() + status.services.size();  // all are shown one by one
+  const auto link = link_status(status, params);
   std::string text = "link: " + link.message + "\n";
   for (const auto& value : link.values) text += "  " + value.key + ": " + value.value + "\n";
   text += "topics:\n";

@@ -36,6 +36,6 @@ struct ReportParams {
                                                               const ros::Time& stamp, bool details);
 
 /// All of it as lines for a terminal.
-[[nodiscard]] std::string to_text(const translate::BridgeStatus& status);
+[[nodiscard]] std::string to_text(const translate::BridgeStatus& status, ReportParams params);
 
 }  // namespace extperfc::translator

@@ -5,6 +5,7 @@
 #include <utility>
 
 #include <ros/console.h>
+#include <ros/init.h>
 #include <ros/package.h>
 #include <ros/this_node.h>
 
@@ -81,6 +82,7 @@ Result<void> TranslatorNode::open() {
   translate::Bridge::Handlers handlers;
   handlers.on_log = [](const std::string& line) { ROS_INFO("%s", line.c_str()); };
   handlers.on_problem = [](const std::string& line) { ROS_WARN("%s", line.c_str()); };
+  handlers.on_shutdown = [] { ros::requestShutdown(); };  // the program waits for the end of ros::ok()
   auto bridge = translate::Bridge::make(loop_, params_.bridge, std::move(knowledge->definitions),
                                         std::move(knowledge->rules), std::move(handlers));
   if (!bridge) return tl::unexpected(bridge.error());
@@ -154,7 +156,7 @@ void TranslatorNode::report() {
 bool TranslatorNode::on_status(Trigger::Request& /*request*/, Trigger::Response& response) {
   const auto status = fetch_status();
   response.success = static_cast<std::uint8_t>(status.has_value());
-  response.message = status ? to_text(*status) : "the bridge did not answer in time";
+  response.message = status ? to_text(*status, report_params_) : "the bridge did not answer in time";
   return true;
 }
 

@@ -42,7 +42,8 @@ BridgeImpl::~BridgeImpl() {
 }
 
 Result<void> BridgeImpl::open() {
-  resolver_ = std::make_unique<Resolver>(loop_, params_.ends[index(End::kOld)].peer.hosts);
+  resolver_ = std::make_unique<Resolver>(loop_, params_.ends[index(End::kOld)].peer.hosts,
+                                         params_.ends[index(End::kOld)].peer.hosts_remedy);
   for (const auto end : {End::kOld, End::kNew})
     if (auto opened = open_end(end); !opened) return opened;
   clock_ = std::make_unique<ClockWatch>(context_, *resolver_);
@@ -61,6 +62,9 @@ Result<void> BridgeImpl::open_end(End end) {
   const std::string side = std::string(to_string(end)) + " side: ";
   handlers.on_master = [this, end](const Peer::MasterStatus& status) { on_master(end, status); };
   handlers.on_log = [this, side](const std::string& line) { context_.log(side + line); };
+  handlers.on_shutdown = [this] {
+    if (handlers_.on_shutdown) handlers_.on_shutdown();
+  };
   auto peer = Peer::make(loop_, frames_, params_.ends[index(end)].peer, std::move(handlers));
   if (!peer) return fail(peer.error().code, side + peer.error().message);
   peers_[index(end)] = std::move(*peer);

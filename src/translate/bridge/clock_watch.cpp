@@ -64,6 +64,9 @@ void ClockWatch::on_message(const std::string& topic, const FramePtr& frame, Ste
 
 BridgeStatus::Clock ClockWatch::status() const {
   BridgeStatus::Clock clock;
+  for (const auto& subscription : subscriptions_)
+    if (const auto problem = subscription->problem(); !problem.empty())
+      clock.problem = "clock: " + subscription->topic() + ": " + problem;
   const auto estimate = offset_.estimate();
   if (!estimate) return clock;
   clock.known = true;

@@ -154,6 +154,9 @@ TopicStatus TopicRoute::status() const {
   status.latency_max_s = counts_.latency_max_s;
   status.action = params_.action;
   status.problem = problem_;
+  if (subscription_ && problem_.empty())
+    if (const auto problem = subscription_->problem(); !problem.empty())
+      status.problem = params_.topic + ": " + problem;
   return status;
 }
 

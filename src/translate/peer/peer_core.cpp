@@ -49,12 +49,13 @@ PeerCore::PeerCore(EventLoop& a_loop, FramePool& a_frames, PeerParams a_params, 
       frames(a_frames),
       params(std::move(a_params)),
       handlers(std::move(a_handlers)),
-      resolver(loop, params.hosts),
+      resolver(loop, params.hosts, params.hosts_remedy),
       client(loop, resolver, params.rpc),
       server(loop, params.rpc),
       listener(loop, params.tcpros, own_header(),
                [this](Incoming incoming) { dispatch(std::move(incoming)); }),
       half_open(loop),
+      carrier(loop, [this](const std::vector<std::string>& addresses) { lose_carrier(addresses); }),
       lines_left_(kLinesAtOnce) {
   scratch.resize(FrameReader::kScratch);
 }
@@ -73,7 +74,7 @@ Result<void> PeerCore::find_host() {
   host = in_uri(local ? *local : host_name());
   if (!local) {
     log(params.name + " cannot tell its address towards " + master_at->host + " (" + local.error().message +
-        ") and advertises " + host + "; set the advertised host");
+        ") and advertises " + host + "; " + params.advertised_host_remedy);
   }
   return {};
 }
@@ -146,6 +147,10 @@ void PeerCore::open_log_window() {
     const auto dropped = std::exchange(self->lines_dropped_, 0);
     if (dropped > 0) self->log(std::to_string(dropped) + " more lines like these were left out");
   });
+}
+
+void PeerCore::lose_carrier(const std::vector<std::string>& addresses) {
+  for (const auto& [topic, publication] : publications) publication->lose_carrier(addresses);
 }
 
 void PeerCore::dispatch(Incoming incoming) {

@@ -8,6 +8,7 @@
 
 #include "extperfc/translate/peer.hpp"
 
+#include "carrier_watch.hpp"
 #include "master_link.hpp"
 #include "tcpros_half_open.hpp"
 #include "tcpros_handshake.hpp"
@@ -57,6 +58,7 @@ class PeerCore : public std::enable_shared_from_this<PeerCore> {
   RpcServer server;
   TcprosListener listener;
   HalfOpenNotices half_open;
+  CarrierWatch carrier;
   std::unique_ptr<MasterLink> master;
   bool closed{false};
 
@@ -73,6 +75,7 @@ class PeerCore : public std::enable_shared_from_this<PeerCore> {
  private:
   [[nodiscard]] Result<void> find_host();
   void dispatch(Incoming incoming);
+  void lose_carrier(const std::vector<std::string>& addresses);
   void open_log_window();
 
   LinkId last_link_{0};

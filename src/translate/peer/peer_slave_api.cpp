@@ -150,7 +150,11 @@ XmlValue names_in(const Map& map) {
 XmlValue shutdown(PeerCore& core, const XmlCall& call) {
   const auto* reason = text_at(call, 1);
   core.log(core.params.master_uri + " or a node there asks " + core.params.name + " to shut down" +
-           (reason != nullptr ? " (" + *reason + ")" : "") + "; it does not");
+           (reason != nullptr ? " (" + *reason + ")" : ""));
+  core.loop.post([weak = core.weak_from_this()] {  // after the answer
+    const auto self = weak.lock();
+    if (self && !self->closed && self->handlers.on_shutdown) self->handlers.on_shutdown();
+  });
   return success(0);
 }
 

@@ -193,13 +193,19 @@ void PublicationState::flush(LinkId id, Link& link) {
     return is_silence(link.queue.problem()) ? give_up(id, link.queue.problem())
                                             : break_link(id, link.queue.problem());
   const bool blocked = outcome == SendQueue::Outcome::kBlocked;
+  if (blocked || ages()) link.stall.start(link.socket.get(), patience());
   if (blocked == link.blocked) return;
   link.blocked = blocked;
   link.socket.want(blocked ? EPOLLRDHUP | EPOLLOUT : EPOLLRDHUP);
-  if (blocked) {
-    link.stall.start(link.socket.get(), patience());
-  } else {
-    link.stall.stop();
+  if (!blocked && !ages()) link.stall.stop();
+}
+
+void PublicationState::lose_carrier(const std::vector<std::string>& addresses) {
+  if (!ages()) return;
+  for (const auto id : links()) {
+    const auto local = local_address(links_.at(id)->socket.get());
+    if (std::find(addresses.begin(), addresses.end(), local) != addresses.end())
+      give_up(id, "the network interface of " + local + " lost its carrier");
   }
 }
 

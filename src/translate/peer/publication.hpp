@@ -28,6 +28,8 @@ class PublicationState : public std::enable_shared_from_this<PublicationState> {
   void close_link(LinkId id);
   void configure(const SendParams& params);
   void announce_again();
+  /// The interface with these addresses reaches nobody now: links of messages that age are given up at once.
+  void lose_carrier(const std::vector<std::string>& addresses);
 
   [[nodiscard]] LinkId accept(LinkId id, ConnectionHeader header);
   void refuse(LinkId id, const std::string& reason);
@@ -78,6 +80,8 @@ class PublicationState : public std::enable_shared_from_this<PublicationState> {
   void ask_whether_listed(const std::string& caller, const std::vector<std::string>& listed);
   void tell_down(LinkId id, const std::string& reason);
   void apply(Link& link) const;
+  /// Messages must not arrive late: what the kernel holds is watched from the first byte on.
+  [[nodiscard]] bool ages() const { return params_.unacknowledged.has_value(); }
   [[nodiscard]] std::chrono::milliseconds patience() const;
 
   std::shared_ptr<PeerCore> core_;

@@ -42,8 +42,8 @@ Result<std::string> look_up(const std::string& host) {
   hints.ai_socktype = SOCK_STREAM;
   addrinfo* list = nullptr;
   if (const int problem = ::getaddrinfo(host.c_str(), nullptr, &hints, &list); problem != 0)
-    return fail(ErrorCode::kNotFound, "the name '" + host + "' has no address (" + ::gai_strerror(problem) +
-                                          "); give it one in the host table");
+    return fail(ErrorCode::kNotFound,
+                "the name '" + host + "' has no address (" + ::gai_strerror(problem) + ")");
   std::string any;
   std::string v4;
   for (const auto* info = list; info != nullptr; info = info->ai_next) {
@@ -109,9 +109,11 @@ struct Resolver::State {
   std::size_t waiting_count{0};
   std::map<std::string, Remembered> remembered;
 
-  State(EventLoop& on, std::map<std::string, std::string> hosts) : loop(on), table(std::move(hosts)) {
+  State(EventLoop& on, std::map<std::string, std::string> hosts, std::string remedy)
+      : loop(on), table(std::move(hosts)) {
     work->loop = &loop;
-    work->found = [this](const std::string& host, const Result<std::string>& address) {
+    work->found = [this, remedy = std::move(remedy)](const std::string& host, Result<std::string> address) {
+      if (!address) address.error().message += "; " + remedy;
       found(host, address);
     };
   }
@@ -163,8 +165,8 @@ struct Resolver::State {
   }
 };
 
-Resolver::Resolver(EventLoop& loop, std::map<std::string, std::string> table)
-    : state_(std::make_shared<State>(loop, std::move(table))) {}
+Resolver::Resolver(EventLoop& loop, std::map<std::string, std::string> table, std::string remedy)
+    : state_(std::make_shared<State>(loop, std::move(table), std::move(remedy))) {}
 
 Resolver::~Resolver() = default;
 

@@ -8,10 +8,9 @@
 namespace extperfc::translate {
 
 SubscriptionState::SubscriptionState(std::shared_ptr<PeerCore> core, std::string topic,
-                                     Subscription::Handlers handlers, Subscription::Params params)
+                                     Subscription::Params params)
     : core_(std::move(core)),
       topic_(std::move(topic)),
-      handlers_(std::move(handlers)),
       params_(std::move(params)),
       absent_(
           core_->loop, [this] { core_->master->renew(registration_); }, core_->params.tcpros.call_back_first,
@@ -32,6 +31,54 @@ void SubscriptionState::close() {
   for (auto& [uri, source] : sources_) stop(*source);
   sources_.clear();
   absent_.clear();
+}
+
+Consumers::ConsumerPtr SubscriptionState::join(Subscription::Handlers handlers,
+                                               const Subscription::Params& params) {
+  const bool first = consumers_.empty();
+  auto consumer = consumers_.add(std::move(handlers), params.priority);
+  if (first) return consumer;
+  if (params_.type == "*") params_.type = params.type;
+  use_priority();
+  core_->loop.post([weak = weak_from_this(), consumer] {
+    if (const auto self = weak.lock()) self->catch_up(consumer);
+  });
+  return consumer;
+}
+
+void SubscriptionState::catch_up(const Consumers::ConsumerPtr& consumer) {
+  const auto sources = sources_;
+  for (const auto& [uri, source] : sources) {
+    if (consumer->gone) return;
+    catch_up(*consumer, source);
+  }
+  reject_unwanted();
+}
+
+void SubscriptionState::catch_up(Consumers::Consumer& consumer, const SourcePtr& source) {
+  if (source->step == Step::kRejected) ask(source);
+  if (source->step != Step::kUp) {
+    if (!source->problem.empty() && consumer.handlers.on_problem)
+      consumer.handlers.on_problem(source->link.uri, source->problem);
+    return;
+  }
+  if (Consumers::up(consumer, source->link) && source->latched && consumer.handlers.on_message)
+    consumer.handlers.on_message(source->link, source->latched, EventLoop::now());
+}
+
+void SubscriptionState::leave(const Consumers::ConsumerPtr& consumer) {
+  const auto keep = shared_from_this();
+  consumers_.remove(consumer);
+  if (consumers_.empty()) return close();
+  use_priority();
+  reject_unwanted();
+}
+
+/// Of connections that stand, those that no consumer accepted.
+void SubscriptionState::reject_unwanted() {
+  for (const auto& [uri, source] : sources_) {
+    if (source->step == Step::kUp && !consumers_.want(source->link.id)) reject(source, "");
+  }
 }
 
 void SubscriptionState::stop(Source& source) const {
@@ -91,9 +138,8 @@ void SubscriptionState::remove(const SourcePtr& source) {
   stop(*source);
   sources_.erase(source->link.uri);
   absent_.forget(source->link.uri);
-  if (was_up && handlers_.on_down)
-    handlers_.on_down(source->link, "the master no longer lists the publisher");
-  if (!closed_ && handlers_.on_gone) handlers_.on_gone(source->link);
+  if (was_up) consumers_.down(source->link, "the master no longer lists the publisher");
+  consumers_.gone(source->link);
 }
 
 void SubscriptionState::ask(const SourcePtr& source) {
@@ -174,6 +220,7 @@ void SubscriptionState::bring_up(const SourcePtr& source, Outgoing outgoing) {
   source->step = Step::kUp;
   absent_.forget(source->link.uri);
   source->up_since = EventLoop::now();
+  source->down_since.reset();
   source->problem.clear();
   source->link.id = core_->next_link();
   source->link.header = std::move(outgoing.header);
@@ -187,20 +234,24 @@ void SubscriptionState::bring_up(const SourcePtr& source, Outgoing outgoing) {
                          const auto self = weak.lock();
                          if (self && source->attempt == attempt) self->read(source);
                        });
-  const bool wanted = !handlers_.on_up || handlers_.on_up(source->link);
-  if (!wanted && source->attempt == attempt && !closed_) reject(source, "");
+  source->latched.reset();
+  consumers_.up(source->link);
+  if (source->attempt == attempt && !consumers_.want(source->link.id)) reject(source, "");
 }
 
 void SubscriptionState::read(SourcePtr source) {
   const auto attempt = source->attempt;
-  const auto outcome = source->reader->read(
-      source->socket.get(), core_->params.tcpros.read_at_once,
-      [this, &source, attempt](std::shared_ptr<Frame> frame, std::uint8_t, SteadyTime received) {
-        ++source->messages;
-        source->bytes += frame->payload().size;
-        if (handlers_.on_message) handlers_.on_message(source->link, std::move(frame), received);
-        return source->attempt == attempt;
-      });
+  const bool latching = value_of(source->link.header, "latching") == "1";
+  const auto outcome =
+      source->reader->read(source->socket.get(), core_->params.tcpros.read_at_once,
+                           [this, &source, attempt, latching](const std::shared_ptr<Frame>& frame,
+                                                              std::uint8_t, SteadyTime received) {
+                             ++source->messages;
+                             source->bytes += frame->payload().size;
+                             if (latching) source->latched = frame;
+                             consumers_.message(source->link, frame, received);
+                             return source->attempt == attempt;
+                           });
   if (source->attempt != attempt) return;
   if (outcome == FrameReader::Outcome::kClosed) {
     lose(source, source->reader->problem());
@@ -211,15 +262,47 @@ void SubscriptionState::read(SourcePtr source) {
   }
 }
 
+namespace {
+
+std::string flap_text(const std::string& reason) {
+  return "the connection ends again and again, and messages are lost: look at the publisher's log, and for "
+         "another node of our name (last reason: " +
+         reason + ")";
+}
+
+}  // namespace
+
 void SubscriptionState::lose(const SourcePtr& source, const std::string& reason) {
   if (EventLoop::now() - source->up_since > core_->params.tcpros.retry_last) source->delay = {};
   stop(*source);
   source->step = Step::kWaiting;
+  source->down_since = EventLoop::now();
   const auto attempt = source->attempt;
-  if (handlers_.on_down) handlers_.on_down(source->link, reason);
-  if (closed_ || source->attempt != attempt) return;
+  consumers_.down(source->link, reason);
+  if (source->attempt != attempt) return;
+  note_loss(source, reason);
+  if (source->attempt != attempt) return;
   if (source->listed) return retry_later(source);
   remove(source);
+}
+
+void SubscriptionState::note_loss(const SourcePtr& source, const std::string& reason) {
+  source->loss = reason;
+  source->losses.push_back(EventLoop::now());
+  if (source->losses.size() > kFlaps) source->losses.pop_front();
+  if (flaps(*source)) tell_problem(*source, flap_text(reason));
+}
+
+bool SubscriptionState::flaps(const Source& source) const {
+  return source.losses.size() == kFlaps &&
+         EventLoop::now() - source.losses.front() < core_->params.tcpros.flap_window;
+}
+
+std::string SubscriptionState::problem() const {
+  for (const auto& [uri, source] : sources_) {
+    if (flaps(*source)) return "publisher " + uri + ": " + flap_text(source->loss);
+  }
+  return {};
 }
 
 void SubscriptionState::reject(const SourcePtr& source, const std::string& reason) {
@@ -233,6 +316,9 @@ void SubscriptionState::fail_attempt(const SourcePtr& source, const std::string&
   stop(*source);
   source->step = Step::kWaiting;
   retry_later(source);
+  // Most publishers that are lost have ended: the master soon lists them no more.
+  const auto grace = core_->params.tcpros.lost_grace;
+  if (source->down_since && EventLoop::now() - *source->down_since < grace) return;
   tell_problem(*source, reason);
 }
 
@@ -252,12 +338,17 @@ void SubscriptionState::retry_later(const SourcePtr& source) {
 void SubscriptionState::tell_problem(Source& source, const std::string& reason) {
   if (source.problem == reason) return;
   source.problem = reason;
-  if (handlers_.on_problem) handlers_.on_problem(source.link.uri, reason);
+  consumers_.problem(source.link.uri, reason);
 }
 
-void SubscriptionState::set_priority(Priority priority) {
-  params_.priority = priority;
-  for (auto& [uri, source] : sources_) source->socket.set_priority(priority);
+void SubscriptionState::set_priority(Consumers::Consumer& consumer, Priority priority) {
+  consumer.priority = priority;
+  use_priority();
+}
+
+void SubscriptionState::use_priority() {
+  params_.priority = consumers_.priority();
+  for (auto& [uri, source] : sources_) source->socket.set_priority(params_.priority);
 }
 
 /// A count that stays unequal for good costs the master less and less.
@@ -271,12 +362,6 @@ void SubscriptionState::compare(std::size_t publishers) {
   unequal_looks_ = 0;
   patience_ = std::min(2 * patience_, kMostLooks);
   core_->master->renew(registration_);
-}
-
-std::size_t SubscriptionState::connected() const {
-  std::size_t count = 0;
-  for (const auto& [uri, source] : sources_) count += source->step == Step::kUp ? 1 : 0;
-  return count;
 }
 
 std::vector<BusLink> SubscriptionState::bus() const {
@@ -305,18 +390,21 @@ namespace {
 
 class SubscriptionHandle : public Subscription {
  public:
-  explicit SubscriptionHandle(std::shared_ptr<SubscriptionState> state) : state_(std::move(state)) {}
-  ~SubscriptionHandle() override { state_->close(); }
+  SubscriptionHandle(std::shared_ptr<SubscriptionState> state, Consumers::ConsumerPtr consumer)
+      : state_(std::move(state)), consumer_(std::move(consumer)) {}
+  ~SubscriptionHandle() override { state_->leave(consumer_); }
   SubscriptionHandle(const SubscriptionHandle&) = delete;
   SubscriptionHandle& operator=(const SubscriptionHandle&) = delete;
 
   const std::string& topic() const override { return state_->topic(); }
-  std::size_t connected() const override { return state_->connected(); }
-  void set_priority(Priority priority) override { state_->set_priority(priority); }
+  std::size_t connected() const override { return consumer_->links.size(); }
+  void set_priority(Priority priority) override { state_->set_priority(*consumer_, priority); }
   void compare(std::size_t publishers) override { state_->compare(publishers); }
+  std::string problem() const override { return state_->problem(); }
 
  private:
   std::shared_ptr<SubscriptionState> state_;
+  Consumers::ConsumerPtr consumer_;
 };
 
 }  // namespace
@@ -324,9 +412,17 @@ class SubscriptionHandle : public Subscription {
 std::unique_ptr<Subscription> make_subscription(const std::shared_ptr<PeerCore>& core,
                                                 const std::string& topic, Subscription::Handlers handlers,
                                                 const Subscription::Params& params) {
-  auto state = std::make_shared<SubscriptionState>(core, topic, std::move(handlers), params);
+  const auto present = core->subscriptions.equal_range(topic);
+  for (auto at = present.first; at != present.second; ++at) {
+    if (at->second->md5() != params.md5) continue;
+    auto state = at->second->shared_from_this();
+    auto consumer = state->join(std::move(handlers), params);
+    return std::make_unique<SubscriptionHandle>(std::move(state), std::move(consumer));
+  }
+  auto state = std::make_shared<SubscriptionState>(core, topic, params);
+  auto consumer = state->join(std::move(handlers), params);
   state->open();
-  return std::make_unique<SubscriptionHandle>(std::move(state));
+  return std::make_unique<SubscriptionHandle>(std::move(state), std::move(consumer));
 }
 
 }  // namespace extperfc::translate

@@ -149,6 +149,13 @@ int unacknowledged_bytes(int descriptor) {
   return ::ioctl(descriptor, TIOCOUTQ, &bytes) == 0 ? bytes : 0;
 }
 
+std::string local_address(int descriptor) {
+  sockaddr_storage address{};
+  socklen_t size = sizeof(address);
+  if (::getsockname(descriptor, reinterpret_cast<sockaddr*>(&address), &size) != 0) return "?";
+  return numeric_host(address, size);
+}
+
 std::string remote_address(int descriptor) {
   sockaddr_storage address{};
   socklen_t size = sizeof(address);

@@ -65,6 +65,8 @@ void set_unacknowledged(int descriptor, std::chrono::milliseconds patience);
 void set_unsent(int descriptor, Priority priority);
 /// Bytes that the other end has not acknowledged yet, or that wait in the kernel.
 [[nodiscard]] int unacknowledged_bytes(int descriptor);
+/// Our numeric address of a connection, without the port; "?" when it is gone.
+[[nodiscard]] std::string local_address(int descriptor);
 /// Numeric address of the other end, without the port; "?" when it is gone.
 [[nodiscard]] std::string remote_address(int descriptor);
 /// Local address that the system uses towards a numeric address; no packet is sent.

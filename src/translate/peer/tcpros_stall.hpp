@@ -1,5 +1,6 @@
 #pragma once
 
+#include <algorithm>
 #include <cstdint>
 #include <functional>
 #include <memory>
@@ -10,8 +11,9 @@
 
 namespace extperfc::translate {
 
-/// Sees that the other end takes nothing while data waits for it: TCP alone keeps a connection whose other
-/// end answers, but never reads, for ever.
+/// Sees that the other end acknowledges nothing while data waits for it. TCP alone keeps a connection whose
+/// other end answers, but never reads, for ever; and its own limit, TCP_USER_TIMEOUT, is looked at only when
+/// it sends again, which may be a second late.
 class StallWatch {
  public:
   /// `written` counts all bytes that were ever given to the kernel.
@@ -22,13 +24,13 @@ class StallWatch {
   StallWatch& operator=(const StallWatch&) = delete;
 
   /// From the moment that data waits; `on_stall` runs after `patience` to 1.25 `patience` without progress.
-  /// Nothing happens when it runs already.
+  /// Nothing happens when it runs already. It ends when everything is acknowledged.
   void start(int descriptor, std::chrono::milliseconds patience) {
     if (timer_ != 0 || patience.count() <= 0) return;
     descriptor_ = descriptor;
     period_ = std::max<std::chrono::nanoseconds>(patience / kLooks, std::chrono::milliseconds(1));
     idle_looks_ = 0;
-    remember();
+    last_acknowledged_ = acknowledged(unacknowledged_bytes(descriptor_));
     arm();
   }
   void stop() {
@@ -42,16 +44,16 @@ class StallWatch {
   void arm() {
     timer_ = loop_.after(period_, [this] { look(); });
   }
-  void remember() {
-    last_written_ = written_();
-    last_unacknowledged_ = unacknowledged_bytes(descriptor_);
+  [[nodiscard]] std::int64_t acknowledged(int unacknowledged) const {
+    return static_cast<std::int64_t>(written_()) - unacknowledged;
   }
   void look() {
-    const bool progress =
-        written_() != last_written_ || unacknowledged_bytes(descriptor_) < last_unacknowledged_;
-    idle_looks_ = progress ? 0 : idle_looks_ + 1;
-    remember();
     timer_ = 0;
+    const int unacknowledged = unacknowledged_bytes(descriptor_);
+    if (unacknowledged == 0) return;
+    const bool progress = acknowledged(unacknowledged) > last_acknowledged_;
+    last_acknowledged_ = acknowledged(unacknowledged);
+    idle_looks_ = progress ? 0 : idle_looks_ + 1;
     if (idle_looks_ < kLooks) return arm();
     const auto on_stall = on_stall_;  // it may destroy this object
     on_stall();
@@ -64,8 +66,7 @@ class StallWatch {
   std::chrono::nanoseconds period_{0};
   int descriptor_{-1};
   int idle_looks_{0};
-  std::uint64_t last_written_{0};
-  int last_unacknowledged_{0};
+  std::int64_t last_acknowledged_{0};
 };
 
 }  // namespace extperfc::translate

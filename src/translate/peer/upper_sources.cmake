@@ -1,4 +1,5 @@
 set(EXTPERFC_PEER_UPPER_SOURCES
+  carrier_watch.cpp
   peer.cpp
   peer_core.cpp
   peer_slave_api.cpp
@@ -6,6 +7,7 @@ set(EXTPERFC_PEER_UPPER_SOURCES
   service_link.cpp
   service_server.cpp
   subscription.cpp
+  subscription_consumers.cpp
   tcpros_connector.cpp
   tcpros_frame_reader.cpp
   tcpros_half_open.cpp

@@ -235,11 +235,44 @@ TEST(Report, ManyTopicsCostLittle) {
 
 TEST(Text, HasALineForEverything) {
   auto status = many(3, 2);
-  const auto text = to_text(status);
+  const auto text = to_text(status, params());
   for (const char* part :
        {"link: ", "old side master: http://robot:11311", "/topic_0 [sensor_msgs/JointState 3066dcd7]",
         "100.0 Hz", "PROBLEM: broken", "/ik [baxter_core_msgs/SolvePositionIK 2711f0a9]"})
     EXPECT_NE(text.find(part), std::string::npos) << part << "\nis not in\n" << text;
+}
+
+TEST(Text, SaysOfStampsWhatIsDoneWithThem) {
+  auto status = healthy();
+  status.clock.offset_s = 3.0;
+  auto some = params();
+  auto text = to_text(status, some);
+  EXPECT_NE(text.find("stamps are not shifted"), std::string::npos) << text;
+  EXPECT_NE(text.find("stamps: not shifted\n"), std::string::npos) << text;
+  some.shift_stamps = true;
+  text = to_text(status, some);
+  EXPECT_EQ(text.find("not shifted"), std::string::npos) << text;
+  EXPECT_NE(text.find("stamps: shifted\n"), std::string::npos) << text;
+}
+
+TEST(Text, ShowsEverythingOneByOne) {
+  auto some = params();
+  some.most = 1;
+  const auto text = to_text(many(30, 100), some);
+  EXPECT_NE(text.find("not shown one by one: 0\n"), std::string::npos) << text;
+}
+
+TEST(Report, OneIsNoPlural) {
+  auto status = healthy();
+  status.topics[0].problem = "broken";
+  EXPECT_EQ(link_status(status, params()).message, "1 topic or service has a problem");
+}
+
+TEST(LinkStatus, AReferenceTopicThatLosesMessagesIsAWarning) {
+  auto status = healthy();
+  status.clock.problem = "clock: /joint_states: the connection ends again and again";
+  EXPECT_EQ(link_status(status, params()).level, DiagnosticStatus::WARN);
+  EXPECT_EQ(link_status(status, params()).message, status.clock.problem);
 }
 
 }  // namespace

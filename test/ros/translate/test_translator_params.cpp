@@ -209,6 +209,8 @@ diagnostics: {period_s: 2, topic_period_s: 8, most: 5}
   EXPECT_EQ(robot.name, "/ours_there");
   EXPECT_EQ(robot.advertised_host, "10.0.0.1");
   EXPECT_EQ(robot.bind_address, "10.0.0.1");
+  EXPECT_NE(robot.hosts_remedy.find("/old/hosts"), std::string::npos) << robot.hosts_remedy;
+  EXPECT_NE(robot.advertised_host_remedy.find("/old/advertised_host"), std::string::npos);
   EXPECT_EQ(robot.hosts,
             (std::map<std::string, std::string>{
                 {"robot.local", "10.0.0.2"}, {"robot", "10.0.0.2"}, {"camera.local", "fe80::1"}}));

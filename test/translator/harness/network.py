@@ -90,6 +90,15 @@ class Cable:
         for place, device in self.ends:
             place.run("tc", "qdisc", "replace", "dev", device, "root", "blackhole")
 
+    def pull(self):
+        """Both ends lose their carrier, and the second one its routes."""
+        place, device = self.ends[1]
+        place.run("ip", "link", "set", device, "down")
+
+    def plug(self):
+        place, device = self.ends[1]
+        place.run("ip", "link", "set", device, "up")
+
     def slow(self, kbit_per_s):
         for place, device in self.ends:
             place.run("tc", "qdisc", "replace", "dev", device, "root", "tbf", "rate", f"{kbit_per_s}kbit",

@@ -103,8 +103,10 @@ class FakeSubscription final : public Subscription {
   [[nodiscard]] std::size_t connected() const override { return links_.size(); }
   void set_priority(Priority) override {}
   void compare(std::size_t publishers) override { compared = publishers; }
+  [[nodiscard]] std::string problem() const override { return trouble; }
 
   std::size_t compared{0};
+  std::string trouble;
 
   LinkId connect(ConnectionHeader header) {
     PublisherLink link{next_link_++, "http://publisher/", std::move(header)};

@@ -177,6 +177,38 @@ TEST_F(LostLinks, APublisherReplacedWhileNobodyCouldTellUsIsFound) {
   EXPECT_EQ(master.calls["registerSubscriber"], asked) << "nobody is missing";
 }
 
+TEST_F(LostLinks, APublisherThatEndsIsNoProblem) {
+  auto robot = make_plain("/robot");
+  auto publication = publish(*robot, "/state");
+  const auto subscription = subscribe(*translator_, "/state");
+  ASSERT_TRUE(until([&] { return ups.size() == 1; }));
+  master.tells = false;  // its end is seen before the master says so
+  publication.reset();
+  robot.reset();
+  ASSERT_TRUE(until([&] { return downs.size() == 1; }));
+  for_a_while(milliseconds(400));
+  EXPECT_TRUE(problems.empty()) << problems.front();
+}
+
+TEST_F(LostLinks, APublisherThatStaysAwayIsAProblem) {
+  auto with = params("/watcher");
+  with.tcpros.lost_grace = milliseconds(300);
+  const auto watcher = make(with);
+  testing::FakePublisher fake(loop);
+  master.set_publishers("/state", {fake.uri});
+  const auto subscription = subscribe(*watcher, "/state");
+  RawSocket accepted;
+  ASSERT_TRUE(until([&] { return static_cast<bool>(accepted = fake.listening.accept()); }));
+  accepted.send(ConnectionHeader{{"type", "a/B"}, {"md5sum", "0"}});
+  ASSERT_TRUE(until([&] { return ups.size() == 1; }));
+  fake.listening.close();  // the master goes on to list it
+  accepted.close();
+  ASSERT_TRUE(until([&] { return downs.size() == 1; }));
+  const auto lost = EventLoop::now();
+  ASSERT_TRUE(until([&] { return problems.size() == 1; }));
+  EXPECT_GE(EventLoop::now() - lost, milliseconds(250));
+}
+
 TEST_F(LostLinks, APublisherThatOnlyTheGraphShowsIsAskedFor) {
   const auto robot = make_plain("/robot");
   const auto subscription = subscribe(*translator_, "/state");

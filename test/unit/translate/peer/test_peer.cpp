@@ -71,6 +71,15 @@ TEST_F(PeerTest, TheSlaveApiRefusesWhatItCannot) {
   EXPECT_EQ(ask("publisherUpdate", {"/x", "/unknown", XmlArray{3, "x"}})[0], XmlValue(1));
 }
 
+TEST_F(PeerTest, WhoeverEndsANodeIsHeard) {
+  int ended = 0;
+  Peer::Handlers handlers;
+  handlers.on_shutdown = [&] { ++ended; };
+  translator = std::move(*Peer::make(loop, frames, params("/mortal"), handlers));
+  EXPECT_EQ(ask("shutdown", {"/rosnode", "user request"})[0], XmlValue(1)) << "answered before the end";
+  EXPECT_TRUE(until([&] { return ended == 1; }));
+}
+
 TEST_F(PeerTest, ParametersAreSetReadWatchedAndDeleted) {
   std::vector<std::pair<std::string, XmlValue>> changes;
   master.params["/robot_name"] = "baxter";

@@ -167,6 +167,16 @@ TEST_F(ResolverTest, AMissingNameIsAnErrorThatNamesIt) {
   EXPECT_EQ(names().count("missing.test"), 1);
 }
 
+TEST_F(ResolverTest, TheErrorNamesTheRemedyOnce) {
+  Resolver resolver(loop_, {}, "add it to the parameter /translator/old/hosts");
+  for (int i = 0; i < 2; ++i) {
+    const auto error = resolve(resolver, "missing.test");
+    const auto at = error.find("; add it to the parameter /translator/old/hosts");
+    ASSERT_NE(at, std::string::npos) << error;
+    EXPECT_EQ(error.find("add it", at + 5), std::string::npos) << error;
+  }
+}
+
 TEST_F(ResolverTest, AHangingNameHoldsUpNeitherTheLoopNorOthers) {
   Resolver resolver(loop_, {});
   int answered = 0;

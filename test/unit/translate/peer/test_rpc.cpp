@@ -111,7 +111,7 @@ TEST_F(Rpc, ErrorsNameMethodAndUri) {
   expect_error(call(uri, "getPid"), "refused", uri);
   expect_error(call("nonsense", "getPid"), "getPid", "nonsense");
   const auto unknown = call("http://no-such-host.invalid:1/", "getPid");
-  expect_error(unknown, "host table", "no-such-host.invalid");
+  expect_error(unknown, "/etc/hosts", "no-such-host.invalid");
 }
 
 TEST_F(Rpc, AServerThatNeverAnswersTimesOutAndTheNextCallGoesOn) {
