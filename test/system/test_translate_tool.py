@@ -4,6 +4,7 @@ import importlib.util
 import json
 import os
 import pathlib
+import re
 import subprocess
 import sys
 import tempfile
@@ -184,6 +185,32 @@ class TranslateTool(unittest.TestCase):
             with xmlrpc.client.ServerProxy(uri) as master:
                 self.assertNotIn("extperfc_translate_check", str(master.getSystemState("/test")))
 
+    def commands_of_the_guide(self):
+        """Every command line of the tool in docs/translator.md: in blocks, and within the text."""
+        text = (REPO / "docs" / "translator.md").read_text()
+        blocks = [line.split("#")[0].strip() for block in text.split("```")[1::2] for line in block.splitlines()]
+        spans = [span for block in text.split("```")[::2] for span in re.findall(r"`([^`\n]+)`", block)]
+        return sorted({line for line in blocks + spans if "extperfc-translate" in line})
+
+    @unittest.skipUnless(importlib.util.find_spec("rosmaster"), "needs rosmaster and rospy")
+    def test_the_guides_commands_work_as_they_are_written(self):
+        """In the repository's folder, as after its first line; only the masters' addresses are this test's."""
+        commands = self.commands_of_the_guide()
+        self.assertTrue(all(command.startswith("tools/extperfc-translate ") for command in commands), commands)
+        self.assertEqual({"check", "status"}, {command.split()[1] for command in commands})
+        old, new = self.start_side("old"), self.start_side("new")
+        for command in commands:
+            if command.split()[1] == "status":
+                continue  # needs a running translator: test_translator_connections.py
+            line = command.replace("http://011310P0018.local:11311", old).replace("http://localhost:11311", new)
+            done = subprocess.run(line, shell=True, cwd=REPO, capture_output=True, text=True, timeout=120, check=False)
+            self.assertEqual(0, done.returncode, f"{line}\n{done.stdout}{done.stderr}")
+            self.assertIn(" differ: ", done.stdout)
+            self.assertIn("0 need a rule, 0 unknown", done.stdout)
+
+    def test_check_without_arguments_compares_the_shipped_sets(self):
+        self.assertEqual(self.run_tool("check", "--from-set", "indigo", "--to-set", "noetic"), self.run_tool("check"))
+
     def test_errors_name_what_is_wrong(self):
         file = self.write("Wrong.msg", "int32 a\nint32 a\n")
         rules = self.write("rules.yaml", "rules: 3\n")
@@ -198,7 +225,10 @@ class TranslateTool(unittest.TestCase):
                 (["md5", "no_msgs/Such", "--set", "indigo"], "no set has the type no_msgs/Such"),
                 (["md5", "a/B", "--file", file], "line 2: field a is there twice"),
                 (["md5", "a/B", "--tree", "/no/such"], "/no/such"),
-                (["check"], "--from-set SET"),
+                (["check", "--to-set", "noetic"], "--from-set SET"),
+                (["check", "--from-set", "indigo"], "--to-set SET"),
+                (["status", "--nod", "/x"], "unknown option --nod; did you mean --node?"),
+                (["status", "--master", "http://127.0.0.1:9"], "no master at http://127.0.0.1:9"),
                 (["check", "--old", "http://127.0.0.1:9", "--new", "http://127.0.0.1:9"], "http://127.0.0.1:9"),
                 (["check", "--old", "http://127.0.0.1:9", "--timeout", "soon"], "--timeout must be a number"),
                 (["check", "--from-set", "indigo", "--to-set", "noetic", "--rules", rules], "rules.yaml"),
@@ -214,7 +244,7 @@ class TranslateTool(unittest.TestCase):
         self.assertIn("no folder 'definitions'", broken.stderr)
 
     def test_help(self):
-        for arguments in ([], *([name] for name in ("check", "show", "md5", "export", "store"))):
+        for arguments in ([], *([name] for name in ("check", "show", "md5", "export", "status", "store"))):
             for word in ("--help", "-h"):
                 self.assertIn("extperfc-translate", self.run_tool(*arguments, word))
 

@@ -19,6 +19,7 @@ namespace {
 
 constexpr const char* kHelp = R"(What differs between two sides, and what translating it takes.
 
+  extperfc-translate check                                        the shipped sets: indigo and noetic
   extperfc-translate check --from-set SET --to-set SET            two sets of definitions
   extperfc-translate check --from-tree DIR[:DIR] --to-tree DIR    two trees of packages (a workspace's src,
                                                                   /opt/ros/*/share, a ROS_PACKAGE_PATH)
@@ -55,6 +56,17 @@ Result<std::chrono::milliseconds> seconds(const std::string& text) {
   if (text.empty() || end != text.c_str() + text.size() || !(value > 0 && value <= kMost))
     return fail(ErrorCode::kInvalidArgument, "--timeout must be a number of seconds up to 3600, not " + text);
   return std::chrono::milliseconds(static_cast<std::int64_t>(value * 1e3));
+}
+
+bool names_a_side(const Arguments& arguments) {
+  for (const char* option : {"--from-set", "--to-set", "--from-tree", "--to-tree", "--old", "--new"})
+    if (arguments.has(option)) return true;
+  return false;
+}
+
+Result<Picked> pick_set(const DefinitionStore& store, const std::string& set) {
+  if (auto known = check_set(store, set); !known) return tl::unexpected(known.error());
+  return Picked{side_of_set(store, set), "set " + set};
 }
 
 Result<Picked> pick(DefinitionStore& store, const Arguments& arguments, const std::string& side) {
@@ -94,9 +106,10 @@ Result<int> run_check(const Words& words) {
   }
   auto store = open_store(*arguments);
   if (!store) return tl::unexpected(store.error());
-  const auto from = pick(*store, *arguments, "from");
+  const bool any_side = names_a_side(*arguments);
+  const auto from = any_side ? pick(*store, *arguments, "from") : pick_set(*store, "indigo");
   if (!from) return tl::unexpected(from.error());
-  const auto to = pick(*store, *arguments, "to");
+  const auto to = any_side ? pick(*store, *arguments, "to") : pick_set(*store, "noetic");
   if (!to) return tl::unexpected(to.error());
   const auto files = rule_files(*arguments);
   if (!files) return tl::unexpected(files.error());

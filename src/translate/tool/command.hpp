@@ -21,6 +21,7 @@ using Command = Result<int> (*)(const Words& words);
 [[nodiscard]] Result<int> run_show(const Words& words);
 [[nodiscard]] Result<int> run_check(const Words& words);
 [[nodiscard]] Result<int> run_export(const Words& words);
+[[nodiscard]] Result<int> run_status(const Words& words);
 [[nodiscard]] Result<int> run_store(const Words& words);
 
 }  // namespace extperfc::translate::tool

@@ -18,6 +18,7 @@ constexpr const char* kHelp =
   extperfc-translate show    how one type is converted from one definition to another, in words
   extperfc-translate md5     the MD5 of a type
   extperfc-translate export  writes a set of definitions as a tree of packages
+  extperfc-translate status  what a running translator carries, and how
   extperfc-translate store   writes a store of definitions from trees of packages
 
 `extperfc-translate SUBCOMMAND --help` tells more. Exit status: 0 fine, 1 `check` found types that need a rule,
@@ -28,10 +29,11 @@ struct Entry {
   std::string_view name;
   Command run;
 };
-constexpr std::array<Entry, 5> kCommands{{{"check", tool::run_check},
+constexpr std::array<Entry, 6> kCommands{{{"check", tool::run_check},
                                           {"export", tool::run_export},
                                           {"md5", tool::run_md5},
                                           {"show", tool::run_show},
+                                          {"status", tool::run_status},
                                           {"store", tool::run_store}}};
 
 int run(const std::string& name, const tool::Words& words) {
