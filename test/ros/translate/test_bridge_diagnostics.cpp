@@ -57,7 +57,7 @@ BridgeStatus healthy() {
   status.topics = {joint_states()};
   status.services = {ik()};
   status.params = 4;
-  status.clock = {true, 0.0123456, "ntp robot", 3.25};
+  status.clock = {true, 0.0123456, "ntp robot", 3.25, ""};
   return status;
 }
 

@@ -117,6 +117,7 @@ class FakeSubscription final : public Subscription {
   void message(LinkId link, FramePtr frame) {
     handlers_.on_message(links_.at(link), std::move(frame), EventLoop::now());
   }
+  void complain(const std::string& uri, const std::string& reason) { handlers_.on_problem(uri, reason); }
   void gone(LinkId id) {
     const auto link = links_.at(id);
     links_.erase(id);

@@ -117,9 +117,10 @@ class BridgeTest : public testing::Test {
     DefinitionStore definitions;
     for (const auto* set : {"old", "new"})
       (void)definitions.add_tree(std::filesystem::path(folder_) / set, set);
-    auto bridge = Bridge::make(
-        loop_, std::move(params), std::move(definitions), RuleSet{},
-        {[](const std::string&) {}, [this](const std::string& problem) { problems_.push_back(problem); }});
+    auto bridge = Bridge::make(loop_, std::move(params), std::move(definitions), RuleSet{},
+                               {[](const std::string&) {},
+                                [this](const std::string& problem) { problems_.push_back(problem); },
+                                {}});
     if (!bridge) throw std::runtime_error(bridge.error().message);
     return std::move(*bridge);
   }

@@ -228,7 +228,27 @@ TEST_F(TopicRouteTest, CommandsDoNotWaitInTheKernelEither) {
   EXPECT_EQ(publication().params_.queue, 1U);
   EXPECT_EQ(publication().params_.priority, Priority::kControl);
   ASSERT_TRUE(publication().params_.unacknowledged.has_value());
-  EXPECT_EQ(publication().params_.unacknowledged->count(), 200);
+  EXPECT_EQ(publication().params_.unacknowledged->count(), 300)
+      << "a lost packet, which is sent again after 0.2 s, must not end the connection";
+}
+
+TEST_F(TopicRouteTest, AConnectionThatEndsAgainAndAgainShowsWhileItDoes) {
+  auto& route = make();
+  (void)publication().request(subscriber(old_schema_));
+  subscription().connect(publisher(old_schema_));
+  EXPECT_EQ(route.status().problem, "");
+  subscription().trouble = "publisher http://robot/: it ends again and again";
+  EXPECT_EQ(route.status().problem, "/value: publisher http://robot/: it ends again and again");
+}
+
+TEST_F(TopicRouteTest, APublisherOfLogsThatEndedIsNoProblem) {
+  TopicRoute::Params params;
+  params.topic = "/rosout";
+  params.eager = true;
+  auto& route = make(std::move(params));
+  subscription().complain("http://ended/", "Connection refused");
+  EXPECT_EQ(route.status().problem, "");
+  EXPECT_TRUE(problems_.empty());
 }
 
 }  // namespace
