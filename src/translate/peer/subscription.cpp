@@ -71,7 +71,9 @@ void SubscriptionState::leave(const Consumers::ConsumerPtr& consumer) {
   consumers_.remove(consumer);
   if (consumers_.empty()) return close();
   use_priority();
-  reject_unwanted();
+  core_->loop.post([weak = weak_from_this()] {  // it may leave while others are asked
+    if (const auto self = weak.lock()) self->reject_unwanted();
+  });
 }
 
 /// Of connections that stand, those that no consumer accepted.

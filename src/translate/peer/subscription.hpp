@@ -17,7 +17,7 @@
 
 namespace extperfc::translate {
 
-/// The publishers of one topic and our connections to them: one each, whatever number of consumers there is.
+/// The publishers of one topic and our connections to them: one each, which all consumers share.
 /// Handlers hold it weakly, as PublicationState's do.
 class SubscriptionState : public std::enable_shared_from_this<SubscriptionState> {
  public:

@@ -93,6 +93,22 @@ TEST_F(SharedSubscriptions, WhatOneRefusesAnotherTakes) {
   EXPECT_TRUE(until([&] { return left.size() == 2; })) << "nobody wants it any more";
 }
 
+TEST_F(SharedSubscriptions, OneMayLeaveWhileTheNextIsNotAskedYet) {
+  Subscription::Handlers handlers;
+  std::unique_ptr<Subscription> leaver;
+  handlers.on_up = [&](const PublisherLink&) {
+    leaver.reset();
+    return true;
+  };
+  leaver = translator->subscribe("/chat", handlers, {});
+  begin(route);
+  ASSERT_TRUE(until([&] { return !leaver && route.ups == 1; }));
+  for_a_while(milliseconds(50));
+  send_all(*publication, frame_of("after"));
+  EXPECT_TRUE(until([&] { return route.messages.size() == 1; }));
+  EXPECT_EQ(requests.size(), 1U);
+}
+
 TEST_F(SharedSubscriptions, EverybodyHearsOfALostConnection) {
   begin(clock);
   begin(route);
