@@ -1,6 +1,17 @@
 # Helpers that make every target of the package alike.
 include(GNUInstallDirs)
 
+# Installed programs and libraries find each other, and what they were linked with, without an environment.
+set(EXTPERFC_LIB_DESTINATION ${CMAKE_INSTALL_LIBDIR})
+if(EXTPERFC_WITH_ROS)
+  set(EXTPERFC_LIB_DESTINATION ${CATKIN_GLOBAL_LIB_DESTINATION})  # where catkin's environment and pluginlib look
+endif()
+set(CMAKE_INSTALL_RPATH_USE_LINK_PATH ON)
+set(CMAKE_INSTALL_RPATH "$ORIGIN;$ORIGIN/..")
+if(NOT EXTPERFC_LIB_DESTINATION STREQUAL lib)
+  list(APPEND CMAKE_INSTALL_RPATH "$ORIGIN/../../${EXTPERFC_LIB_DESTINATION}")
+endif()
+
 # What every one of our own targets is compiled with.
 add_library(extperfc_flags INTERFACE)
 target_compile_features(extperfc_flags INTERFACE cxx_std_17)
@@ -28,16 +39,18 @@ function(extperfc_add_library room)
   target_link_libraries(extperfc_${room}
     PUBLIC ${ARG_LINK} PRIVATE $<BUILD_INTERFACE:extperfc_flags> ${ARG_PRIVATE_LINK})
   target_compile_features(extperfc_${room} PUBLIC cxx_std_17)
-  install(TARGETS extperfc_${room} LIBRARY DESTINATION ${CMAKE_INSTALL_LIBDIR})
+  install(TARGETS extperfc_${room} LIBRARY DESTINATION ${EXTPERFC_LIB_DESTINATION})
 endfunction()
 
-# extperfc_add_program(<name> SOURCES ... LINK ...): an executable that tools/ or roslaunch start.
+# extperfc_add_program(<name> [NO_INSTALL] SOURCES ... LINK ...): an executable that tools/ or roslaunch start.
 function(extperfc_add_program name)
-  cmake_parse_arguments(ARG "" "" "SOURCES;LINK" ${ARGN})
+  cmake_parse_arguments(ARG "NO_INSTALL" "" "SOURCES;LINK" ${ARGN})
   add_executable(${name} ${ARG_SOURCES})
   target_include_directories(${name} PRIVATE ${PROJECT_SOURCE_DIR}/src)
   target_link_libraries(${name} PRIVATE extperfc_flags ${ARG_LINK})
-  install(TARGETS ${name} RUNTIME DESTINATION lib/${PROJECT_NAME})
+  if(NOT ARG_NO_INSTALL)
+    install(TARGETS ${name} RUNTIME DESTINATION lib/${PROJECT_NAME})
+  endif()
 endfunction()
 
 # extperfc_add_test(<room>/<name> SOURCES ... LINK ...): a GoogleTest program, run by `tools/test unit`.
@@ -53,6 +66,5 @@ function(extperfc_add_test name)
     target_sources(${target} PRIVATE ${PROJECT_SOURCE_DIR}/test/support/no_deepbind.cpp)
     target_link_options(${target} PRIVATE -rdynamic)
   endif()
-  add_test(NAME unit/${name} COMMAND ${target})
-  set_tests_properties(unit/${name} PROPERTIES LABELS unit TIMEOUT 120)
+  extperfc_register_unit_test(${name} ${target})
 endfunction()

@@ -1,3 +1,5 @@
+include(cmake/interfaces.cmake)
+
 # ROS 1. Its headers are SYSTEM headers, so their warnings are not ours.
 find_package(catkin REQUIRED COMPONENTS
   actionlib baxter_core_msgs control_msgs cv_bridge diagnostic_msgs diagnostic_updater geometry_msgs image_transport
@@ -27,5 +29,10 @@ add_library(extperfc_catkin INTERFACE)
 target_include_directories(extperfc_catkin SYSTEM INTERFACE ${catkin_INCLUDE_DIRS} ${CATKIN_DEVEL_PREFIX}/include)
 target_link_libraries(extperfc_catkin INTERFACE ${catkin_LIBRARIES})
 
-install(DIRECTORY launch config models urdf tools DESTINATION share/${PROJECT_NAME} USE_SOURCE_PERMISSIONS)
+install(DIRECTORY launch config models urdf DESTINATION share/${PROJECT_NAME})
+# Without what works on a checkout alone.
+install(DIRECTORY tools DESTINATION share/${PROJECT_NAME} USE_SOURCE_PERMISSIONS
+  PATTERN __pycache__ EXCLUDE
+  REGEX "/tools/(bench|demo|fuzz|setup|soak_translator|test)$" EXCLUDE
+  REGEX "/lib/(debian.*|demo.*|soak_.*|run_.*|tidy)[.](py|txt)$" EXCLUDE)
 install(DIRECTORY include/extperfc DESTINATION include)

@@ -34,6 +34,21 @@ class Packages(unittest.TestCase):
         shown = subprocess.run(["dpkg-query", "-W", "-f", "${Package}\n", *names], capture_output=True, text=True)
         self.assertEqual("", shown.stderr)
 
+    def test_every_interface_package_is_a_dependency_that_the_build_brings_along(self):
+        own = {path.name for path in (REPO / "interfaces").iterdir()}
+        self.assertLessEqual(own, keys_of(REPO / "package.xml"))
+        built = re.search(r"foreach\(package IN ITEMS ([^)]*)\)", (REPO / "cmake/interfaces.cmake").read_text())
+        self.assertEqual(own, set(built[1].split()))
+
+    def test_every_package_that_cmake_asks_catkin_for_is_a_dependency(self):
+        asked = re.search(r"find_package\(catkin REQUIRED COMPONENTS([^)]*)\)", (REPO / "cmake/ros.cmake").read_text())
+        self.assertLessEqual(set(asked[1].split()), keys_of(REPO / "package.xml"))
+
+    def test_every_rostest_is_registered_with_catkin(self):
+        lists = "".join(file.read_text() for file in (REPO / "test/ros").rglob("CMakeLists.txt"))
+        registered = set(re.findall(r"extperfc_add_ros_test\((\w+)", lists)) - {"name"}
+        self.assertEqual({file.stem for file in (REPO / "test/ros").glob("*.test")}, registered)
+
     def test_every_plugin_has_a_source(self):
         root = xml.etree.ElementTree.parse(REPO / "config/nodelet_plugins.xml").getroot()
         exported = {node.get("type") for node in root.iter("class")}
