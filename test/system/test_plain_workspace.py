@@ -1,16 +1,29 @@
-"""A plain catkin workspace with a copy of this repository in src/ builds without a step by hand, whether the system has the message packages of interfaces/ or not."""
+"""A plain catkin workspace with a copy of this repository in src/ builds, tests, installs and runs without a step by hand,
+whether the system has the message packages of interfaces/ or not."""
 
 import os
 import pathlib
 import re
 import shutil
 import subprocess
+import sys
 import tempfile
 import unittest
 
 REPO = pathlib.Path(__file__).resolve().parents[2]
+sys.path[:0] = [str(REPO / "tools" / "lib")]
+
+import ros_session  # noqa: E402
+from test_tiers import long_scenario  # noqa: E402
+
 INTERFACES = ("baxter_core_msgs", "control_msgs", "vision_msgs")
 SETUP = "/usr/share/catkin/cmake/toplevel.cmake", "/opt/ros/noetic/share/catkin/cmake/toplevel.cmake"
+LAUNCH = """
+export ROS_MASTER_URI=http://127.0.0.1:{port} ROS_IP=127.0.0.1 ROS_HOME={home}
+roslaunch -p {port} extperfc sim.launch rviz:=false >{home}.log 2>&1 & launch=$!
+timeout 60 bash -c 'until rostopic echo -n 1 /robot/joint_states 2>/dev/null; do sleep 0.2; done' || cat {home}.log
+kill -TERM $launch; wait $launch; true
+"""
 
 
 def known_files():
@@ -119,6 +132,37 @@ class NestedWorkspace(unittest.TestCase):
         (workspace.root / ".catkin_workspace").unlink()
         place = workspace.run("bash", "-c", ". src/extperfc/tools/lib/places.sh; echo $WS").strip()
         self.assertEqual(f"{workspace.package}/.ws", place)
+
+
+@long_scenario("compiles the whole package; MessagePackages configures it in a minute")
+class WholeBuild(unittest.TestCase):
+    def test_build_tests_install_and_launch(self):
+        workspace = Workspace()
+        self.addCleanup(workspace.close)
+        workspace.catkin_make(timeout=5400)
+        self.check_tools_of_the_checkout(workspace)
+        workspace.catkin_make("run_tests_extperfc_gtest_test_base_sha256", "run_tests_extperfc_rostest_test_ros_params.test",
+                              timeout=1800)
+        results = workspace.run("catkin_test_results", "build/test_results")
+        self.assertIn("0 failures", results)
+        workspace.catkin_make("install", timeout=600)
+        shutil.rmtree(workspace.root / "build")
+        shutil.rmtree(workspace.root / "devel")
+        shutil.move(workspace.package, workspace.root / "away")
+        self.check_installed(workspace)
+
+    def check_tools_of_the_checkout(self, workspace):
+        self.assertIn("usage", workspace.run(str(workspace.package / "tools/extperfc-map"), "--help"))
+
+    def check_installed(self, workspace):
+        tools = workspace.root / "install/share/extperfc/tools"
+        for tool in ("extperfc-map", "extperfc-translate", "generate_pictures"):
+            self.assertIn("usage", workspace.run(str(tools / tool), "--help"), tool)
+        for package in INTERFACES:
+            workspace.in_space("install", f"/usr/bin/python3 -c 'import {package}.msg'")
+        state = workspace.in_space("install", LAUNCH.format(port=ros_session.free_port(), home=workspace.root / "ros"),
+                                   timeout=120)
+        self.assertIn("right_s0", state)
 
 
 if __name__ == "__main__":
