@@ -72,6 +72,7 @@ TEST_F(LocalizerTest, StandingItGoesOnPublishingTheTransformOnly) {
 TEST_F(LocalizerTest, StandingItUpdatesNowAndThenIfWanted) {
   load({{"idle_update_period_s", 0.5}});
   ASSERT_TRUE(locate());
+  ASSERT_TRUE(poses_.wait_for_count(1));
   const auto poses = poses_.count();
   for (int i = 0; i < 20; ++i) ASSERT_TRUE(locate());
   EXPECT_TRUE(wait_for([&] { return poses_.count() == poses + 4; })) << poses_.count() - poses;
