@@ -1,14 +1,13 @@
 # Helpers that make every target of the package alike.
 include(GNUInstallDirs)
 
-# Installed programs and libraries find each other, and what they were linked with, without an environment.
+# Installed programs and libraries find each other without an environment.
 set(EXTPERFC_LIB_DESTINATION ${CMAKE_INSTALL_LIBDIR})
 if(EXTPERFC_WITH_ROS)
   set(EXTPERFC_LIB_DESTINATION ${CATKIN_GLOBAL_LIB_DESTINATION})  # where catkin's environment and pluginlib look
 endif()
-set(CMAKE_INSTALL_RPATH_USE_LINK_PATH ON)
 set(CMAKE_INSTALL_RPATH "$ORIGIN;$ORIGIN/..")
-if(NOT EXTPERFC_LIB_DESTINATION STREQUAL lib)
+if(NOT EXTPERFC_LIB_DESTINATION MATCHES "^lib$")
   list(APPEND CMAKE_INSTALL_RPATH "$ORIGIN/../../${EXTPERFC_LIB_DESTINATION}")
 endif()
 
