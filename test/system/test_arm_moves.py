@@ -16,12 +16,15 @@ import rospy  # noqa: E402
 import simulated_robot  # noqa: E402
 import std_msgs.msg  # noqa: E402
 import std_srvs.srv  # noqa: E402
+from sensor_msgs.msg import JointState  # noqa: E402
+from trajectory_msgs.msg import JointTrajectory  # noqa: E402
 
 import extperfc.arm  # noqa: E402
 from extperfc.msg import ArmCode  # noqa: E402
 from extperfc.robot_description import RobotDescription  # noqa: E402
 from extperfc.srv import SetFault  # noqa: E402
 
+MAX_SKEW_S = 0.01
 AHEAD = (0.70, 0.25, 0.30, math.pi, 0.0, 0.0)  # the left gripper looks down, in the frame `base`
 
 
@@ -112,6 +115,33 @@ class ArmMoves(unittest.TestCase):
         self.both.move_to({"left": AHEAD, "right": mirrored}, frame="base", timeout=60)
         time.sleep(0.2)
         self.assertAlmostEqual(-AHEAD[1], self.right.tool_pose("base").pose.position.y, delta=0.01)
+
+    def test_both_arms_move_at_the_same_time(self):
+        """Both wrists turn by the same angle: what one is ahead of the other, over their speed, is the skew."""
+        seen = []
+        joints = rospy.Subscriber("robot/joint_states", JointState, seen.append)
+        self.addCleanup(joints.unregister)
+        self.both.move_to({"left_w2": 1.0, "right_w2": 1.0}, timeout=60)
+        wrists = [(message.header.stamp.to_sec(), *(message.position[message.name.index(name)]
+                                                    for name in ("left_w2", "right_w2"))) for message in seen]
+        skews = []
+        for (t0, left0, _), (t1, left, right) in zip(wrists, wrists[1:]):
+            speed = (left - left0) / (t1 - t0) if t1 > t0 else 0.0
+            if speed > 0.2:
+                skews.append(abs(left - right) / speed)
+        self.assertGreater(len(skews), 20)
+        self.assertLess(max(skews), MAX_SKEW_S)
+
+    def test_a_plan_is_shown_before_the_arm_moves(self):
+        shown = []
+        display = rospy.Subscriber("arm/display_trajectory", JointTrajectory,
+                                   lambda message: shown.append((message, self.left.joints["left_w2"])))
+        self.addCleanup(display.unregister)
+        self.left.move_to({"w2": -0.7}, timeout=60)
+        at_start = [where for message, where in shown
+                    if abs(dict(zip(message.joint_names, message.points[-1].positions))["left_w2"] + 0.7) < 1e-3]
+        self.assertEqual(1, len(at_start))
+        self.assertGreater(at_start[0], -0.35, "it was shown when the motion was over")
 
     def test_a_straight_line(self):
         self.left.move_to(AHEAD, frame="base", timeout=60)
