@@ -36,7 +36,6 @@ BESIDE_OTHERS = {
 LONG = {
     "system/bench": "measures; correctness of what it measures is in the unit tests",
     "system/translator_soak": "system/translator_faults has each fault alone",
-    "system/localization_office": "system/localization_bag and ros/localizer localize",
     "system/mapping_office": "system/mapping_bag and ros/mapper draw maps"}
 
 
