@@ -150,6 +150,7 @@ std::optional<Contact> Checks::nearest(const JointVector& positions) {
   placement_.set(bodies(), scene_, positions.data());
   // Pairs whose boxes are near each other first: few others are left to be looked at then.
   std::vector<std::pair<double, int>> bounds;
+  bounds.reserve(scene_.pairs.size());
   for (int pair = 0; pair < static_cast<int>(scene_.pairs.size()); ++pair)
     bounds.emplace_back(exact_.rough_bound(pair, placement_) - scene_.pairs[pair].padding_m, pair);
   const auto farther = std::greater<>();

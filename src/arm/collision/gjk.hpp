@@ -141,7 +141,7 @@ Proximity gjk(const Lowest& lowest, const Eigen::Vector3d& guess, double relativ
   Proximity result;
   const auto look_along = [&](const Eigen::Vector3d& direction) {
     const double length = direction.norm();
-    const Eigen::Vector3d point = lowest(direction);
+    Eigen::Vector3d point = lowest(direction);
     if (const double gap = direction.dot(point) / length; gap > result.at_least_m) {
       result.at_least_m = gap;
       result.axis = direction / length;
