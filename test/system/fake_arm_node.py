@@ -3,7 +3,7 @@
 
   fake_arm_node.py URDF [--tf]
 
---tf: frames of the grippers, which otherwise somebody else makes of the joints.
+--tf: frames of the grippers, which otherwise another node computes from the joints.
 Everything below z = -0.3 m in `base` collides with "the table", which only the tools' origins touch. Motions take a
 quarter of their time; how each ended is published on motion_ended.
 """
@@ -66,10 +66,10 @@ class Chain:
         q = numpy.clip(numpy.array(seed, float), self.lower, self.upper)
         for _ in range(150):
             pose, jacobian = self.forward(q)
-            turn = goal[:3, :3] @ pose[:3, :3].T
-            vector = numpy.array([turn[2, 1] - turn[1, 2], turn[0, 2] - turn[2, 0], turn[1, 0] - turn[0, 1]]) / 2
+            rotation = goal[:3, :3] @ pose[:3, :3].T
+            vector = numpy.array([rotation[2, 1] - rotation[1, 2], rotation[0, 2] - rotation[2, 0], rotation[1, 0] - rotation[0, 1]]) / 2
             error = numpy.concatenate([goal[:3, 3] - pose[:3, 3], vector])
-            if numpy.linalg.norm(error[:3]) < 1e-3 and numpy.linalg.norm(error[3:]) < 1e-2 and numpy.trace(turn) > 0:
+            if numpy.linalg.norm(error[:3]) < 1e-3 and numpy.linalg.norm(error[3:]) < 1e-2 and numpy.trace(rotation) > 0:
                 return q
             step = jacobian.T @ numpy.linalg.solve(jacobian @ jacobian.T + 1e-3 * numpy.eye(6), error)
             q = numpy.clip(q + step, self.lower, self.upper)
@@ -190,7 +190,7 @@ class FakeArms:
         for i in range(steps + 1):
             if self.stop.wait(0.02) or server.is_preempt_requested():
                 self.ends.publish("cancelled")
-                return extperfc.msg.MoveArmResult(code=ArmCode.CANCELLED, message="stopped on the way", executed=i / steps)
+                return extperfc.msg.MoveArmResult(code=ArmCode.CANCELLED, message="stopped before the end", executed=i / steps)
             with self.lock:
                 self.values.update(zip(trajectory.joint_names, (begin + (end - begin) * i / steps).tolist()))
             self.publish()

@@ -1,4 +1,4 @@
-"""What the simulated depth camera sees as an obstacle to the arms: the node is told about nothing."""
+"""What the simulated depth camera sees as an obstacle to the arms: the node's scene is empty."""
 
 import math
 import pathlib
@@ -20,7 +20,7 @@ import extperfc.arm  # noqa: E402
 from extperfc.msg import ArmCode  # noqa: E402
 
 SEED = 3
-WAIT_S = 30.0       # of real time for pictures to have an effect: they are rare on a busy machine
+WAIT_S = 30.0       # of real time for images to have an effect: they are rare on a busy machine
 ANSWER_S = 120.0    # of real time for a motion
 PLACE_XY = (0.62, 0.24)     # over the tray, where the left arm reaches
 ABOVE_M = 0.12              # of the tool over the tray
@@ -52,14 +52,14 @@ class ArmDepth(unittest.TestCase):
             time.sleep(0.1)
 
     def wait_free(self, goal):
-        """For a way to it."""
+        """For a path to it."""
         deadline = time.monotonic() + WAIT_S
         while (error := self.refused(goal)) is not None:
             self.assertLess(time.monotonic(), deadline, f"{error}; launch log: {self.session.errors()}")
             time.sleep(0.1)
 
     def refused(self, goal):
-        """The error of planning there, None: there is a way."""
+        """The error of planning there, None: there is a path."""
         try:
             self.left.plan(goal, frame="map", timeout=ANSWER_S)
         except extperfc.arm.ArmError as error:
@@ -92,7 +92,7 @@ class ArmDepth(unittest.TestCase):
         x, y = self.above[:2]
         within = (x, y, self.spot.top - 0.02, *TURN)
         self.addCleanup(self.left.scene.clear)
-        for _ in range(5):  # pictures come ten times a second
+        for _ in range(5):  # images arrive ten times a second
             self.left.scene.clear()
             self.wait(lambda: self.heights_of_voxels_near(x, y), "no voxels at the tray")
             self.wait(lambda: "depth" in str(self.refused(within)), "the hand may go through the tray")

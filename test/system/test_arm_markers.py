@@ -164,7 +164,7 @@ class ArmMarkers(unittest.TestCase):
     def test_3_plan_shows_a_path_and_execute_moves_there(self):
         self.drag("left", dz=0.1)
         self.choose("left", "Plan")
-        self.goal.wait(lambda: "a way of" in self.goal.text("left"), "the plan's message")
+        self.goal.wait(lambda: "path of" in self.goal.text("left"), "the plan's message")
         self.path.wait(lambda: self.path.of("ghost") and self.path.of("tool"), "the path")
         line, = self.path.of("tool")
         self.assertEqual("base_footprint", line.header.frame_id)
@@ -195,7 +195,7 @@ class ArmMarkers(unittest.TestCase):
 
     def test_6_grippers(self):
         self.choose("left", "Close gripper")
-        self.goal.wait(lambda: self.goal.text("left") == "closed, holds nothing", "the gripper")
+        self.goal.wait(lambda: self.goal.text("left") == "closed, empty", "the gripper")
 
     def test_7_client(self):
         neutral = {"left_s0": 0, "left_s1": -0.55, "left_e0": 0, "left_e1": 0.75, "left_w0": 0, "left_w1": 1.26, "left_w2": 0}
@@ -219,7 +219,7 @@ class ArmMarkers(unittest.TestCase):
         motion = self.left.move_to("untuck", wait=False, **slow)
         self.wait_for(lambda: motion.feedback is not None, "the motion to begin")
         self.left.stop()
-        with self.assertRaisesRegex(extperfc.arm.ArmError, "CANCELLED: stopped on the way"):
+        with self.assertRaisesRegex(extperfc.arm.ArmError, "CANCELLED: stopped before the end"):
             motion.wait(20)
 
     def test_8_three_numbers_and_level_tools_by_tf(self):
@@ -229,8 +229,8 @@ class ArmMarkers(unittest.TestCase):
         at = before.pose.position
         self.left.move_to((at.x, at.y, at.z + 0.1), timeout=30)
         self.wait_for(lambda: abs(self.left.tool_pose().pose.position.z - at.z - 0.1) < 2e-3, "10 cm higher")
-        turned = (extperfc.arm.matrix_of_pose(before).T @ extperfc.arm.matrix_of_pose(self.left.tool_pose()))[:3, :3]
-        self.assertGreater(turned.trace(), 2.999)  # 0.02 rad
+        rotation = (extperfc.arm.matrix_of_pose(before).T @ extperfc.arm.matrix_of_pose(self.left.tool_pose()))[:3, :3]
+        self.assertGreater(rotation.trace(), 2.999)  # 0.02 rad
         axis = self.left.keep_level()[0].axis
         up = extperfc.arm.matrix_of_pose(self.left.tool_pose())[:3, :3] @ (axis.x, axis.y, axis.z)
         self.assertAlmostEqual(1.0, up[2], places=6)

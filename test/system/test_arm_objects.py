@@ -27,7 +27,7 @@ from extperfc.msg import ArmCode  # noqa: E402
 
 AHEAD = (0.70, 0.25, 0.30, math.pi, 0.0, 0.0)  # the left gripper looks down, in the frame `base`
 CLASSES = ["cube", "sphere", "cone", "book"]
-MOST_AGE_S = 3.0
+MAX_AGE_S = 3.0
 CONFIRM = 3
 OPTICAL = (0.5, -0.5, 0.5, -0.5)  # x y z w of a camera that looks along the x axis
 SMALL = (0.04, 0.04, 0.04)
@@ -90,7 +90,7 @@ class ArmObjects(unittest.TestCase):
         folder = tempfile.TemporaryDirectory()
         cls.addClassCleanup(folder.cleanup)
         config = yaml.safe_load((REPO / "config" / "arm.yaml").read_text())
-        config["objects"].update(enabled=True, confirm=CONFIRM, most_age_s=MOST_AGE_S)
+        config["objects"].update(enabled=True, confirm=CONFIRM, max_age_s=MAX_AGE_S)
         file = pathlib.Path(folder.name) / "arm.yaml"
         file.write_text(yaml.safe_dump(config))
         cls.session = RosSession(os.path.join(folder.name, "log"))
@@ -150,22 +150,22 @@ class ArmObjects(unittest.TestCase):
     def names(self):
         return sorted(self.left.scene.objects)
 
-    def told(self, name):
+    def diagnostics_of(self, name):
         """Diagnostics that are newer than this call."""
         begin = time.monotonic()
         self.wait(lambda: self.status.get(name, {"stamp": 0})["stamp"] > begin, f"no diagnostics of {name}")
         return self.status[name]
 
     def position(self, name):
-        """Of a thing of the scene, in the frame `base`."""
+        """Of an object of the scene, in the frame `base`."""
         pose = self.left.scene.objects[name].pose
         found = robot_state.frames().lookup("base", pose.header.frame_id, 10).transform
         x, y, z, w = found.rotation.x, found.rotation.y, found.rotation.z, found.rotation.w
-        turn = numpy.array([[1 - 2 * (y * y + z * z), 2 * (x * y - z * w), 2 * (x * z + y * w)],
+        rotation = numpy.array([[1 - 2 * (y * y + z * z), 2 * (x * y - z * w), 2 * (x * z + y * w)],
                             [2 * (x * y + z * w), 1 - 2 * (x * x + z * z), 2 * (y * z - x * w)],
                             [2 * (x * z - y * w), 2 * (y * z + x * w), 1 - 2 * (x * x + y * y)]])
         at = pose.pose.position
-        return turn @ (at.x, at.y, at.z) + (found.translation.x, found.translation.y, found.translation.z)
+        return rotation @ (at.x, at.y, at.z) + (found.translation.x, found.translation.y, found.translation.z)
 
     def near(self, wanted, found, within_m):
         self.assertLess(float(numpy.linalg.norm(numpy.subtract(wanted, found))), within_m, f"{wanted} {found}")
@@ -173,24 +173,24 @@ class ArmObjects(unittest.TestCase):
     def appears(self, name):
         self.wait(lambda: name in self.left.scene.objects, f"{name} is not in the scene")
 
-    def test_an_object_joins_after_some_sightings(self):
+    def test_an_object_joins_after_some_detections(self):
         for _ in range(CONFIRM - 1):
             self.detector.send(detection("cone", (0.8, 0.3, 0.0), (0.06, 0.12, 0.07), OPTICAL))
             time.sleep(0.1)
-        self.wait(lambda: self.told("objects")["objects that wait for objects/confirm or objects/most_objects"] == "1",
+        self.wait(lambda: self.diagnostics_of("objects")["objects waiting for objects/confirm or objects/max_objects"] == "1",
                   "the detections do not arrive")
         self.assertEqual([], self.names())
         self.detector.send(detection("cone", (0.8, 0.3, 0.0), (0.06, 0.12, 0.07), OPTICAL))
         self.appears("cone_1")
-        thing = self.left.scene.objects["cone_1"]
-        self.assertEqual("cone", thing.label)
+        found = self.left.scene.objects["cone_1"]
+        self.assertEqual("cone", found.label)
         self.near((0.8, 0.3, 0.0), self.position("cone_1"), 1e-3)
         # Along a camera's axes y is the height and z the depth; it stands.
-        self.assertEqual([thing.primitives[0].CONE], [primitive.type for primitive in thing.primitives])
-        numpy.testing.assert_allclose(thing.primitives[0].dimensions, (0.12, 0.035), atol=1e-9)
-        self.assertAlmostEqual(0.0, thing.pose.pose.orientation.x, delta=1e-3)
-        self.assertAlmostEqual(0.0, thing.pose.pose.orientation.y, delta=1e-3)
-        # Each kind has its shape, and what jitters is no news.
+        self.assertEqual([found.primitives[0].CONE], [primitive.type for primitive in found.primitives])
+        numpy.testing.assert_allclose(found.primitives[0].dimensions, (0.12, 0.035), atol=1e-9)
+        self.assertAlmostEqual(0.0, found.pose.pose.orientation.x, delta=1e-3)
+        self.assertAlmostEqual(0.0, found.pose.pose.orientation.y, delta=1e-3)
+        # Each kind has its shape, and jitter changes nothing.
         count = iter(range(10 ** 6))
         self.detector.say(lambda: [detection("cone", (0.8, 0.3, 0.002 * (next(count) % 2)), (0.06, 0.12, 0.07), OPTICAL),
                                    detection("sphere", (0.8, 0.0, 0.0)), detection("book", (0.8, -0.3, 0.0), (0.2, 0.1, 0.03)),
@@ -200,9 +200,9 @@ class ArmObjects(unittest.TestCase):
         objects = self.left.scene.objects
         numpy.testing.assert_allclose(objects["sphere_1"].primitives[0].dimensions, (0.02,), atol=1e-9)
         numpy.testing.assert_allclose(objects["book_1"].primitives[0].dimensions, (0.2, 0.1, 0.03), atol=1e-9)
-        before = self.told("arms")["changes of the scene"]
+        before = self.diagnostics_of("arms")["changes of the scene"]
         for _ in range(2):
-            self.assertEqual(before, self.told("arms")["changes of the scene"])
+            self.assertEqual(before, self.diagnostics_of("arms")["changes of the scene"])
 
     def test_an_object_that_moves_and_one_that_goes(self):
         place = [0.8, 0.3, 0.0]
@@ -213,7 +213,7 @@ class ArmObjects(unittest.TestCase):
         self.detector.say(lambda: [detection("sphere", (0.8, -0.3, 0.0))])
         began = rospy.Time.now()
         self.wait(lambda: "cube_1" not in self.left.scene.objects, "it does not go")
-        self.assertGreater((rospy.Time.now() - began).to_sec(), MOST_AGE_S - 0.5)
+        self.assertGreater((rospy.Time.now() - began).to_sec(), MAX_AGE_S - 0.5)
         self.assertEqual(["sphere_1"], self.names())
 
     def test_what_cannot_be_is_ignored(self):
@@ -225,24 +225,24 @@ class ArmObjects(unittest.TestCase):
             detection("cube", (0.9, 0.1, 0.0), (math.inf,) * 3), detection(99, (0.9, 0.2, 0.0)), detection(-1, (0.9, 0.3, 0.0)),
             detection("cube", (0.9, 0.4, 0.0), score=0.2), detection("cube", (0.9, 0.5, 0.0), (0.1, 0.1, 0.4)), vision_msgs.msg.Detection3D(), detection("sphere", (0.8, -0.3, 0.0))])
         self.appears("sphere_1")
-        told = self.told("objects")
+        values = self.diagnostics_of("objects")
         self.assertEqual(["sphere_1"], self.names())
-        for reason, least in (("no finite pose, size above 0 and score", 8 * CONFIRM), ("class without a name", 2 * CONFIRM),
-                              ("below objects/least_score", CONFIRM), ("above objects/largest_m", CONFIRM)):
-            self.assertGreaterEqual(int(told["ignored: " + reason]), least, reason)
-        # A frame that nobody knows, and none at all.
+        for reason, minimum in (("invalid pose, size or score", 8 * CONFIRM), ("class without a name", 2 * CONFIRM),
+                              ("below objects/min_score", CONFIRM), ("above objects/largest_m", CONFIRM)):
+            self.assertGreaterEqual(int(values["ignored: " + reason]), minimum, reason)
+        # An unknown frame and an empty frame.
         self.detector.say(None)
         for frame, word in (("atlantis", "atlantis"), ("", "no frame")):
             def refused(frame=frame, word=word):
                 self.detector.send(detection("cube", (0.8, 0.3, 0.0)), frame=frame)
-                return word in self.told("objects")["message"]
+                return word in self.diagnostics_of("objects")["message"]
             self.wait(refused, f"the frame '{frame}' is no error", 20)
             self.assertEqual(diagnostic_msgs.msg.DiagnosticStatus.ERROR, self.status["objects"]["level"])
         self.detector.say(lambda: [detection("cube", (0.8, 0.3, 0.0))])
         self.appears("cube_1")
-        self.assertEqual(diagnostic_msgs.msg.DiagnosticStatus.OK, self.told("objects")["level"])
+        self.assertEqual(diagnostic_msgs.msg.DiagnosticStatus.OK, self.diagnostics_of("objects")["level"])
 
-    def test_it_comes_into_the_way(self):
+    def test_it_blocks_the_path(self):
         goal = self.left.solve_ik(AHEAD, frame="base")
         motion = self.left.move_to({name[5:]: value for name, value in goal.items()}, wait=False, velocity_scale=0.15, replans=0)
         self.wait(lambda: motion.feedback is not None and motion.feedback.executed > 0.1, "it does not begin to move")
@@ -254,7 +254,7 @@ class ArmObjects(unittest.TestCase):
         self.assertIn("cube_1", caught.exception.message)
         self.assertTrue(self.left.check().free)
 
-    def test_a_held_object_is_not_doubled(self):
+    def test_a_held_object_is_not_duplicated(self):
         self.left.move_to(AHEAD, frame="base", timeout=60)
         tool = lambda: self.left.tool_pose("base").pose.position  # noqa: E731
         in_hand = lambda: detection("cube", (tool().x + 0.01, tool().y, tool().z - 0.06))  # noqa: E731
@@ -289,14 +289,14 @@ class ArmObjects(unittest.TestCase):
         motion = self.left.pick("cube", wait=False)
         self.wait(lambda: motion.done or (motion.feedback is not None and motion.feedback.stage == "approaching"), "no approach")
         self.assertFalse(motion.done)
-        place[0] += 0.03  # as when the hand hides half of it
+        place[0] += 0.03  # as when the gripper hides half of it
         while not motion.done:
             now = self.left.scene.objects
             self.assertEqual(["cube_1"], sorted(now))
             if not motion.done:
                 self.near(before, self.position("cube_1"), 1e-3)
             time.sleep(0.02)
-        # There is nothing between the fingers of this simulation. Afterwards detections count again, where no hand is.
+        # There is nothing between the fingers of this simulation. Afterwards detections count again, where no gripper is.
         with self.assertRaises(extperfc.arm.ArmError) as caught:
             motion.wait(10)
         self.assertEqual(ArmCode.GRASP_MISSED, caught.exception.code, caught.exception.message)
@@ -309,7 +309,7 @@ class ArmObjects(unittest.TestCase):
         self.detector.say(lambda: [detection("cube", (tool.x, tool.y, tool.z + 0.05), (0.09, 0.09, 0.09)),
                                    detection("sphere", (0.8, -0.3, 0.0))])
         self.appears("sphere_1")
-        self.wait(lambda: int(self.told("objects")["ignored: at the robot"]) > CONFIRM, "the hand is not ignored")
+        self.wait(lambda: int(self.diagnostics_of("objects")["ignored: at the robot"]) > CONFIRM, "the gripper is not ignored")
         self.assertEqual(["sphere_1"], self.names())
         self.left.move_to("neutral", timeout=60)  # and nothing holds it there
         self.appears("cube_1")

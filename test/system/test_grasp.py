@@ -19,7 +19,7 @@ from extperfc.msg import ArmCode  # noqa: E402
 
 SEED = 5
 LIFT_M = 0.10
-FOUND_S = 20.0      # of simulated time for the node to find the cube: pictures are rare on a busy machine
+FOUND_S = 20.0      # of simulated time for the node to find the cube: images are rare on a busy machine
 ANSWER_S = 120.0    # of real time for an action
 
 
@@ -41,9 +41,9 @@ class Grasp(unittest.TestCase):
         self.arms.arms.move_to("neutral", timeout=ANSWER_S)
         self.robot.put("cube", self.spot)
         self.arms.show_support(self.spot)
-        thing, _, others = self.arms.wait_found("cube", scene.middle("cube", self.spot), seconds=FOUND_S)
-        self.assertIsNotNone(thing, f"the cube is not in the scene, but {others}; launch log: {self.session.errors()}")
-        self.thing = thing
+        scene_object, _, others = self.arms.wait_found("cube", scene.middle("cube", self.spot), seconds=FOUND_S)
+        self.assertIsNotNone(scene_object, f"the cube is not in the scene, but {others}; launch log: {self.session.errors()}")
+        self.cube = scene_object
 
     def fails(self, code, motion):
         with self.assertRaises(extperfc.arm.ArmError) as caught:
@@ -51,10 +51,10 @@ class Grasp(unittest.TestCase):
         self.assertEqual(extperfc.arm.errors.NAMES[code], caught.exception.name, caught.exception.message)
 
     def held(self):
-        return [name for name, thing in self.arms.scene.objects.items() if thing.link]
+        return [name for name, scene_object in self.arms.scene.objects.items() if scene_object.link]
 
     def test_a_cube_that_the_detector_finds_is_picked_and_placed(self):
-        off = self.arms.place_of(self.thing)[:3, 3] - scene.middle("cube", self.spot)
+        off = self.arms.place_of(self.cube)[:3, 3] - scene.middle("cube", self.spot)
         self.assertLess(abs(off).max(), 0.01)
         before = self.robot.true_pose("cube")[2, 3]
         goal = (*scene.middle("cube", self.other), 0.0, 0.0, self.other.yaw)

@@ -1,4 +1,4 @@
-"""What a user of the arm node does in a grasp trial: waits until the node has found a thing, picks, places."""
+"""What a user of the arm node does in a grasp trial: waits until the node has found an object, picks, places."""
 
 import collections
 import time
@@ -14,12 +14,12 @@ ACTION_S = 180.0  # simulated seconds after which an action that has not answere
 NO_ANSWER = "no answer"
 
 # code: of extperfc/ArmCode or ClientCode, None without an answer; seconds: of simulated time
-Ending = collections.namedtuple("Ending", "code message seconds")
+Status = collections.namedtuple("Status", "code message seconds")
 
 
-def size_of(thing):
-    """Extent [m] along the axes of a thing of one primitive (extperfc/SceneObject)."""
-    primitive = thing.primitives[0]
+def size_of(scene_object):
+    """Extent [m] along the axes of an object of one primitive (extperfc/SceneObject)."""
+    primitive = scene_object.primitives[0]
     d = primitive.dimensions
     if primitive.type == primitive.BOX:
         return tuple(d)
@@ -29,7 +29,7 @@ def size_of(thing):
 
 
 def pose_at(shape, spot):
-    """Of the thing's middle, in the frame map."""
+    """Of the object's centre, in the frame map."""
     return (*scene.middle(shape, spot), 0.0, 0.0, spot.yaw)
 
 
@@ -43,7 +43,7 @@ class GraspArms:
         self._support = None  # spot of the last show_support()
 
     def act(self, begin_motion):
-        """Ending of a motion that `begin_motion` returns; cancelled when it does not answer in time."""
+        """Status of a motion that `begin_motion` returns; cancelled when it does not answer in time."""
         begin = self.robot.now()
         try:
             motion = begin_motion()
@@ -52,15 +52,15 @@ class GraspArms:
                     raise Stalled("the simulation ended")
                 if self.robot.now() > begin + ACTION_S:
                     motion.cancel()
-                    return Ending(None, NO_ANSWER, self.robot.now() - begin)
+                    return Status(None, NO_ANSWER, self.robot.now() - begin)
                 time.sleep(0.02)
             result = motion.result()
         except extperfc.arm.ArmError as error:
-            return Ending(error.code, error.message, self.robot.now() - begin)
-        return Ending(0, result.message, self.robot.now() - begin)
+            return Status(error.code, error.message, self.robot.now() - begin)
+        return Status(0, result.message, self.robot.now() - begin)
 
     def move_home(self):
-        """Both arms to the pose neutral, out of the picture."""
+        """Both arms to the pose neutral, out of the image."""
         return self.act(lambda: self.arms.move_to("neutral", wait=False))
 
     def open_grippers(self):
@@ -71,7 +71,7 @@ class GraspArms:
             raise Stalled(f"the grippers do not open: {error}") from None
 
     def show_support(self, spot):
-        """The node forgets everything; then it is told about tray and column. Things it has to find itself."""
+        """Clears the node's scene, then adds tray and column. The node has to find the objects itself."""
         self._support = spot
         under = spot.top - scene.TRAY_SIZE[2]
         self.scene.clear()
@@ -80,39 +80,39 @@ class GraspArms:
                                 (*scene.COLUMN_XY, under - scene.COLUMN_HEIGHT / 2), frame="map")
 
     def forget_things(self):
-        """The node forgets what it has found. To be called when a thing was taken away by no hand."""
+        """Clears what the node has found. Call when an object was removed without a gripper."""
         if self._support:
             self.show_support(self._support)
 
-    def place_of(self, thing):
+    def place_of(self, scene_object):
         """map_T_thing of an extperfc/SceneObject, 4 x 4."""
-        return self.robot.transform("map", thing.pose.header.frame_id) @ matrix(thing.pose.pose)
+        return self.robot.transform("map", scene_object.pose.header.frame_id) @ matrix(scene_object.pose.pose)
 
     def found(self):
         """{name: extperfc/SceneObject} of what has a label: what the node has found."""
-        return {name: thing for name, thing in self.scene.objects.items() if thing.label}
+        return {name: scene_object for name, scene_object in self.scene.objects.items() if scene_object.label}
 
     def wait_found(self, shape, true_middle, within_m=0.15, seconds=5.0):
-        """(the thing of this class that the node has in its scene, None: not in time; simulated time that it took; names of
-        all others that it has found). The truth tells no more than which thing of the class is meant."""
+        """(the object of this class in the node's scene, None: not in time; simulated time that it took; names of all other
+        found objects). The truth is used only to select the object of the class."""
         begin = self.robot.now()
         while True:
-            things = self.found()
-            for name, thing in things.items():
-                near = numpy.linalg.norm(self.place_of(thing)[:3, 3] - true_middle) < within_m
-                if thing.label == shape and near:
-                    return thing, self.robot.now() - begin, sorted(things.keys() - {name})
+            scene_objects = self.found()
+            for name, scene_object in scene_objects.items():
+                near = numpy.linalg.norm(self.place_of(scene_object)[:3, 3] - true_middle) < within_m
+                if scene_object.label == shape and near:
+                    return scene_object, self.robot.now() - begin, sorted(scene_objects.keys() - {name})
             if self.robot.now() > begin + seconds:
-                return None, self.robot.now() - begin, sorted(things)
+                return None, self.robot.now() - begin, sorted(scene_objects)
             if not self.robot.alive():
                 raise Stalled("the simulation ended")
             time.sleep(0.05)
 
     def pick(self, shape, lift_m, place_at):
-        """By its class, whichever arm reaches it better and can put it down at the spot."""
+        """By its class, with the arm that reaches it better and can place it at the spot."""
         return self.act(lambda: self.arms.pick(shape, lift=lift_m, place_at=pose_at(shape, place_at), any_yaw=True,
                                                frame="map", wait=False))
 
     def place(self, shape, spot):
-        """At the spot, turned as is easiest."""
+        """At the spot, with any yaw."""
         return self.act(lambda: self.arms.place(pose_at(shape, spot), any_yaw=True, frame="map", wait=False))

@@ -29,7 +29,7 @@ def matrix(pose):
 
 
 class GraspRobot:
-    """One per process; call after rospy.init_node. `alive()` tells whether the simulation still runs."""
+    """One per process; call after rospy.init_node. `alive()` returns True while the simulation runs."""
 
     def __init__(self, alive):
         import geometry_msgs.msg
@@ -118,12 +118,12 @@ class GraspRobot:
         self.move_body(shape, scene.body_position(shape, scene.Spot(*PARKING[shape], PARKING_TOP_M, 0.0)))
 
     def park_all(self):
-        """All objects out of the way."""
+        """Parks all objects."""
         for shape in scene.SHAPES:
             self.park(shape)
 
     def put(self, shape, spot):
-        """Tray and object where they are wanted, the other objects out of the way. The object comes to rest."""
+        """Moves tray and object to the spot and parks the other objects. Waits until the object rests."""
         self.park_all()
         under = spot.top - scene.TRAY_SIZE[2]
         self.move_body("tray", (*scene.TRAY_XY, under))
@@ -137,27 +137,27 @@ class GraspRobot:
     def true_pose(self, shape):
         """map_T_body of the first object of this class, 4 x 4."""
         with self.lock:
-            for thing in self.truth.detections:
-                if self.names["truth"][thing.results[0].id] == shape:
-                    return scene.body_of(shape, matrix(thing.bbox.center))
+            for detection in self.truth.detections:
+                if self.names["truth"][detection.results[0].id] == shape:
+                    return scene.body_of(shape, matrix(detection.bbox.center))
         raise Stalled(f"no {shape} in sim/truth/objects")
 
     # Detection.
 
     def wait_detected(self, shape, true_middle, within_m=0.15, seconds=5.0):
         """The first estimate of the object that is newer than this call (vision_msgs/BoundingBox3D), None: not found in time;
-        and the simulated time that it took. The truth is asked for no more than to tell the object from false detections."""
+        and the simulated time that it took. The truth is used only to distinguish the object from false detections."""
         begin = self.now()
         self.wait(lambda: self.now() > begin, "simulated time")
         while self.now() < begin + seconds:
             with self.lock:
                 message = self.found
             if message.header.stamp.to_sec() > begin:
-                for thing in message.detections:
-                    if self.names["found"][thing.results[0].id] != shape:
+                for detection in message.detections:
+                    if self.names["found"][detection.results[0].id] != shape:
                         continue
-                    if numpy.linalg.norm(matrix(thing.bbox.center)[:3, 3] - true_middle) < within_m:
-                        return thing.bbox, self.now() - begin
+                    if numpy.linalg.norm(matrix(detection.bbox.center)[:3, 3] - true_middle) < within_m:
+                        return detection.bbox, self.now() - begin
             time.sleep(0.02)
         return None, self.now() - begin
 

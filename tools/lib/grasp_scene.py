@@ -5,14 +5,14 @@ import math
 
 import numpy
 
-# name of the body and label: width [m], height [m], height of the body's origin (its centre of mass) as a share of it
+# name of the body and label: width [m], height [m], height of the body's origin (its centre of mass) as a fraction of it
 Shape = collections.namedtuple("Shape", "width height origin")
 SHAPES = {"cube": Shape(0.045, 0.045, 0.5), "sphere": Shape(0.05, 0.05, 0.5), "cone": Shape(0.06, 0.09, 0.25)}
 
 # The tray of config/worlds/grasp.yaml: x and y of its middle, size; its origin is under it. The column stands on z of its own.
 TRAY_XY, TRAY_SIZE = (0.56, 0.0), (0.46, 0.70, 0.03)
 COLUMN_XY, COLUMN_HEIGHT, COLUMN_DIAMETER = (0.72, 0.0), 1.17, 0.09
-# Objects stay so far from the tray's edges, and nearer to the robot than this no hand comes between it and them [m].
+# Objects stay so far from the tray's edges, and nearer to the robot than this no gripper fits between it and them [m].
 EDGE_M = 0.05
 LEAST_X_M = 0.38
 OTHER_SPOT_M = (0.08, 0.20)  # from where an object was to where it is placed
@@ -20,8 +20,8 @@ OTHER_SPOT_M = (0.08, 0.20)  # from where an object was to where it is placed
 MOST_LEAN_RAD = math.radians(10)
 MOST_OFF_M = 0.03        # of a placed object from where it should be, in the plane
 MOST_OFF_HEIGHT_M = 0.01
-LEAST_RISE = 0.7         # share of the lift that a picked object has risen by
-MOST_IN_HAND_M = 0.08    # of a held object's middle from the gripper's tip
+MIN_RISE = 0.7           # fraction of the lift that a picked object has risen by
+MAX_IN_GRIPPER_M = 0.08    # of a held object's middle from the gripper's tip
 
 Spot = collections.namedtuple("Spot", "x y top yaw")  # top: height of the tray; map [m], [rad]
 
@@ -29,7 +29,7 @@ OUTCOMES = ("success", "reported failure", "false success", "false failure")
 
 
 class NoPlace(Exception):
-    """A distance at which no place of the tray is in the picture."""
+    """A distance at which no place of the tray is in the image."""
 
 
 def middle(shape, spot):
@@ -55,7 +55,7 @@ def on_tray(x, y):
 
 
 def in_picture(shape, position, camera, map_T_camera):
-    """Whether an object with its middle there, turned anyhow about the vertical, is wholly in the picture."""
+    """Whether an object with its middle there, with any yaw, is wholly in the image."""
     width, height, focal, cx, cy = camera
     half = (0.71 * SHAPES[shape].width, SHAPES[shape].height / 2)
     corners = [(*(position + (i * half[0], j * half[0], k * half[1])), 1.0) for i in (-1, 1) for j in (-1, 1) for k in (-1, 1)]
@@ -65,7 +65,7 @@ def in_picture(shape, position, camera, map_T_camera):
 
 
 def draw_spot(rng, shape, distance_m, camera, map_T_camera, tries=1000):
-    """A random Spot whose object's middle is that far from the camera and wholly in its picture.
+    """A random Spot whose object's middle is that far from the camera and wholly in its image.
 
     `camera`: width, height, focal length, cx, cy [px]; `map_T_camera`: 4 x 4, optical frame.
     """
@@ -76,14 +76,14 @@ def draw_spot(rng, shape, distance_m, camera, map_T_camera, tries=1000):
         x, y, z = map(float, middle_of)
         if on_tray(x, y) and in_picture(shape, middle_of, camera, map_T_camera):
             return Spot(x, y, z - SHAPES[shape].height / 2, rng.uniform(-math.pi, math.pi))
-    raise NoPlace(f"no place of the tray is {distance_m} m from the camera and in its picture")
+    raise NoPlace(f"no place of the tray is {distance_m} m from the camera and in its image")
 
 
 def draw_other(rng, spot, tries=1000):
-    """A random Spot of the same tray some way off."""
+    """A random Spot of the same tray at some distance."""
     for _ in range(tries):
-        way, angle = rng.uniform(*OTHER_SPOT_M), rng.uniform(-math.pi, math.pi)
-        x, y = spot.x + way * math.cos(angle), spot.y + way * math.sin(angle)
+        distance, angle = rng.uniform(*OTHER_SPOT_M), rng.uniform(-math.pi, math.pi)
+        x, y = spot.x + distance * math.cos(angle), spot.y + distance * math.sin(angle)
         if on_tray(x, y):
             return Spot(x, y, spot.top, rng.uniform(-math.pi, math.pi))
     raise NoPlace("no other place on the tray")
@@ -95,13 +95,14 @@ def lean(rotation):
 
 
 def lies_on_side(rotation):
-    """Least angle [rad] between the vertical and any axis of a 3 x 3 rotation, either way: how far a cube is from a face."""
+    """Smallest angle [rad] between the vertical and any axis of a 3 x 3 rotation, in either direction:
+    how far a cube is from a face."""
     return math.acos(min(1.0, numpy.abs(rotation[2]).max()))
 
 
 def is_held(rise_m, lift_m, from_tip_m):
-    """Whether an object was lifted with the hand."""
-    return rise_m > LEAST_RISE * lift_m and from_tip_m < MOST_IN_HAND_M
+    """Whether an object was lifted with the gripper."""
+    return rise_m > MIN_RISE * lift_m and from_tip_m < MAX_IN_GRIPPER_M
 
 
 def is_placed(shape, position, rotation, spot):

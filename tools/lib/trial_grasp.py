@@ -1,7 +1,7 @@
 """Lets the simulated robot (dynamic mode) find, pick and place a cube, a sphere and a cone at given distances from its
 camera, at random positions of a tray that is as high as each distance needs, and compares what it reports with the truth.
 
-A trial succeeds when `pick` and `place` both report success and the truth agrees: the object rose with the hand, and in
+A trial succeeds when `pick` and `place` both report success and the truth agrees: the object rose with the gripper, and in
 the end stands within 3 cm of where it should. A failure that is reported as one is counted as "reported", a success that
 is none as "false +", a failure after which the object is where it should be as "false -".
 
@@ -31,9 +31,9 @@ def parse_arguments(argv):
     parser = argparse.ArgumentParser(prog="tools/trial_grasp", description=__doc__,
                                      formatter_class=argparse.RawTextHelpFormatter)
     parser.add_argument("--trials", type=int, default=60, metavar="N",
-                        help="in all, shared among shapes and distances in turn; default: 60")
+                        help="in all, divided among shapes and distances; default: 60")
     parser.add_argument("--goal", type=float, default=0.95, metavar="SHARE",
-                        help="least share of successes, else the exit code is 1; default: 0.95")
+                        help="minimum fraction of successes, else the exit code is 1; default: 0.95")
     parser.add_argument("--shapes", nargs="+", choices=sorted(scene.SHAPES), default=["cube", "sphere", "cone"], metavar="SHAPE",
                         help="default: cube sphere cone")
     parser.add_argument("--distances", nargs="+", type=float, default=[0.3, 0.4, 0.5], metavar="M",
@@ -86,37 +86,37 @@ def detect_only(robot, shape, spot, found):
 
 def find(arms, shape, spot, found):
     """Waits until the arm node has the object in its scene; adds its error and the time to `found`."""
-    thing, found["detect_s"], found["other_things"] = arms.wait_found(shape, scene.middle(shape, spot))
-    if thing is not None:
+    scene_object, found["detect_s"], found["other_objects"] = arms.wait_found(shape, scene.middle(shape, spot))
+    if scene_object is not None:
         from grasp_arms import size_of
-        note_estimate(arms.place_of(thing)[:3, 3], size_of(thing), shape, spot, found)
+        note_estimate(arms.place_of(scene_object)[:3, 3], size_of(scene_object), shape, spot, found)
 
 
 def pick(robot, arms, shape, place_at, found):
     """True when the object is held, as reported and in truth; else `found` has the outcome."""
     before = robot.true_pose(shape)[2, 3]
-    ending = arms.pick(shape, LIFT_M, place_at)
+    status = arms.pick(shape, LIFT_M, place_at)
     robot.sleep(1.0)
     held = scene.is_held(robot.true_pose(shape)[2, 3] - before, LIFT_M, robot.from_tip(shape))
-    return judge(ending, held, "pick", found)
+    return judge(status, held, "pick", found)
 
 
 def place(robot, arms, shape, spot, found):
     """The same for placing at the spot."""
-    ending = arms.place(shape, spot)
+    status = arms.place(shape, spot)
     robot.sleep(1.0)
     pose = robot.true_pose(shape)
     found["placed_off_m"] = float(numpy.linalg.norm(pose[:2, 3] - (spot.x, spot.y)))
     true = scene.is_placed(shape, pose[:3, 3], pose[:3, :3], spot) and robot.from_tip(shape) > 0.05
-    return judge(ending, true, "place", found)
+    return judge(status, true, "place", found)
 
 
-def judge(ending, true, stage, found):
+def judge(status, true, stage, found):
     """Writes down how a stage ended; an action without an answer is no report of a failure."""
-    found["stage"], found[stage + "_s"] = stage, ending.seconds
-    found["code"], found["message"] = ending.code, ending.message
-    found["outcome"] = scene.outcome(ending.code == 0, true)
-    if ending.code is None:
+    found["stage"], found[stage + "_s"] = stage, status.seconds
+    found["code"], found["message"] = status.code, status.message
+    found["outcome"] = scene.outcome(status.code == 0, true)
+    if status.code is None:
         found["outcome"] = "false failure" if true else "false success"
     return found["outcome"] == "success"
 
@@ -146,7 +146,7 @@ def trial(robot, arms, rng, camera, shape, distance):
 
 
 def tidy_up(robot, arms):
-    """After a failure: hands are empty, and the arm node knows of nothing but the tray, as high as it is."""
+    """After a failure: grippers are empty, and the arm node knows of nothing but the tray, as high as it is."""
     robot.park_all()
     arms.open_grippers()
     arms.forget_things()

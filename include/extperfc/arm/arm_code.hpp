@@ -31,7 +31,7 @@ enum class ArmCode : int {
   kGraspMissed = 32,
   kObjectLost = 33,
   kNothingHeld = 34,
-  kHandsFull = 35,
+  kGrippersFull = 35,
   kGripperFailed = 36,
   kInternal = 99,
 };

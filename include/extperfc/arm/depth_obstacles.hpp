@@ -28,15 +28,15 @@ struct DepthObstaclesParams {
   Eigen::Vector3d high_m{1.6, 1.3, 1.9};
   double voxel_m{0.02};           ///< edge; 0.005 to 0.2
   int pixel_step{2};              ///< every so many pixels of a row, and rows, are looked at; 1 to 16
-  double least_depth_m{0.2};      ///< nearer measurements do not count; 0.01 to 10
-  double most_depth_m{4.0};       ///< farther ones do not count; above least_depth_m, at most 20
-  int least_points{3};            ///< of one picture in a voxel that count as a thing; 1 to 1000
+  double min_depth_m{0.2};        ///< nearer measurements do not count; 0.01 to 10
+  double max_depth_m{4.0};        ///< farther ones do not count; above min_depth_m, at most 20
+  int min_points{3};              ///< of one picture in a voxel that count as a thing; 1 to 1000
   double robot_padding_m{0.03};   ///< nearer to the robot's shapes a point is the robot; 0 to 0.3
   double object_padding_m{0.02};  ///< nearer to a known object a point is that object; 0 to 0.3
   /// A ray must end so far behind a voxel to show it empty, or on a known object behind it; 0 to 0.5
   double clear_margin_m{0.02};
-  double most_age_s{10};      ///< what was not seen again for so long is forgotten; 0.05 to 3600
-  int most_boxes{400};        ///< 8 to 5000; with more, neighbouring voxels are taken together
+  double max_age_s{10};       ///< what was not seen again for so long is forgotten; 0.05 to 3600
+  int max_boxes{400};         ///< 8 to 5000; with more, neighbouring voxels are taken together
   std::string name{"depth"};  ///< of the object in the collision world
 
   /// An error that names the first value out of its range.

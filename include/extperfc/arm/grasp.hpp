@@ -26,19 +26,19 @@ struct GraspParams {
   /// Coefficient of friction between pads and things; 0.05 to 3. Rubber on painted wood: 0.6 to 1.
   double friction{0.6};
   /// A pad may meet a surface that leans by an angle with this share of the friction's tangent; (0, 1].
-  double friction_share{0.8};
+  double friction_ratio{0.8};
   double side_clearance_m{0.002};     ///< between pad and thing on either side before closing; 0 to 0.05
   double sigmas{2};                   ///< of the position's error that the opening must cover too; 0 to 5
   double support_clearance_m{0.005};  ///< between hand and support; 0 to 0.1
   double palm_clearance_m{0.005};     ///< between palm and thing; 0 to 0.1
-  double least_overlap_m{0.006};      ///< of pad and thing, along the pad and across; 0.001 to 0.1
+  double min_overlap_m{0.006};        ///< of pad and thing, along the pad and across; 0.001 to 0.1
   double yaw_step_rad{0.3927};        ///< between closing directions of round things; 0.05 to 1.6
   double tilt_step_rad{0.3927};       ///< between approaches from above and from the side; 0.05 to 1.6
-  double most_tilt_rad{1.5708};       ///< of the approach from straight down; 0 to pi
+  double max_tilt_rad{1.5708};        ///< of the approach from straight down; 0 to pi
   double prefer_top{0.3};             ///< how much less an approach from the side counts; [0, 1)
   double approach_m{0.1};             ///< straight way from pregrasp to grasp; 0.005 to 0.5
   double lift_m{0.1};                 ///< straight way after closing; 0 to 1
-  int most_candidates{200};           ///< 1 to 10,000
+  int max_candidates{200};            ///< 1 to 10,000
 
   /// An error that names the first value out of its range.
   [[nodiscard]] Result<void> validate() const;

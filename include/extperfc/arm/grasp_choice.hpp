@@ -17,7 +17,7 @@ namespace extperfc::arm {
 
 /// The joint values of a straight way of the tip from `from` to the pose `root_T_tip`, ends included; nothing
 /// when there is none that is free.
-using StraightWay =
+using StraightMotion =
     std::function<std::optional<std::vector<JointVector>>(const JointVector& from, const Pose& root_T_tip)>;
 
 /// An arm that may grasp. What it points to must outlive the call.
@@ -32,7 +32,7 @@ struct GraspArm {
   const std::vector<GraspCandidate>* grasps{nullptr};
   /// Joint values are of the arm's chain. Empty: inverse kinematics at places at most 0.01 m apart, with a
   /// free motion proven between them.
-  StraightWay straight;
+  StraightMotion straight;
   /// Values of the arm's joints to look for postures from first, before where it is; may be empty.
   std::vector<JointVector> starts{};
 };
@@ -43,7 +43,7 @@ enum class GraspRefusal {
   kLimits,      ///< only beyond the joints' limits
   kCollision,   ///< every posture found collides
   kTimeout,     ///< the solver's time was up
-  kNoWay,       ///< no straight free way between pregrasp and grasp
+  kNoPath,      ///< no straight free way between pregrasp and grasp
 };
 inline constexpr int kGraspRefusals = 5;
 
@@ -58,12 +58,12 @@ struct GraspChoiceOptions {
 };
 
 struct GraspChoice {
-  int arm{-1};                   ///< index
-  int candidate{-1};             ///< index in the list of this arm
-  JointVector pregrasp;          ///< of the arm's joints
-  JointVector grasp;             ///< of the arm's joints
-  std::vector<JointVector> way;  ///< from pregrasp to grasp, both included
-  int tried{0};                  ///< candidates
+  int arm{-1};                    ///< index
+  int candidate{-1};              ///< index in the list of this arm
+  JointVector pregrasp;           ///< of the arm's joints
+  JointVector grasp;              ///< of the arm's joints
+  std::vector<JointVector> path;  ///< from pregrasp to grasp, both included
+  int tried{0};                   ///< candidates
 };
 
 struct NoGrasp {

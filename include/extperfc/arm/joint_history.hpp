@@ -34,7 +34,7 @@ class JointHistory {
     double time_s;
     JointVector positions;
   };
-  static constexpr std::size_t kMostEntries = 4000;
+  static constexpr std::size_t kMaxEntries = 4000;
 
   const std::vector<std::string> names_;
   const double span_s_;

@@ -25,13 +25,13 @@ struct PathState {
 };
 
 /// A part of a path with one polynomial: a straight line, or a rounded corner. With x = (s - begin) / length
-/// in [0, 1], q' = direction + turn (3 x^2 - 2 x^3), so that q'' = 0 at both ends of every piece.
+/// in [0, 1], q' = direction + direction_change (3 x^2 - 2 x^3), so that q'' = 0 at both ends of every piece.
 struct PathPiece {
-  double begin{0};        ///< s at the start [rad]
-  double length{0};       ///< of its range of s [rad], > 0
-  JointVector position;   ///< q at the start
-  JointVector direction;  ///< q' at the start, a unit vector
-  JointVector turn;       ///< change of q' along the piece; zero on a straight
+  double begin{0};               ///< s at the start [rad]
+  double length{0};              ///< of its range of s [rad], > 0
+  JointVector position;          ///< q at the start
+  JointVector direction;         ///< q' at the start, a unit vector
+  JointVector direction_change;  ///< change of q' along the piece; zero on a straight
   bool straight{true};
   bool stop_after{false};  ///< q' jumps at its end: the motion has to stand there
 };

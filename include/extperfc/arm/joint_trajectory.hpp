@@ -45,7 +45,7 @@ struct TrajectoryRun {
   std::size_t phases{0};       ///< ... and how many, >= 1
 };
 
-/// A path with a time law, made by parameterize(). Any instant can be sampled.
+/// A path with a time parameterization, made by parameterize(). Any instant can be sampled.
 ///
 /// Why a moving average over T seconds keeps what the phases keep: its velocity and acceleration are averages
 /// of theirs, so per-joint bounds hold; its jerk is (a(t) - a(t - T)) / T, so a long enough window bounds it;

@@ -62,8 +62,10 @@ struct MotionTimes {
   double goals_s{0};    ///< joint values for poses
   double search_s{0};
   double shortcut_s{0};
-  double time_law_s{0};  ///< corners, their proof, and points
-  [[nodiscard]] double sum_s() const { return checker_s + goals_s + search_s + shortcut_s + time_law_s; }
+  double time_parameterization_s{0};  ///< corners, their proof, and points
+  [[nodiscard]] double sum_s() const {
+    return checker_s + goals_s + search_s + shortcut_s + time_parameterization_s;
+  }
 };
 
 struct MotionOutcome {
@@ -92,7 +94,7 @@ struct MotionPipelineParams {
 };
 
 /// From a request to a trajectory: model of the robot with its other joints where they are, goals by inverse
-/// kinematics, path, time law. What it returns is proven free at every instant.
+/// kinematics, path, time parameterization. What it returns is proven free at every instant.
 ///
 /// Not thread-safe: it keeps the model of the robot between calls.
 class MotionPipeline {

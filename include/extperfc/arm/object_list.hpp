@@ -7,33 +7,33 @@
 
 #include <Eigen/Core>
 
-#include "extperfc/arm/standing_box.hpp"
+#include "extperfc/arm/upright_box.hpp"
 #include "extperfc/base/error.hpp"
 #include "extperfc/world/pose.hpp"
 
 namespace extperfc::arm {
 
 struct ObjectListParams {
-  int confirm{3};           ///< sightings before an object is listed, [1, 100]
-  double most_age_s{30.0};  ///< not seen for so long it is no longer listed, [0, 1e6]; 0: it stays
-  double match_m{0.08};     ///< a sighting of the class within this distance is the same object, [0.001, 10]
-  int most_objects{50};     ///< that are listed, and as many that wait for it, [1, 500]
-  double news_m{0.005};     ///< a smaller motion or change of size is none, [0, 1]
-  double news_rad{0.09};    ///< a smaller turn is none, [0, 3.15]
-  int average{10};          ///< sightings that the mean goes back, [1, 1000]
+  int confirm{3};          ///< sightings before an object is listed, [1, 100]
+  double max_age_s{30.0};  ///< not seen for so long it is no longer listed, [0, 1e6]; 0: it stays
+  double match_m{0.08};    ///< a sighting of the class within this distance is the same object, [0.001, 10]
+  int max_objects{50};     ///< that are listed, and as many that wait for it, [1, 500]
+  double min_change_m{0.005};   ///< a smaller motion or change of size is none, [0, 1]
+  double min_change_rad{0.09};  ///< a smaller turn is none, [0, 3.15]
+  int average{10};              ///< sightings that the mean goes back, [1, 1000]
 
   [[nodiscard]] Result<void> validate() const;
 };
 
 /// An object as one picture shows it; finite, sizes above 0.
-struct ObjectSighting {
-  std::string label;  ///< its class, not empty
-  StandingBox box;    ///< in the world's frame
-  bool vague{false};  ///< something may be there, but who knows where, as when the robot hides half of it
+struct ObjectDetection {
+  std::string label;      ///< its class, not empty
+  UprightBox box;         ///< in the world's frame
+  bool ambiguous{false};  ///< something may be there, but who knows where, as when the robot hides half of it
 };
 
 /// A thing of the scene, as far as sightings concern it.
-struct SceneThing {
+struct KnownObject {
   std::string name;
   std::string label;
   Pose world_T_object{Pose::Identity()};
@@ -54,13 +54,13 @@ struct ListedObject {
 
 /// What one update came to.
 struct ObjectListUpdate {
-  int matched{0};    ///< sightings of known objects
-  int claimed{0};    ///< sightings of things that are to be left alone
-  int vague{0};      ///< vague sightings of nothing that is known
-  int doubled{0};    ///< sightings inside an object that was seen as well
-  int no_room{0};    ///< sightings that were dropped because there are too many objects
-  int waiting{0};    ///< objects that were not seen often enough yet
-  bool news{false};  ///< an object came, went, or changed
+  int matched{0};       ///< sightings of known objects
+  int claimed{0};       ///< sightings of things that are to be left alone
+  int ambiguous{0};     ///< vague sightings of nothing that is known
+  int duplicate{0};     ///< sightings inside an object that was seen as well
+  int no_room{0};       ///< sightings that were dropped because there are too many objects
+  int waiting{0};       ///< objects that were not seen often enough yet
+  bool changed{false};  ///< an object came, went, or changed
 };
 
 /// Objects from sightings in picture after picture: which sighting is which object, where it stands, whether
@@ -73,7 +73,7 @@ struct ObjectListUpdate {
 /// is seen inside another one, nearer to its middle than half of its shortest edge, is none while the other
 /// is seen too, and takes its place otherwise. A vague sighting is matched after all others; it makes no
 /// object and moves none, but a listed one counts as seen. What was not seen `confirm` times in a row before
-/// it was listed is forgotten. Deterministic; not thread-safe; holds 2 most_objects at most.
+/// it was listed is forgotten. Deterministic; not thread-safe; holds 2 max_objects at most.
 class ObjectList {
  public:
   /// Errors: parameters out of their ranges.
@@ -83,8 +83,8 @@ class ObjectList {
   /// seen then. `scene` has everything in the scene: listed objects that are missing there, or have become
   /// somebody else's, are forgotten; those that were moved there are where they were moved to.
   /// O(objects x sightings).
-  ObjectListUpdate update(const std::vector<ObjectSighting>& sightings, const std::vector<SceneThing>& scene,
-                          double time_s);
+  ObjectListUpdate update(const std::vector<ObjectDetection>& detections,
+                          const std::vector<KnownObject>& scene, double time_s);
 
   [[nodiscard]] std::vector<ListedObject> objects() const;
   /// For a new frame.
@@ -94,11 +94,11 @@ class ObjectList {
   struct Track {
     std::string name;  ///< empty until it is listed
     std::string label;
-    StandingBox mean;
+    UprightBox mean;
     int count{0};  ///< sightings in the mean; 0: it was put here
     int far{0};    ///< latest sightings that did not fit the mean
     Eigen::Vector3d last_m{Eigen::Vector3d::Zero()};
-    int sightings{0};
+    int detections{0};
     int missed{0};  ///< latest updates without it
     double seen_s{0};
     bool still{false};
@@ -107,16 +107,16 @@ class ObjectList {
   };
 
   explicit ObjectList(const ObjectListParams& params) : params_(params) {}
-  [[nodiscard]] bool follow(const std::vector<SceneThing>& scene, double time_s);
-  [[nodiscard]] std::vector<int> match(const std::vector<ObjectSighting>& sightings) const;
-  [[nodiscard]] bool claimed(const ObjectSighting& sighting, const std::vector<SceneThing>& scene) const;
+  [[nodiscard]] bool follow(const std::vector<KnownObject>& scene, double time_s);
+  [[nodiscard]] std::vector<int> match(const std::vector<ObjectDetection>& detections) const;
+  [[nodiscard]] bool claimed(const ObjectDetection& detection, const std::vector<KnownObject>& scene) const;
   void put(Track& track, const Pose& pose, double time_s) const;
-  void see(Track& track, const StandingBox& sighting, double time_s) const;
-  void begin(const ObjectSighting& sighting, double time_s, ObjectListUpdate& done);
+  void see(Track& track, const UprightBox& detection, double time_s) const;
+  void begin(const ObjectDetection& detection, double time_s, ObjectListUpdate& done);
   [[nodiscard]] bool leave(double time_s);
-  [[nodiscard]] bool join(const std::vector<SceneThing>& scene);
+  [[nodiscard]] bool join(const std::vector<KnownObject>& scene);
   [[nodiscard]] bool show(Track& track) const;
-  [[nodiscard]] std::string free_name(const std::string& label, const std::vector<SceneThing>& scene) const;
+  [[nodiscard]] std::string free_name(const std::string& label, const std::vector<KnownObject>& scene) const;
   [[nodiscard]] int count(bool listed) const;
 
   ObjectListParams params_;

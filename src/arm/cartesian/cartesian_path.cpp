@@ -10,7 +10,7 @@
 
 #include "arm/cartesian/arm_in_group.hpp"
 #include "arm/cartesian/follower.hpp"
-#include "arm/cartesian/tool_way.hpp"
+#include "arm/cartesian/tool_path.hpp"
 
 namespace extperfc::arm {
 
@@ -21,7 +21,7 @@ using cartesian::Course;
 using cartesian::Follower;
 using cartesian::Station;
 using cartesian::Stop;
-using cartesian::ToolWay;
+using cartesian::ToolPath;
 using Route = std::vector<Station>;
 
 constexpr double kRigid = 1e-6;
@@ -130,21 +130,21 @@ class Attempts {
   Attempts(Follower& follower, const Station& start) : follower_(follower), best_{start} {}
 
   template <typename Interrupted>
-  void run(int most, const Interrupted& interrupted) {
+  void run(int largest, const Interrupted& interrupted) {
     stop_ = follower_.follow(kCourses[0], interrupted, best_);
     made_ = 1;
-    std::size_t turn = 1;
-    while (made_ < most && worth_more()) {
+    std::size_t attempt = 1;
+    while (made_ < largest && worth_more()) {
       ++made_;
-      Route route = cut(turn);
-      const Stop stop = follower_.follow(kCourses[turn % kCourses.size()], interrupted, route);
-      turn = (turn + 1) % (kCourses.size() * (kBackM.size() + 1));
+      Route route = cut(attempt);
+      const Stop stop = follower_.follow(kCourses[attempt % kCourses.size()], interrupted, route);
+      attempt = (attempt + 1) % (kCourses.size() * (kBackM.size() + 1));
       if (stop.end == CartesianEnd::kCancelled || stop.end == CartesianEnd::kTimeout) stop_ = stop;
       if (route.back().place < best_.back().place + kFartherM && stop.end != CartesianEnd::kComplete)
         continue;
       best_ = std::move(route);
       stop_ = stop;
-      turn = kCourses.size();
+      attempt = kCourses.size();
     }
   }
 
@@ -158,8 +158,8 @@ class Attempts {
            stop_.end == CartesianEnd::kSingularity || stop_.end == CartesianEnd::kOutOfReach;
   }
   // First from the start, then from the best route's places.
-  [[nodiscard]] Route cut(std::size_t turn) const {
-    const std::size_t round = turn / kCourses.size();
+  [[nodiscard]] Route cut(std::size_t attempt) const {
+    const std::size_t round = attempt / kCourses.size();
     if (round == 0) return {best_.front()};
     const double place = best_.back().place - kBackM[round - 1];
     Route route{best_.front()};
@@ -232,8 +232,8 @@ CartesianResult CartesianPlanner::plan(const CartesianRequest& request) {
   if (auto refusal = refuse_start(*checker_, params_.limit_repair_rad, start)) return *refusal;
   std::vector<Pose> poses{arm_->chain().forward(arm_->take(start))};
   poses.insert(poses.end(), request.poses.begin(), request.poses.end());
-  const ToolWay way(poses);
-  Follower follower(*checker_, *arm_, params_, way, start);
+  const ToolPath path(poses);
+  Follower follower(*checker_, *arm_, params_, path, start);
   const auto interrupted = [&] {
     if (request.cancelled && request.cancelled()) return CartesianEnd::kCancelled;
     return watch.seconds() > params_.timeout_s ? CartesianEnd::kTimeout : CartesianEnd::kComplete;
@@ -246,7 +246,7 @@ CartesianResult CartesianPlanner::plan(const CartesianRequest& request) {
   result.attempts = attempts.made();
   for (const Station& station : attempts.best()) {
     result.waypoints.push_back(arm_->put(station.joints, start));
-    result.progress.push_back(way.length() > 0 ? station.place / way.length() : 1.0);
+    result.progress.push_back(path.length() > 0 ? station.place / path.length() : 1.0);
   }
   result.fraction = result.end == CartesianEnd::kComplete ? 1.0 : result.progress.back();
   if (result.end == CartesianEnd::kComplete) return result;

@@ -8,7 +8,7 @@
 #include "extperfc/arm/cartesian_path.hpp"
 
 #include "arm/cartesian/arm_in_group.hpp"
-#include "arm/cartesian/tool_way.hpp"
+#include "arm/cartesian/tool_path.hpp"
 
 namespace extperfc::arm::cartesian {
 
@@ -19,7 +19,7 @@ struct Course {
   /// Speed along the self-motion [rad/m]; its sign is the side.
   double swing_rad_per_m{0};
   /// How far to go along the self-motion while the tool stands, before it moves [rad]; its sign is the side.
-  double turn_rad{0};
+  double elbow_rad{0};
 };
 
 /// A state on the way.
@@ -39,7 +39,7 @@ class Follower {
  public:
   /// All must outlive it. `others`: a state of the group, for the joints that stand still.
   Follower(CollisionChecker& checker, const ArmInGroup& arm, const CartesianParams& params,
-           const ToolWay& way, const JointVector& others);
+           const ToolPath& path, const JointVector& others);
 
   /// Appends to `route`, which holds the start at least, until the way's end or what stops it. O(steps).
   [[nodiscard]] Stop follow(const Course& course, const std::function<CartesianEnd()>& interrupted,
@@ -51,8 +51,8 @@ class Follower {
   [[nodiscard]] JointVector urge(const Course& course, const JointVector& joints);
   Step try_step(const Course& course, const Station& from, double length, Station& to);
   Step settle(const Station& from, Station& to);
-  [[nodiscard]] CartesianEnd turn(double angle_rad, const std::function<CartesianEnd()>& interrupted,
-                                  std::vector<Station>& route);
+  [[nodiscard]] CartesianEnd move_elbow(double angle_rad, const std::function<CartesianEnd()>& interrupted,
+                                        std::vector<Station>& route);
   [[nodiscard]] bool keeps_tolerance(const Station& from, const Station& to) const;
   [[nodiscard]] bool near_line(const Pose& root_T_tip, double place) const;
   [[nodiscard]] Stop why_lost(const Station& at) const;
@@ -61,7 +61,7 @@ class Follower {
   CollisionChecker& checker_;
   const ArmInGroup& arm_;
   const CartesianParams& params_;
-  const ToolWay& way_;
+  const ToolPath& path_;
   JointVector others_;
   JointVector side_;  ///< direction of the self-motion at the last state
 };

@@ -11,12 +11,12 @@ namespace extperfc::arm::cartesian {
 
 namespace {
 
-constexpr double kLeastDamping = 1e-8;
-constexpr double kProbeRad = 1e-3;    // how far ahead the least singular value is looked at
-constexpr double kCentring = 0.5;     // [1/rad], share of the speed that may go into the null space
-constexpr double kLeastScale = 1e-3;  // below this a motion is at its end
+constexpr double kMinDamping = 1e-8;
+constexpr double kProbeRad = 1e-3;  // how far ahead the least singular value is looked at
+constexpr double kCentring = 0.5;   // [1/rad], share of the speed that may go into the null space
+constexpr double kMinScale = 1e-3;  // below this a motion is at its end
 
-double least_singular_value(const Jacobian& columns) {
+double min_singular_value(const Jacobian& columns) {
   const Eigen::Matrix<double, 6, 6> square = columns * columns.transpose();
   const Eigen::SelfAdjointEigenSolver<Eigen::Matrix<double, 6, 6>> solver(square, Eigen::EigenvaluesOnly);
   return std::sqrt(std::max(0.0, solver.eigenvalues()[0]));
@@ -36,7 +36,7 @@ JointVector away_from_limits(const JointLimits& limits, const JointVector& posit
 
 void slow(JogWish& wish, double scale, JogHindrance hindrance, int joint = -1) {
   if (scale >= 1) return;
-  if (scale < kLeastScale) scale = 0;
+  if (scale < kMinScale) scale = 0;
   wish.velocity *= scale;
   if (wish.hindrance == JogHindrance::kNone || scale < wish.scale) {
     wish.hindrance = hindrance;
@@ -50,8 +50,8 @@ void slow(JogWish& wish, double scale, JogHindrance hindrance, int joint = -1) {
 JogVelocity::JogVelocity(const ArmChain& chain, const JoggerParams& params)
     : chain_(chain),
       params_(params),
-      most_(params.max_velocity.size() > 0 ? params.max_velocity : chain.max_velocity()) {
-  const double brakes = 0.5 * most_.maxCoeff() / params_.max_acceleration_rad_s2 + params_.reaction_s;
+      largest_(params.max_velocity.size() > 0 ? params.max_velocity : chain.max_velocity()) {
+  const double brakes = 0.5 * largest_.maxCoeff() / params_.max_acceleration_rad_s2 + params_.reaction_s;
   params_.limit_approach_s = std::max(params_.limit_approach_s, 1.1 * brakes);
 }
 
@@ -63,7 +63,7 @@ JogWish JogVelocity::wish(const JogCommand& command, const JointVector& position
     wish.velocity = command.joint_velocity;
   else
     follow_twist(command, positions, wish);
-  const double excess = wish.velocity.cwiseAbs().cwiseQuotient(most_).maxCoeff();
+  const double excess = wish.velocity.cwiseAbs().cwiseQuotient(largest_).maxCoeff();
   if (excess > 1) wish.velocity /= excess;
   slow_for_limits(positions, wish);
   return wish;
@@ -77,55 +77,56 @@ void JogVelocity::follow_twist(const JogCommand& command, const JointVector& pos
     twist << rotation * command.twist.head<3>(), rotation * command.twist.tail<3>();
   }
   const Jacobian columns = chain_.jacobian(positions);
-  const double least = least_singular_value(columns);
-  const double near = std::min(1.0, least / params_.singularity_slow);
+  const double smallest = min_singular_value(columns);
+  const double near = std::min(1.0, smallest / params_.singularity_slow);
   const double damping =
-      kLeastDamping + (1 - near * near) * params_.singularity_stop * params_.singularity_stop;
-  wish.velocity = ik::least_change(columns, twist, damping);
+      kMinDamping + (1 - near * near) * params_.singularity_stop * params_.singularity_stop;
+  wish.velocity = ik::min_norm_change(columns, twist, damping);
   const JointVector pull = kCentring * wish.velocity.norm() * away_from_limits(chain_.limits(), positions);
   const ik::Vector6 moved = columns * pull;
-  wish.velocity += pull - ik::least_change(columns, moved, damping);
+  wish.velocity += pull - ik::min_norm_change(columns, moved, damping);
   const double speed = wish.velocity.norm();
   if (near >= 1 || speed == 0) return;
   const JointVector ahead = positions + (kProbeRad / speed) * wish.velocity;
-  if (least_singular_value(chain_.jacobian(ahead)) >= least) return;  // on the way out
+  if (min_singular_value(chain_.jacobian(ahead)) >= smallest) return;  // on the way out
   slow(wish,
-       std::max(0.0,
-                (least - params_.singularity_stop) / (params_.singularity_slow - params_.singularity_stop)),
+       std::max(0.0, (smallest - params_.singularity_stop) /
+                         (params_.singularity_slow - params_.singularity_stop)),
        JogHindrance::kSingularity);
 }
 
 void JogVelocity::slow_for_limits(const JointVector& positions, JogWish& wish) const {
   const auto& [lower, upper] = chain_.limits();
-  double least = 1;
+  double smallest = 1;
   int joint = -1;
   for (int j = 0; j < positions.size(); ++j) {
     const double speed = wish.velocity[j];
     const double room = speed > 0 ? upper[j] - positions[j] : positions[j] - lower[j];
-    const double most = std::max(0.0, room) / params_.limit_approach_s;
-    if (std::abs(speed) <= most || most >= least * std::abs(speed)) continue;
-    least = most / std::abs(speed);
+    const double largest = std::max(0.0, room) / params_.limit_approach_s;
+    if (std::abs(speed) <= largest || largest >= smallest * std::abs(speed)) continue;
+    smallest = largest / std::abs(speed);
     joint = j;
   }
-  slow(wish, least, JogHindrance::kJointLimit, joint);
+  slow(wish, smallest, JogHindrance::kJointLimit, joint);
 }
 
-JogMove JogBrakes::move(const JogState& now, const JointVector& velocity, double share, double dt_s) const {
+JogMove JogBrakes::move(const JogState& now, const JointVector& velocity, double fraction,
+                        double dt_s) const {
   const double stands_s = time_to_stand(now.velocities);
   const double braking_s = std::min(dt_s, stands_s);
   const JointVector braked = stands_s > dt_s ? JointVector((1 - dt_s / stands_s) * now.velocities)
                                              : JointVector(JointVector::Zero(now.velocities.size()));
-  const JointVector braked_way = 0.5 * braking_s * (now.velocities + braked);
+  const JointVector braked_delta = 0.5 * braking_s * (now.velocities + braked);
 
   JointVector change = velocity - now.velocities;
   const double excess = change.cwiseAbs().maxCoeff() / (acceleration_ * dt_s);
   if (excess > 1) change /= excess;
   const JointVector reached = now.velocities + change;
-  const JointVector way = 0.5 * dt_s * (now.velocities + reached);
+  const JointVector delta = 0.5 * dt_s * (now.velocities + reached);
 
   JogMove move;
-  move.next.velocities = braked + share * (reached - braked);
-  move.next.positions = now.positions + braked_way + share * (way - braked_way);
+  move.next.velocities = braked + fraction * (reached - braked);
+  move.next.positions = now.positions + braked_delta + fraction * (delta - braked_delta);
   const double after_s = time_to_stand(move.next.velocities);
   move.stand = move.next.positions + (0.5 * after_s + reaction_s_) * move.next.velocities;
   return move;

@@ -29,7 +29,7 @@ class JogVelocity {
 
   /// `command` fits the arm and is fresh.
   [[nodiscard]] JogWish wish(const JogCommand& command, const JointVector& positions) const;
-  [[nodiscard]] const JointVector& most() const { return most_; }
+  [[nodiscard]] const JointVector& largest() const { return largest_; }
 
  private:
   void follow_twist(const JogCommand& command, const JointVector& positions, JogWish& wish) const;
@@ -37,7 +37,7 @@ class JogVelocity {
 
   ArmChain chain_;
   JoggerParams params_;
-  JointVector most_;
+  JointVector largest_;
 };
 
 /// One step of a motion with the way to stand still after it.
@@ -52,7 +52,7 @@ class JogBrakes {
   JogBrakes(double acceleration, double reaction_s) : acceleration_(acceleration), reaction_s_(reaction_s) {}
 
   /// `share` 0: braking along the proven way; 1: all of the way to `velocity` that one step allows.
-  [[nodiscard]] JogMove move(const JogState& now, const JointVector& velocity, double share,
+  [[nodiscard]] JogMove move(const JogState& now, const JointVector& velocity, double fraction,
                              double dt_s) const;
 
  private:

@@ -20,16 +20,16 @@ using cartesian::JogVelocity;
 using cartesian::JogWish;
 
 constexpr double kLongestStepS = 0.2;
-constexpr std::array<double, 6> kShares{1.0, 0.75, 0.5, 0.25, 0.1, 0.03};
-constexpr double kEscapeShare = 0.1;  // of the top speed, out of a collision
+constexpr std::array<double, 6> kRatios{1.0, 0.75, 0.5, 0.25, 0.1, 0.03};
+constexpr double kEscapeRatio = 0.1;  // of the top speed, out of a collision
 constexpr double kStandsRadS = 1e-9;
 
 enum class Verdict { kGood, kLimit, kCollision };
 
 const char* wrong_parameter(const JoggerParams& params, int joints) {
   const auto within = [](double value, double low, double high) { return value >= low && value <= high; };
-  const auto& most = params.max_velocity;
-  if (most.size() > 0 && (most.size() != joints || !most.allFinite() || most.minCoeff() <= 0))
+  const auto& largest = params.max_velocity;
+  if (largest.size() > 0 && (largest.size() != joints || !largest.allFinite() || largest.minCoeff() <= 0))
     return "max_velocity: one value above 0 for each joint of the arm";
   if (!within(params.max_acceleration_rad_s2, 0.01, 100)) return "max_acceleration_rad_s2: 0.01 to 100";
   if (!within(params.command_timeout_s, 0.01, 5)) return "command_timeout_s: 0.01 to 5 s";
@@ -166,14 +166,14 @@ void Jogger::Core::advance(const JogWish& wish, double dt_s, JogStep& step) {
     return;
   }
   Verdict first = Verdict::kGood;
-  for (const double share : kShares) {
-    const JogMove move = brakes.move(state, wish.velocity, share, dt_s);
+  for (const double ratio : kRatios) {
+    const JogMove move = brakes.move(state, wish.velocity, ratio, dt_s);
     const Verdict verdict = judge(move);
     if (verdict == Verdict::kGood) {
       state = move.next;
       return;
     }
-    if (share < 1) continue;
+    if (ratio < 1) continue;
     first = verdict;
     step.hindrance = verdict == Verdict::kLimit ? JogHindrance::kJointLimit : JogHindrance::kCollision;
     step.scale = 0;
@@ -186,7 +186,7 @@ void Jogger::Core::advance(const JogWish& wish, double dt_s, JogStep& step) {
 /// Out of a collision: slowly, and only where the deepest penetration gets less.
 bool Jogger::Core::escape(const JogWish& wish, double dt_s) {
   if (checker->is_free(group(state.positions))) return false;
-  const double excess = wish.velocity.cwiseAbs().cwiseQuotient(kEscapeShare * velocity.most()).maxCoeff();
+  const double excess = wish.velocity.cwiseAbs().cwiseQuotient(kEscapeRatio * velocity.largest()).maxCoeff();
   const JogMove move = brakes.move(state, wish.velocity / std::max(1.0, excess), 1.0, dt_s);
   const auto before = checker->nearest(group(state.positions));
   const auto after = checker->nearest(group(move.next.positions));

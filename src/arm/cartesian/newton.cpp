@@ -8,7 +8,7 @@ namespace extperfc::arm::cartesian {
 
 namespace {
 
-constexpr int kMostSteps = 12;
+constexpr int kMaxSteps = 12;
 constexpr double kConverged = 1e-8;  // [m], [rad]
 constexpr double kDamping = 1e-9;    // [m^2], [rad^2]
 
@@ -41,7 +41,7 @@ void fill_free(const Jacobian& columns, const Vector6& wish, const JointVector& 
     pull[j] = 0;
   }
   rest -= free * pull;
-  const JointVector step = pull + ik::least_change(free, rest, kDamping);
+  const JointVector step = pull + ik::min_norm_change(free, rest, kDamping);
   for (int j = 0; j < change.size(); ++j)
     if (!held[j]) change[j] = step[j];
 }
@@ -60,14 +60,14 @@ JointVector bounded_step(const ArmChain& chain, const JointVector& joints, const
 
 bool converge(const ArmChain& chain, const Pose& target, bool limited, JointVector& guess) {
   const JointVector none = JointVector::Zero(guess.size());
-  for (int i = 0; i <= kMostSteps; ++i) {
+  for (int i = 0; i <= kMaxSteps; ++i) {
     const Vector6 error = pose_difference(target, chain.forward(guess));
     if (error.cwiseAbs().maxCoeff() < kConverged) return true;
     const Jacobian columns = chain.jacobian(guess);
     if (limited)
       guess += bounded_step(chain, guess, columns, error, none);
     else
-      guess += ik::least_change(columns, error, kDamping);
+      guess += ik::min_norm_change(columns, error, kDamping);
     if (!guess.allFinite()) return false;
   }
   return false;
@@ -81,7 +81,7 @@ JointVector step_towards(const ArmChain& chain, const JointVector& joints, const
 JointVector self_motion(const ArmChain& chain, const JointVector& joints, const JointVector& near) {
   const Jacobian columns = chain.jacobian(joints);
   const Vector6 moved = columns * near;
-  const JointVector rest = near - ik::least_change(columns, moved, kDamping);
+  const JointVector rest = near - ik::min_norm_change(columns, moved, kDamping);
   const double norm = rest.norm();
   return norm > 1e-6 ? JointVector(rest / norm) : JointVector::Zero(near.size());
 }

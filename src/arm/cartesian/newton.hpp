@@ -2,7 +2,7 @@
 
 #include "extperfc/arm/kinematics.hpp"
 
-#include "arm/cartesian/tool_way.hpp"
+#include "arm/cartesian/tool_path.hpp"
 
 namespace extperfc::arm::cartesian {
 

@@ -23,17 +23,17 @@ void body_poses(const Bodies& bodies, const double* positions, std::vector<Pose>
     const Body& body = bodies.bodies[i];
     const double value = body.multiplier * positions[body.joint] + body.offset;
     const Pose& parent = poses[body.parent];
-    Eigen::Matrix3d turned = parent.linear() * body.parent_T_joint.linear();
+    Eigen::Matrix3d rotated = parent.linear() * body.parent_T_joint.linear();
     Eigen::Vector3d origin = parent.translation() + parent.linear() * body.parent_T_joint.translation();
     if (body.prismatic) {
-      origin += value * turned.col(2);
+      origin += value * rotated.col(2);
     } else {
       const double c = std::cos(value), s = std::sin(value);
-      const Eigen::Vector3d x = turned.col(0), y = turned.col(1);
-      turned.col(0) = c * x + s * y;
-      turned.col(1) = c * y - s * x;
+      const Eigen::Vector3d x = rotated.col(0), y = rotated.col(1);
+      rotated.col(0) = c * x + s * y;
+      rotated.col(1) = c * y - s * x;
     }
-    poses[i].linear() = turned;
+    poses[i].linear() = rotated;
     poses[i].translation() = origin;
   }
 }
@@ -71,16 +71,16 @@ MotionBound motion_bound(const Bodies& bodies, int ancestor, int body, const std
   int length = 0;
   for (int i = body; i != ancestor; i = bodies.bodies[i].parent) chain.at(length++) = i;
   MotionBound bound;
-  double turning = 0;
+  double rotation_rate = 0;
   while (length-- > 0) {
     const int i = chain[length];
     const double rate = std::abs(rates[i]);
     bound.speed += rate * from_axis[i];
     if (bodies.bodies[i].prismatic) {
-      bound.acceleration += 2 * turning * rate;
+      bound.acceleration += 2 * rotation_rate * rate;
     } else {
-      bound.acceleration += rate * from_axis[i] * (2 * turning + rate);
-      turning += rate;
+      bound.acceleration += rate * from_axis[i] * (2 * rotation_rate + rate);
+      rotation_rate += rate;
     }
   }
   return bound;

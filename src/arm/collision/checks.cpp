@@ -28,7 +28,7 @@ Checks::Checks(const CollisionModel& model_in, const CollisionWorld& world_in,
       kernel_(sphere_kernel()),
       memory_(kernel_scene_),
       exact_(scene_),
-      turns_(model.joint_count(), true) {
+      wraps_(model.joint_count(), true) {
   const std::size_t count = model.bodies().bodies.size();
   farthest_.assign(count, std::vector<double>(count, 0.0));
   for (const MovingPart& part : scene_.moving)
@@ -42,7 +42,7 @@ Checks::Checks(const CollisionModel& model_in, const CollisionWorld& world_in,
       farthest_[body][i] = std::max(farthest_[body][i], reach.from_axis[i]);
   }
   for (const Body& body : model.bodies().bodies)
-    if (body.joint >= 0 && (body.prismatic || std::abs(body.multiplier) != 1)) turns_[body.joint] = false;
+    if (body.joint >= 0 && (body.prismatic || std::abs(body.multiplier) != 1)) wraps_[body.joint] = false;
 }
 
 bool Checks::usable(const JointVector& positions) const {
@@ -58,7 +58,7 @@ void Checks::pack(int lane, const JointVector& positions) {
   float* const out = memory_.positions() + lane;
   for (Eigen::Index joint = 0; joint < positions.size(); ++joint) {
     double value = positions[joint];
-    if (turns_[joint] && std::abs(value) > kLargeAngle) value = std::remainder(value, 2 * kPi);
+    if (wraps_[joint] && std::abs(value) > kLargeAngle) value = std::remainder(value, 2 * kPi);
     out[joint * kLanes] = static_cast<float>(value);
   }
 }
@@ -78,7 +78,7 @@ bool Checks::pair_apart(int pair, const Placement& placement, double beyond_padd
 bool Checks::all_apart(const JointVector& positions) {
   placement_.set(bodies(), scene_, positions.data());
   for (std::size_t pair = 0; pair < scene_.pairs.size(); ++pair)
-    if (!pair_apart(static_cast<int>(pair), placement_, kLeastGap_m)) return false;
+    if (!pair_apart(static_cast<int>(pair), placement_, kMinGap_m)) return false;
   return true;
 }
 
@@ -89,7 +89,7 @@ bool Checks::lane_apart(const JointVector& positions, int flags, unsigned lane_b
     if ((flag.lanes & lane_bit) == 0) continue;
     if (!placed) placement_.set(bodies(), scene_, positions.data());
     placed = true;
-    if (!pair_apart(flag.pair, placement_, kLeastGap_m)) return false;
+    if (!pair_apart(flag.pair, placement_, kMinGap_m)) return false;
   }
   return true;
 }
@@ -155,15 +155,15 @@ std::optional<Contact> Checks::nearest(const JointVector& positions) {
     bounds.emplace_back(exact_.rough_bound(pair, placement_) - scene_.pairs[pair].padding_m, pair);
   const auto farther = std::greater<>();
   std::make_heap(bounds.begin(), bounds.end(), farther);
-  double least = std::numeric_limits<double>::infinity();
+  double smallest = std::numeric_limits<double>::infinity();
   std::optional<Contact> result;
-  for (; !bounds.empty() && bounds.front().first < least; bounds.pop_back()) {
+  for (; !bounds.empty() && bounds.front().first < smallest; bounds.pop_back()) {
     std::pop_heap(bounds.begin(), bounds.end(), farther);
     const int pair = bounds.back().second;
     const double padding = scene_.pairs[pair].padding_m;
     const double distance = exact_.signed_distance(pair, placement_) - padding;
-    if (distance >= least) continue;
-    least = distance;
+    if (distance >= smallest) continue;
+    smallest = distance;
     result = named(pair, distance + padding);
   }
   return result;

@@ -107,12 +107,12 @@ class Sampler {
     for (int i = 0; i < params_.samples; ++i) {
       placement.set(scene_, robot_.link_poses(random_positions(rng)));
       for (Tally& tally : tallies_)
-        if (!tally.settled(share_of(tally))) count(tally, exact, placement);
+        if (!tally.settled(ratio_of(tally))) count(tally, exact, placement);
     }
     for (const Tally& tally : tallies_) {
       if (tally.touched >= params_.always * tally.tried)
         disable(tally.first_link, tally.second_link, "Always");
-      else if (tally.neighbours && tally.touched > share_of(tally) * tally.tried)
+      else if (tally.neighbours && tally.touched > ratio_of(tally) * tally.tried)
         disable(tally.first_link, tally.second_link, "Neighbours");
       if (tally.never()) disable(tally.first_link, tally.second_link, "Never");
     }
@@ -134,8 +134,8 @@ class Sampler {
     scene_.pairs.push_back({a, b, true, first, 0});
   }
 
-  [[nodiscard]] double share_of(const Tally& tally) const {
-    return tally.neighbours ? params_.neighbour_share : params_.always;
+  [[nodiscard]] double ratio_of(const Tally& tally) const {
+    return tally.neighbours ? params_.neighbour_ratio : params_.always;
   }
 
   [[nodiscard]] Tally new_tally(int first, int second) const {
@@ -163,8 +163,8 @@ class Sampler {
   std::vector<double> random_positions(Rng& rng) const {
     std::vector<double> positions;
     for (const Joint& joint : robot_.joints()) {
-      const bool turns = joint.type == JointType::kContinuous;
-      positions.push_back(rng.uniform(turns ? -kPi : joint.lower, turns ? kPi : joint.upper));
+      const bool continuous = joint.type == JointType::kContinuous;
+      positions.push_back(rng.uniform(continuous ? -kPi : joint.lower, continuous ? kPi : joint.upper));
     }
     return positions;
   }
@@ -193,15 +193,15 @@ class Sampler {
 
 Result<std::vector<DisabledPair>> find_disabled_pairs(const RobotModel& robot,
                                                       const CollisionMatrixParams& params) {
-  constexpr int kMostSamples = 10'000'000;
-  if (params.samples < 1 || params.samples > kMostSamples)
+  constexpr int kMaxSamples = 10'000'000;
+  if (params.samples < 1 || params.samples > kMaxSamples)
     return fail(ErrorCode::kInvalidArgument, "samples must be from 1 to 10 million");
   if (!(params.clearance_m >= 0 && params.clearance_m <= 1))
     return fail(ErrorCode::kInvalidArgument, "clearance_m must be from 0 to 1 m");
-  if (params.neighbour_joints < 0 || params.neighbour_joints > 10 || !(params.neighbour_share >= 0) ||
-      params.neighbour_share > 1)
+  if (params.neighbour_joints < 0 || params.neighbour_joints > 10 || !(params.neighbour_ratio >= 0) ||
+      params.neighbour_ratio > 1)
     return fail(ErrorCode::kInvalidArgument,
-                "neighbour_joints must be from 0 to 10, neighbour_share from 0 to 1");
+                "neighbour_joints must be from 0 to 10, neighbour_ratio from 0 to 1");
   if (!(params.always > 0 && params.always <= 1))
     return fail(ErrorCode::kInvalidArgument, "always must be above 0 and not above 1");
   auto scene = collision::scene_of_links(robot);

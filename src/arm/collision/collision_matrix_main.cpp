@@ -82,9 +82,10 @@ void print_counts(const Srdf& srdf, const CollisionMatrixParams& params) {
   std::cerr << "\n";
 }
 
-int run(const std::vector<std::string>& words) {
+int run(const std::vector<std::string>& tokens) {
   const auto arguments = Arguments::read(
-      words, {1, 1, {"--output", "--keep", "--samples", "--seed", "--clearance", "--resources"}, {"--help"}});
+      tokens,
+      {1, 1, {"--output", "--keep", "--samples", "--seed", "--clearance", "--resources"}, {"--help"}});
   if (!arguments) return complain(arguments.error(), kUsage);
   if (arguments->has("--help")) {
     std::cout << kHelp;

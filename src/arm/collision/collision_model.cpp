@@ -31,13 +31,13 @@ Result<void> check_range(double value, double low, double high, const char* name
 }
 
 Result<void> check_numbers(const CollisionModelParams& params, const RobotModel& robot) {
-  constexpr double kMostPadding = 1;
-  if (auto ok = check_range(params.world_padding_m, 0, kMostPadding, "world_padding_m"); !ok) return ok;
-  if (auto ok = check_range(params.self_padding_m, 0, kMostPadding, "self_padding_m"); !ok) return ok;
+  constexpr double kMaxPadding = 1;
+  if (auto ok = check_range(params.world_padding_m, 0, kMaxPadding, "world_padding_m"); !ok) return ok;
+  if (auto ok = check_range(params.self_padding_m, 0, kMaxPadding, "self_padding_m"); !ok) return ok;
   if (auto ok = check_range(params.sphere_excess_m, 0.002, 0.1, "sphere_excess_m"); !ok) return ok;
   for (const auto& [link, padding] : params.link_padding_m) {
     if (!robot.link(link)) return fail(ErrorCode::kInvalidArgument, "link_padding_m: no link " + link);
-    if (auto ok = check_range(padding, 0, kMostPadding, "link_padding_m"); !ok) return ok;
+    if (auto ok = check_range(padding, 0, kMaxPadding, "link_padding_m"); !ok) return ok;
   }
   for (const auto& [joint, position] : params.fixed_positions)
     if (!robot.joint(joint) || !std::isfinite(position))
@@ -113,8 +113,8 @@ class Builder {
   }
 
   void add_body(const Joint& joint, int driver, int parent, const Pose& parent_T_joint) {
-    Pose joint_T_turned = Pose::Identity();
-    joint_T_turned.linear() =
+    Pose joint_T_rotated = Pose::Identity();
+    joint_T_rotated.linear() =
         Eigen::Quaterniond::FromTwoVectors(Eigen::Vector3d::UnitZ(), joint.axis).toRotationMatrix();
     Body body;
     body.parent = parent;
@@ -130,9 +130,9 @@ class Builder {
     std::tie(body.lower, body.upper) = std::minmax(
         {body.multiplier * driving.lower + body.offset, body.multiplier * driving.upper + body.offset});
     body.prismatic = joint.type == JointType::kPrismatic;
-    body.parent_T_joint = parent_T_joint * joint_T_turned;
+    body.parent_T_joint = parent_T_joint * joint_T_rotated;
     bodies_.body_of_link[joint.child_link] = static_cast<int>(bodies_.bodies.size());
-    bodies_.body_T_link[joint.child_link] = joint_T_turned.inverse();
+    bodies_.body_T_link[joint.child_link] = joint_T_rotated.inverse();
     bodies_.bodies.push_back(body);
   }
 

@@ -137,7 +137,7 @@ double bounding_radius(const ConvexPart& part) {
   return farthest;
 }
 
-Eigen::Vector3d turned_half(const ConvexPart& part, const Eigen::Matrix3d& rotation) {
+Eigen::Vector3d rotated_half(const ConvexPart& part, const Eigen::Matrix3d& rotation) {
   if (part.kind == PartKind::kSphere) return part.half;
   if (part.kind == PartKind::kBox || part.kind == PartKind::kHull) return rotation.cwiseAbs() * part.half;
   const Eigen::Array3d along = rotation.col(2).array().abs();

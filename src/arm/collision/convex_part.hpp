@@ -50,7 +50,7 @@ struct Ball {
 [[nodiscard]] double bounding_radius(const ConvexPart& part);
 
 /// Half lengths of the axis-parallel box that holds the part turned by `rotation`, about its origin.
-[[nodiscard]] Eigen::Vector3d turned_half(const ConvexPart& part, const Eigen::Matrix3d& rotation);
+[[nodiscard]] Eigen::Vector3d rotated_half(const ConvexPart& part, const Eigen::Matrix3d& rotation);
 
 /// A lower bound of the distance of a point from the part, in the part's frame; exact for box, cylinder and
 /// sphere seen from outside. Not positive inside.

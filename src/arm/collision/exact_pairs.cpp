@@ -105,23 +105,23 @@ const Placement::Part& Placement::part(int index) const {
   own.root_T_part.linear().noalias() = body.linear() * part.body_T_part.linear();
   own.root_T_part.translation() = body.translation() + body.linear() * part.body_T_part.translation();
   own.root_T_part.makeAffine();
-  own.half = turned_half(*part.part, own.root_T_part.linear());
+  own.half = rotated_half(*part.part, own.root_T_part.linear());
   known_[index] = 1;
   return own;
 }
 
 void set_velocities(const Bodies& bodies, const std::vector<double>& rates, Moment& moment) {
-  moment.turning.assign(bodies.bodies.size(), Eigen::Vector3d::Zero());
+  moment.angular_velocity.assign(bodies.bodies.size(), Eigen::Vector3d::Zero());
   moment.sliding.assign(bodies.bodies.size(), Eigen::Vector3d::Zero());
   for (std::size_t i = 1; i < bodies.bodies.size(); ++i) {
     const Body& body = bodies.bodies[i];
     const Eigen::Vector3d axis = rates[i] * moment.placement.bodies()[i].linear().col(2);
-    moment.turning[i] = moment.turning[body.parent];
+    moment.angular_velocity[i] = moment.angular_velocity[body.parent];
     moment.sliding[i] = moment.sliding[body.parent];
     if (body.prismatic) {
       moment.sliding[i] += axis;
     } else {
-      moment.turning[i] += axis;
+      moment.angular_velocity[i] += axis;
       moment.sliding[i] += moment.placement.bodies()[i].translation().cross(axis);
     }
   }
@@ -131,7 +131,7 @@ ExactPairs::ExactPairs(const Scene& scene) : scene_(scene), bullet_(std::make_un
   for (const auto& part : scene.moving) bullet_->moving.push_back(bullet_shape(*part.part));
   for (const auto& obstacle : scene.obstacles) {
     bullet_->obstacles.push_back(bullet_shape(*obstacle.part));
-    obstacle_half_.push_back(turned_half(*obstacle.part, obstacle.root_T_part.linear()));
+    obstacle_half_.push_back(rotated_half(*obstacle.part, obstacle.root_T_part.linear()));
     bullet_->obstacle_poses.push_back(to_bullet(obstacle.root_T_part));
   }
   axes_.assign(scene.pairs.size(), Eigen::Vector3d::Zero());
@@ -219,21 +219,21 @@ bool ExactPairs::stays_apart(int index, const Moment& moment, const Separation& 
   const PartPair& pair = scene_.pairs[index];
   const MovingPart& part = scene_.moving[pair.part];
   const Eigen::Vector3d& n = separation.normal;
-  const auto turning = [&](int body) {
-    return Eigen::Vector3d(moment.turning[body] - moment.turning[pair.ancestor]);
+  const auto angular_velocity = [&](int body) {
+    return Eigen::Vector3d(moment.angular_velocity[body] - moment.angular_velocity[pair.ancestor]);
   };
   const auto sliding = [&](int body) { return n.dot(moment.sliding[body] - moment.sliding[pair.ancestor]); };
   for (const double t : {-half, half}) {
-    const double low =
-        t * sliding(part.body) + lowest(pair.part, moment.placement, n + t * n.cross(turning(part.body)));
+    const double low = t * sliding(part.body) +
+                       lowest(pair.part, moment.placement, n + t * n.cross(angular_velocity(part.body)));
     double high = 0;
     if (pair.self) {
       const int other = scene_.moving[pair.other].body;
-      high = t * sliding(other) + highest(pair, moment.placement, n + t * n.cross(turning(other)));
+      high = t * sliding(other) + highest(pair, moment.placement, n + t * n.cross(angular_velocity(other)));
     } else {
       high = highest(pair, moment.placement, n);
     }
-    if (!(low - high - bend_m > pair.padding_m + kLeastGap_m)) return false;
+    if (!(low - high - bend_m > pair.padding_m + kMinGap_m)) return false;
   }
   return true;
 }

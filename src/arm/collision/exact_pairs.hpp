@@ -21,7 +21,7 @@ struct Separation {
 
 /// What counts as free keeps this beyond its padding: above what a distance may be off by, so that no check
 /// of a state finds a contact on a motion that was proven [m].
-constexpr double kLeastGap_m = 1e-6;
+constexpr double kMinGap_m = 1e-6;
 
 /// Where a scene's bodies are, and its moving parts as far as they were asked for. Not thread-safe.
 class Placement {
@@ -47,7 +47,7 @@ class Placement {
 /// Bodies at one moment of a motion, in the root frame.
 struct Moment {
   Placement placement;
-  std::vector<Eigen::Vector3d> turning;  ///< angular velocity of each body
+  std::vector<Eigen::Vector3d> angular_velocity;  ///< angular velocity of each body
   std::vector<Eigen::Vector3d> sliding;  ///< velocity of the point of each body that is at the root's origin
 };
 
@@ -72,7 +72,7 @@ class ExactPairs {
   [[nodiscard]] double signed_distance(int pair, const Placement& placement);
   /// A lower bound of the distance from bounding boxes; cheap.
   [[nodiscard]] double rough_bound(int pair, const Placement& placement) const;
-  /// Whether the plane of `separation`, found at `moment`, keeps the pair its padding and kLeastGap_m apart
+  /// Whether the plane of `separation`, found at `moment`, keeps the pair its padding and kMinGap_m apart
   /// for all |t| <= half, when each point strays at most `bend_m` from its motion linear in t, both together.
   [[nodiscard]] bool stays_apart(int pair, const Moment& moment, const Separation& separation, double half,
                                  double bend_m) const;

@@ -72,7 +72,7 @@ inline Lanes3 minus(const Lanes3& a, const float* b) {
 }
 
 /// transpose(matrix) * v
-inline Lanes3 turned_back(const float* matrix, const Lanes3& v) {
+inline Lanes3 rotated_back(const float* matrix, const Lanes3& v) {
   return {matrix[0] * v.x + matrix[3] * v.y + matrix[6] * v.z,
           matrix[1] * v.x + matrix[4] * v.y + matrix[7] * v.z,
           matrix[2] * v.x + matrix[5] * v.y + matrix[8] * v.z};
@@ -85,8 +85,8 @@ inline void sine_cosine(Lanes angle, Lanes& sine, Lanes& cosine) {
   constexpr float kHalfPiHigh = 1.5707855225F, kHalfPiLow = 1.0804327e-5F;
   const Lanes half = angle < 0 ? all(-0.5F) : all(0.5F);
   const Mask quarter = __builtin_convertvector(angle * kTwoOverPi + half, Mask);
-  const Lanes turns = __builtin_convertvector(quarter, Lanes);
-  const Lanes y = (angle - turns * kHalfPiHigh) - turns * kHalfPiLow;
+  const Lanes quarters = __builtin_convertvector(quarter, Lanes);
+  const Lanes y = (angle - quarters * kHalfPiHigh) - quarters * kHalfPiLow;
   const Lanes y2 = y * y;
   const Lanes s = y + y * y2 * (-1.66666547e-1F + y2 * (8.33216087e-3F + y2 * -1.95152959e-4F));
   const Lanes c =

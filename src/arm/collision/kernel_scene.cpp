@@ -110,7 +110,7 @@ void KernelTables::add_obstacles(const Scene& scene) {
     store(obstacle.root_T_part.translation(), own.centre);
     store_rows(rotation, own.rotation);
     for (int axis = 0; axis < 3; ++axis) own.half[axis] = up(obstacle.part->half[axis]);
-    const Eigen::Vector3d half = turned_half(*obstacle.part, rotation);
+    const Eigen::Vector3d half = rotated_half(*obstacle.part, rotation);
     for (int axis = 0; axis < 3; ++axis) {
       own.low[axis] = -up(half[axis] - obstacle.root_T_part.translation()[axis]);
       own.high[axis] = up(half[axis] + obstacle.root_T_part.translation()[axis]);
@@ -118,10 +118,10 @@ void KernelTables::add_obstacles(const Scene& scene) {
     own.first_plane = static_cast<int>(planes_.size());
     for (const Plane& plane : obstacle.part->planes) {
       const Eigen::Vector3d normal = rotation * plane.normal;
-      KernelPlane turned{};
-      store(normal, turned.normal);
-      turned.offset = up(plane.offset + normal.dot(obstacle.root_T_part.translation()));
-      planes_.push_back(turned);
+      KernelPlane rotated{};
+      store(normal, rotated.normal);
+      rotated.offset = up(plane.offset + normal.dot(obstacle.root_T_part.translation()));
+      planes_.push_back(rotated);
     }
     own.plane_end = static_cast<int>(planes_.size());
     obstacles_.push_back(own);
@@ -160,13 +160,13 @@ void KernelMemory::Release::operator()(float* memory) const {
 
 KernelMemory::KernelMemory(const KernelScene& scene)
     : bytes_(2 * static_cast<std::size_t>(scene.part_count)) {
-  const auto most_flags = [](const KernelGroup* groups, int count) {
-    int most = 0;
-    for (int i = 0; i < count; ++i) most = std::max(most, groups[i].pair_end);
-    return most;
+  const auto max_flags = [](const KernelGroup* groups, int count) {
+    int largest = 0;
+    for (int i = 0; i < count; ++i) largest = std::max(largest, groups[i].pair_end);
+    return largest;
   };
-  flags_.resize(std::max(most_flags(scene.world_groups, scene.world_group_count),
-                         most_flags(scene.self_groups, scene.self_group_count)));
+  flags_.resize(std::max(max_flags(scene.world_groups, scene.world_group_count),
+                         max_flags(scene.self_groups, scene.self_group_count)));
   const std::size_t inputs = static_cast<std::size_t>(kMaxJoints) * kLanes;
   const std::size_t floats = inputs + kernel_floats(scene);
   floats_.reset(static_cast<float*>(::operator new[](floats * sizeof(float), kAlignment)));

@@ -17,13 +17,12 @@ struct Probe {
   float limit;        ///< radius and padding
   KernelDrift drift;  ///< of the motion
   float half;
-  const Lanes3*
-      turning;  ///< angular velocity of the body, then the velocity of its point at the root's origin
+  const Lanes3* twist;  ///< angular velocity of the body, then the velocity of its point at the root's origin
 };
 
 inline Lanes3 velocity(const Probe& probe) {
-  const Lanes3& w = probe.turning[0];
-  const Lanes3& v = probe.turning[1];
+  const Lanes3& w = probe.twist[0];
+  const Lanes3& v = probe.twist[1];
   const Lanes3& p = probe.centre;
   return {v.x + w.y * p.z - w.z * p.y, v.y + w.z * p.x - w.x * p.z, v.z + w.x * p.y - w.y * p.x};
 }
@@ -40,7 +39,7 @@ inline Mask too_near_moving(Lanes square, Lanes along, float limit, const Probe&
 
 inline Lanes3 local_velocity(const KernelObstacle& obstacle, const Probe& probe) {
   const Lanes3 v = velocity(probe);
-  return obstacle.upright ? v : turned_back(obstacle.rotation, v);
+  return obstacle.upright ? v : rotated_back(obstacle.rotation, v);
 }
 
 template <bool kMoving>
@@ -136,7 +135,7 @@ template <bool kMoving>
 inline Mask near_obstacle(const KernelScene& scene, const KernelObstacle& obstacle, const Probe& probe) {
   if (obstacle.shape == KernelShape::kPlanes) return near_planes<kMoving>(obstacle, scene.planes, probe);
   Lanes3 p = minus(probe.centre, obstacle.centre);
-  if (!obstacle.upright) p = turned_back(obstacle.rotation, p);
+  if (!obstacle.upright) p = rotated_back(obstacle.rotation, p);
   switch (obstacle.shape) {
     case KernelShape::kBox:
       return near_box<kMoving>(obstacle, p, probe);

@@ -6,8 +6,8 @@
 namespace extperfc::arm::collision {
 namespace {
 
-constexpr double kMostBend = 0.002;  // [m]
-constexpr int kMostIntervals = 1 << 16;
+constexpr double kMaxBend = 0.002;  // [m]
+constexpr int kMaxIntervals = 1 << 16;
 constexpr double kSafety = 1 + 1e-6;  // over the kernel's single precision
 constexpr double kSafety_m = 1e-7;
 
@@ -24,9 +24,9 @@ MotionBound sum(const MotionBound& a, const MotionBound& b) {
 }  // namespace
 
 MotionProof::MotionProof(Checks& checks, const JointVector& from, const JointVector& to, double deviation_rad)
-    : checks_(checks), from_(from), way_(to - from), length_(way_.norm()), deviation_rad_(deviation_rad) {
+    : checks_(checks), from_(from), delta_(to - from), length_(delta_.norm()), deviation_rad_(deviation_rad) {
   for (const Body& body : checks.bodies().bodies)
-    rates_.push_back(body.joint < 0 ? 0 : body.multiplier * way_[body.joint]);
+    rates_.push_back(body.joint < 0 ? 0 : body.multiplier * delta_[body.joint]);
   bound_drifts();
   count_intervals();
 }
@@ -48,9 +48,9 @@ void MotionProof::bound_drifts() {
 void MotionProof::count_intervals() {
   double bend = 0;
   for (const auto& bound : world_bounds_) bend = std::max(bend, bound.acceleration);
-  const double needed = std::ceil(std::sqrt(bend / (8 * kMostBend)));
-  const int least = needed < kMostIntervals ? static_cast<int>(needed) : kMostIntervals;
-  intervals_ = kLanes * std::max(1, (least + kLanes - 1) / kLanes);
+  const double needed = std::ceil(std::sqrt(bend / (8 * kMaxBend)));
+  const int smallest = needed < kMaxIntervals ? static_cast<int>(needed) : kMaxIntervals;
+  intervals_ = kLanes * std::max(1, (smallest + kLanes - 1) / kLanes);
   half_ = 0.5 / intervals_;
   for (const double rate : rates_) kernel_rates_.push_back(static_cast<float>(rate));
   for (const auto& bound : world_bounds_) world_drift_.push_back(drift_over(bound, half_));
@@ -136,7 +136,7 @@ MotionBound MotionProof::pair_bound(int index) const {
 
 bool MotionProof::pair_proven(int pair, const MotionBound& bound, double middle, double half, int depth) {
   const Moment& moment = moments_[depth];
-  const double padding = checks_.scene_.pairs[pair].padding_m + kLeastGap_m;
+  const double padding = checks_.scene_.pairs[pair].padding_m + kMinGap_m;
   const double bend = bound.acceleration * half * half / 2 + bound.displacement;
   if (checks_.exact_.rough_bound(pair, moment.placement) > padding + bound.speed * half + bound.displacement)
     return true;
@@ -146,7 +146,7 @@ bool MotionProof::pair_proven(int pair, const MotionBound& bound, double middle,
   const Separation found = checks_.exact_.separation(pair, moment.placement);
   if (!(found.gap_m > padding)) return false;
   if (checks_.exact_.stays_apart(pair, moment, found, half, bend)) return true;
-  if (2 * half * length_ <= checks_.params.min_step_rad || depth + 1 == kMostDepth) return false;
+  if (2 * half * length_ <= checks_.params.min_step_rad || depth + 1 == kMaxDepth) return false;
   return halves_proven(pair, bound, middle, half, depth + 1);
 }
 

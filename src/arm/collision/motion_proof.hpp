@@ -24,7 +24,7 @@ class MotionProof {
  private:
   void bound_drifts();
   void count_intervals();
-  [[nodiscard]] JointVector at(double parameter) const { return from_ + parameter * way_; }
+  [[nodiscard]] JointVector at(double parameter) const { return from_ + parameter * delta_; }
   /// Bit i: interval of lane i proven. Lane i is interval first + i * stride.
   [[nodiscard]] unsigned proven_lanes(int first, int stride);
   [[nodiscard]] bool lane_proven(double middle, int flags, unsigned lane_bit);
@@ -35,10 +35,10 @@ class MotionProof {
   [[nodiscard]] bool pair_proven(int pair, const MotionBound& bound, double middle, double half, int depth);
   [[nodiscard]] bool halves_proven(int pair, const MotionBound& bound, double middle, double half, int depth);
 
-  static constexpr int kMostDepth = 24;
+  static constexpr int kMaxDepth = 24;
 
   Checks& checks_;
-  const JointVector from_, way_;
+  const JointVector from_, delta_;
   const double length_;
   const double deviation_rad_;
   std::vector<double> rates_;  ///< per body
@@ -47,7 +47,7 @@ class MotionProof {
   std::vector<KernelDrift> world_drift_, self_drift_;
   int intervals_{0};
   double half_{0};
-  std::array<Moment, kMostDepth> moments_;  ///< one per depth of halving
+  std::array<Moment, kMaxDepth> moments_;  ///< one per depth of halving
 };
 
 }  // namespace extperfc::arm::collision

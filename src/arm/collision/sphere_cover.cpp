@@ -7,9 +7,9 @@
 namespace extperfc::arm::collision {
 namespace {
 
-constexpr int kMostBalls = 64;
-constexpr double kThickShare = 0.4;  // excess that a thick part may have, of its least half width
-constexpr double kFlatShare = 0.5;   // a cylinder with less half height than this times its radius is flat
+constexpr int kMaxBalls = 64;
+constexpr double kThickRatio = 0.4;  // excess that a thick part may have, of its least half width
+constexpr double kFlatRatio = 0.5;   // a cylinder with less half height than this times its radius is flat
 constexpr double kFiner = 0.95;
 
 /// Half lengths of the cells when a box is cut into equal cells, near cubes of half length `target`.
@@ -37,14 +37,14 @@ std::vector<Ball> balls_of_cells(const ConvexPart& part, double target) {
 }
 
 std::vector<Ball> cut_box(const ConvexPart& part, double excess_m) {
-  const double allowed = std::max(excess_m, kThickShare * part.half.minCoeff());
+  const double allowed = std::max(excess_m, kThickRatio * part.half.minCoeff());
   double target = part.half.maxCoeff();
   std::vector<Ball> balls = balls_of_cells(part, target);
   for (;; target *= kFiner) {
     std::array<int, 3> counts{};
     const Eigen::Vector3d cell = cell_half(part.half, target, counts);
     std::vector<Ball> finer = balls_of_cells(part, target);
-    if (finer.size() > kMostBalls) return balls;
+    if (finer.size() > kMaxBalls) return balls;
     balls = std::move(finer);
     if (cell.norm() - cell.minCoeff() <= allowed) return balls;
   }
@@ -53,7 +53,7 @@ std::vector<Ball> cut_box(const ConvexPart& part, double excess_m) {
 std::vector<Ball> cut_cylinder(const ConvexPart& part, double excess_m) {
   const double radius = part.half.x(), half = part.half.z();
   const double widest = std::sqrt(excess_m * (2 * radius + excess_m));  // half height of a slice
-  const int count = std::min(kMostBalls, static_cast<int>(std::ceil(half / widest)));
+  const int count = std::min(kMaxBalls, static_cast<int>(std::ceil(half / widest)));
   std::vector<Ball> balls;
   balls.reserve(static_cast<std::size_t>(count));
   for (int i = 0; i < count; ++i)
@@ -65,7 +65,7 @@ std::vector<Ball> cut_cylinder(const ConvexPart& part, double excess_m) {
 
 std::vector<Ball> sphere_cover(const ConvexPart& part, double excess_m) {
   if (part.kind == PartKind::kSphere) return {{Eigen::Vector3d::Zero(), part.half.x()}};
-  const bool rod = part.kind == PartKind::kCylinder && part.half.z() >= kFlatShare * part.half.x();
+  const bool rod = part.kind == PartKind::kCylinder && part.half.z() >= kFlatRatio * part.half.x();
   return rod ? cut_cylinder(part, excess_m) : cut_box(part, excess_m);
 }
 

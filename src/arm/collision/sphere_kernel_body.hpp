@@ -10,7 +10,7 @@ namespace {
 struct BodyLanes {
   Lanes rotation[9];  ///< root_R_body, row by row
   Lanes3 origin;      ///< [m]
-  Lanes3 turning[2];  ///< as Probe::turning; the second one is of the point at the root's origin
+  Lanes3 twist[2];    ///< as Probe::twist; the second one is of the point at the root's origin
   Lanes3 ball;        ///< its centre in the root frame
   Lanes range;        ///< of the ball's centre over all lanes: least x, y, z, greatest x, y, z
 };
@@ -42,7 +42,7 @@ class Batch {
   void place_bodies(const float* positions) {
     BodyLanes& fixed = bodies_[0];
     for (int k = 0; k < 9; ++k) fixed.rotation[k] = all(k % 4 == 0 ? 1.0F : 0.0F);
-    fixed.origin = fixed.turning[0] = fixed.turning[1] = Lanes3{};
+    fixed.origin = fixed.twist[0] = fixed.twist[1] = Lanes3{};
     for (int i = 1; i < scene_.body_count; ++i) {
       const KernelBody& body = scene_.bodies[i];
       const Lanes value = load(positions + body.joint * kLanes) * body.multiplier + body.offset;
@@ -50,7 +50,7 @@ class Batch {
       if (body.prismatic)
         slide(bodies_[i], value);
       else
-        turn(bodies_[i], value);
+        rotate(bodies_[i], value);
       if (kMoving) add_rate(body, bodies_[i], motion_->rates[i]);
       bodies_[i].ball = transformed(bodies_[i], body.ball);
       const Lanes3& ball = bodies_[i].ball;
@@ -86,7 +86,7 @@ class Batch {
     own.origin.z += own.rotation[8] * value;
   }
 
-  static void turn(BodyLanes& own, Lanes value) {
+  static void rotate(BodyLanes& own, Lanes value) {
     Lanes sine, cosine;
     sine_cosine(value, sine, cosine);
     for (int row = 0; row < 9; row += 3) {
@@ -99,15 +99,15 @@ class Batch {
   void add_rate(const KernelBody& body, BodyLanes& own, float rate) const {
     const BodyLanes& parent = bodies_[body.parent];
     const Lanes3 axis{own.rotation[2] * rate, own.rotation[5] * rate, own.rotation[8] * rate};
-    const Lanes3 &w = parent.turning[0], &v = parent.turning[1], &p = own.origin;
+    const Lanes3 &w = parent.twist[0], &v = parent.twist[1], &p = own.origin;
     if (body.prismatic) {
-      own.turning[0] = w;
-      own.turning[1] = {v.x + axis.x, v.y + axis.y, v.z + axis.z};
+      own.twist[0] = w;
+      own.twist[1] = {v.x + axis.x, v.y + axis.y, v.z + axis.z};
       return;
     }
-    own.turning[0] = {w.x + axis.x, w.y + axis.y, w.z + axis.z};
-    own.turning[1] = {v.x + p.y * axis.z - p.z * axis.y, v.y + p.z * axis.x - p.x * axis.z,
-                      v.z + p.x * axis.y - p.y * axis.x};
+    own.twist[0] = {w.x + axis.x, w.y + axis.y, w.z + axis.z};
+    own.twist[1] = {v.x + p.y * axis.z - p.z * axis.y, v.y + p.z * axis.x - p.x * axis.z,
+                    v.z + p.x * axis.y - p.y * axis.x};
   }
 
   static Lanes3 transformed(const BodyLanes& body, const float* point) {
@@ -138,7 +138,7 @@ class Batch {
   }
 
   [[nodiscard]] Probe probe(int body, const Lanes3& centre, float limit, KernelDrift drift) const {
-    return {centre, limit, drift, kMoving ? motion_->half : 0.0F, bodies_[body].turning};
+    return {centre, limit, drift, kMoving ? motion_->half : 0.0F, bodies_[body].twist};
   }
 
   void flag(int pair, Mask lanes) {

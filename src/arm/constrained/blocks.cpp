@@ -38,13 +38,13 @@ Eigen::Matrix3d inverse_right_jacobian(const Eigen::Vector3d& vector) {
 }
 
 using Rows = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, 0, 6, kMaxJoints>;
-using Turns = Eigen::Matrix<double, 3, Eigen::Dynamic, 0, 3, kMaxJoints>;
+using RotationRows = Eigen::Matrix<double, 3, Eigen::Dynamic, 0, 3, kMaxJoints>;
 
-void orientation_rows(const Eigen::Matrix3d& target_R_link, const Turns& turns_in_link,
+void orientation_rows(const Eigen::Matrix3d& target_R_link, const RotationRows& rotation_rows_in_link,
                       Eigen::Ref<Eigen::VectorXd> residual, ConstraintJacobian* jacobian, int row) {
   const Eigen::Vector3d vector = rotation_vector(target_R_link);
   residual = vector;
-  if (jacobian) jacobian->middleRows(row, 3) = inverse_right_jacobian(vector) * turns_in_link;
+  if (jacobian) jacobian->middleRows(row, 3) = inverse_right_jacobian(vector) * rotation_rows_in_link;
 }
 
 // With s the axis across its target and c along it, F = (angle / |s|) s where tan(angle) = |s| / c, so that
@@ -63,7 +63,7 @@ void axis_rows(const Block& block, const Placed& link, Eigen::Ref<Eigen::VectorX
     residual = (small ? 1.0 : angle / length) * s;
   }
   if (!jacobian) return;
-  const Turns moves = -cross_matrix(axis) * link.jacobian.bottomRows<3>();  // of the axis per joint
+  const RotationRows moves = -cross_matrix(axis) * link.jacobian.bottomRows<3>();  // of the axis per joint
   const Eigen::Matrix<double, 2, Eigen::Dynamic, 0, 2, kMaxJoints> ds = block.across.transpose() * moves;
   auto rows = jacobian->middleRows(block.first_row, 2);
   if (small) {
@@ -86,14 +86,14 @@ void relative_rows(const Block& block, const Placed& link, const Placed& other,
   const Eigen::Matrix3d link_R_root = link.root_T_link.linear().transpose();
   const Eigen::Matrix3d target_R_link =
       target.linear().transpose() * other_R_root * link.root_T_link.linear();
-  Turns turns;
+  RotationRows rotation_rows;
   if (jacobian) {
-    turns = link_R_root * (link.jacobian.bottomRows<3>() - other.jacobian.bottomRows<3>());
+    rotation_rows = link_R_root * (link.jacobian.bottomRows<3>() - other.jacobian.bottomRows<3>());
     jacobian->middleRows(block.first_row, 3) =
         other_R_root * (link.jacobian.topRows<3>() - other.jacobian.topRows<3>() +
                         cross_matrix(apart) * other.jacobian.bottomRows<3>());
   }
-  orientation_rows(target_R_link, turns, residual.tail<3>(), jacobian, block.first_row + 3);
+  orientation_rows(target_R_link, rotation_rows, residual.tail<3>(), jacobian, block.first_row + 3);
 }
 
 void position_rows(const Block& block, const Placed& link, Eigen::Ref<Eigen::VectorXd> residual,
@@ -122,7 +122,7 @@ Rates rates_of(const Tool& tool, const JointVector& displacement) {
   Rates rates;
   for (std::size_t j = 0; j < tool.group_joint.size(); ++j)
     if (tool.group_joint[j] >= 0)
-      (tool.prismatic[j] ? rates.sliding : rates.turning) += std::abs(displacement[tool.group_joint[j]]);
+      (tool.prismatic[j] ? rates.sliding : rates.rotating) += std::abs(displacement[tool.group_joint[j]]);
   return rates;
 }
 
@@ -172,10 +172,10 @@ void evaluate(const Block& block, const Placed& link, const Placed& other,
     case ToolConstraintKind::kKeepLine:
       return position_rows(block, link, residual, jacobian);
     case ToolConstraintKind::kKeepOrientation: {
-      Turns turns;
-      if (jacobian) turns = link.root_T_link.linear().transpose() * link.jacobian.bottomRows<3>();
+      RotationRows rotation_rows;
+      if (jacobian) rotation_rows = link.root_T_link.linear().transpose() * link.jacobian.bottomRows<3>();
       return orientation_rows(block.constraint.target->linear().transpose() * link.root_T_link.linear(),
-                              turns, residual, jacobian, block.first_row);
+                              rotation_rows, residual, jacobian, block.first_row);
     }
     case ToolConstraintKind::kKeepRelative:
       return relative_rows(block, link, other, residual, jacobian);

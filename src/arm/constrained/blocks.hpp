@@ -23,8 +23,8 @@ struct Tool {
 
 /// Sums of absolute values of a displacement of the group, over the joints that carry a tool.
 struct Rates {
-  double turning{0};  ///< of revolute joints [rad]
-  double sliding{0};  ///< of prismatic joints [m]
+  double rotating{0};  ///< of revolute joints [rad]
+  double sliding{0};   ///< of prismatic joints [m]
 };
 [[nodiscard]] Rates rates_of(const Tool& tool, const JointVector& displacement);
 

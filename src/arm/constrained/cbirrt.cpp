@@ -70,9 +70,9 @@ Found Cbirrt::join(int in_start, int in_goals) const {
 
 std::optional<Found> Cbirrt::grow(Rng& rng, const std::function<bool()>& stop) {
   while (!full() && !stop()) {
-    const double share = static_cast<double>(from_start_.tree.size()) /
-                         static_cast<double>(from_start_.tree.size() + from_goals_.tree.size());
-    grows_start_ = share > kAhead ? false : share < 1.0 - kAhead ? true : !grows_start_;
+    const double fraction = static_cast<double>(from_start_.tree.size()) /
+                            static_cast<double>(from_start_.tree.size() + from_goals_.tree.size());
+    grows_start_ = fraction > kAhead ? false : fraction < 1.0 - kAhead ? true : !grows_start_;
     Side& side = grows_start_ ? from_start_ : from_goals_;
     Side& other = grows_start_ ? from_goals_ : from_start_;
     const auto target = manifold_.sample(rng);

@@ -8,9 +8,9 @@
 #include "extperfc/base/stopwatch.hpp"
 
 #include "arm/constrained/cbirrt.hpp"
-#include "arm/constrained/gate.hpp"
 #include "arm/constrained/manifold.hpp"
 #include "arm/constrained/ompl_manifolds.hpp"
+#include "arm/constrained/request_validator.hpp"
 #include "arm/constrained/shortening.hpp"
 
 namespace extperfc::arm {
@@ -87,7 +87,7 @@ std::optional<constrained::Found> ConstrainedPlanner::search(const JointVector& 
 }
 
 ConstrainedPlanResult ConstrainedPlanner::plan(const PlanRequest& request) {
-  const constrained::Gate gate(checker_, constraint_, limits_, params_);
+  const constrained::RequestValidator gate(checker_, constraint_, limits_, params_);
   constrained::Checked checked;
   if (auto refusal = gate.shape(request)) return *refusal;
   if (auto refusal = gate.start(request, &checked)) return *refusal;

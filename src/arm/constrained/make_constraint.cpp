@@ -18,7 +18,7 @@ using constrained::Block;
 using constrained::Blocks;
 using constrained::Tool;
 
-constexpr double kLeastAxis = 1e-9;
+constexpr double kMinAxis = 1e-9;
 constexpr double kRigid = 1e-6;
 
 bool is_rigid(const Pose& pose) {
@@ -188,7 +188,7 @@ class Builder {
     block.first_row = blocks_.equations;
     if (block.rows == 0) return fail(ErrorCode::kInvalidArgument, "an unknown kind of constraint");
     if (needs_axis(constraint.kind)) {
-      if (!constraint.axis.allFinite() || constraint.axis.norm() < kLeastAxis)
+      if (!constraint.axis.allFinite() || constraint.axis.norm() < kMinAxis)
         return fail(ErrorCode::kInvalidArgument,
                     "the axis for link '" + constraint.link + "' needs finite values and a length above 0");
       block.constraint.axis = constraint.axis.normalized();

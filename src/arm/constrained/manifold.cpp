@@ -8,14 +8,14 @@ namespace extperfc::arm::constrained {
 namespace {
 
 /// A step must come this share of itself nearer to the target.
-constexpr double kLeastProgress = 0.1;
+constexpr double kMinProgress = 0.1;
 /// A projected step longer than this many steps has jumped to another place.
-constexpr double kMostStep = 1.5;
+constexpr double kMaxStep = 1.5;
 /// The middle of a piece, projected, lies within this share of the piece's length of both ends.
-constexpr double kMostHalf = 0.75;
+constexpr double kMaxHalf = 0.75;
 /// Error of a projected state [m] or [rad].
 constexpr double kExact = 2e-8;
-constexpr int kMostHalvings = 14;
+constexpr int kMaxHalvings = 14;
 
 }  // namespace
 
@@ -29,12 +29,12 @@ std::optional<JointVector> Manifold::sample(Rng& rng) const {
   return constraint_.project(state, limits_);
 }
 
-Manifold::Walk Manifold::walk(const JointVector& from, const JointVector& to, double most_rad,
+Manifold::Walk Manifold::walk(const JointVector& from, const JointVector& to, double max_rad,
                               const std::function<bool()>& stop) const {
   Walk walk;
   JointVector at = from;
   double left = (to - at).norm();
-  for (double walked = 0; walked < most_rad && !stop();) {
+  for (double walked = 0; walked < max_rad && !stop();) {
     if (left <= steps_.step_rad) {
       walk.states.push_back(to);
       walk.reached = true;
@@ -42,12 +42,12 @@ Manifold::Walk Manifold::walk(const JointVector& from, const JointVector& to, do
     }
     const JointVector along = constraint_.tangent(at, to - at, limits_);
     const double length = along.norm();
-    if (length < kLeastProgress * left) return walk;
+    if (length < kMinProgress * left) return walk;
     const auto next = constraint_.project(at + along * (steps_.step_rad / length), limits_);
     if (!next) return walk;
     const double step = (*next - at).norm();
     const double now_left = (to - *next).norm();
-    if (step > kMostStep * steps_.step_rad || now_left > left - kLeastProgress * steps_.step_rad) return walk;
+    if (step > kMaxStep * steps_.step_rad || now_left > left - kMinProgress * steps_.step_rad) return walk;
     at = *next;
     left = now_left;
     walked += step;
@@ -71,14 +71,14 @@ bool Manifold::halve(const JointVector& from, const JointVector& to, bool from_e
   if (depth == 0) return false;
   const auto middle = constraint_.project(0.5 * (from + to), limits_);
   if (!middle) return false;
-  const double most = kMostHalf * (to - from).norm();
-  if ((*middle - from).norm() > most || (*middle - to).norm() > most) return false;
+  const double largest = kMaxHalf * (to - from).norm();
+  if ((*middle - from).norm() > largest || (*middle - to).norm() > largest) return false;
   return halve(from, *middle, from_exact, true, depth - 1, pieces) &&
          halve(*middle, to, true, to_exact, depth - 1, pieces);
 }
 
 bool Manifold::refine(const JointVector& from, const JointVector& to, States* pieces) const {
-  return halve(from, to, constraint_.error(from) <= kExact, constraint_.error(to) <= kExact, kMostHalvings,
+  return halve(from, to, constraint_.error(from) <= kExact, constraint_.error(to) <= kExact, kMaxHalvings,
                pieces);
 }
 
@@ -99,9 +99,9 @@ std::size_t Manifold::prove(const JointVector& from, const States& coarse, State
   return coarse.size();
 }
 
-std::optional<States> Manifold::connect(const JointVector& from, const JointVector& to, double most_rad,
+std::optional<States> Manifold::connect(const JointVector& from, const JointVector& to, double max_rad,
                                         const std::function<bool()>& stop) {
-  const Walk coarse = walk(from, to, most_rad, stop);
+  const Walk coarse = walk(from, to, max_rad, stop);
   if (!coarse.reached) return std::nullopt;
   States pieces;
   if (prove(from, coarse.states, &pieces, stop) < coarse.states.size()) return std::nullopt;

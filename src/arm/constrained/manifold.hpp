@@ -34,9 +34,9 @@ class Manifold {
     States states;        ///< behind the first one, a step apart; may be empty
     bool reached{false};  ///< the last one is the target
   };
-  /// Towards `to`, until it is reached, `most_rad` were walked, the distance no longer falls or `stop` says
+  /// Towards `to`, until it is reached, `max_rad` were walked, the distance no longer falls or `stop` says
   /// so. Does not look at obstacles.
-  [[nodiscard]] Walk walk(const JointVector& from, const JointVector& to, double most_rad,
+  [[nodiscard]] Walk walk(const JointVector& from, const JointVector& to, double max_rad,
                           const std::function<bool()>& stop) const;
 
   /// Projected states between the ends such that every straight piece keeps the tolerance; `to` is the last
@@ -48,8 +48,8 @@ class Manifold {
   [[nodiscard]] std::size_t prove(const JointVector& from, const States& coarse, States* pieces,
                                   const std::function<bool()>& stop);
 
-  /// Proven pieces from `from` to `to` behind `from`; nothing when that fails or is longer than `most_rad`.
-  [[nodiscard]] std::optional<States> connect(const JointVector& from, const JointVector& to, double most_rad,
+  /// Proven pieces from `from` to `to` behind `from`; nothing when that fails or is longer than `max_rad`.
+  [[nodiscard]] std::optional<States> connect(const JointVector& from, const JointVector& to, double max_rad,
                                               const std::function<bool()>& stop);
 
   /// Largest bound of the constraint's error on the polyline.

@@ -147,11 +147,11 @@ ob::ProblemDefinitionPtr make_problem(const ob::SpaceInformationPtr& information
 
 int nearest_goal(const JointVector& end, const States& goals) {
   int nearest = -1;
-  double least = std::numeric_limits<double>::infinity();
+  double smallest = std::numeric_limits<double>::infinity();
   for (std::size_t g = 0; g < goals.size(); ++g) {
     const double distance = (goals[g] - end).norm();
-    if (distance >= least) continue;
-    least = distance;
+    if (distance >= smallest) continue;
+    smallest = distance;
     nearest = static_cast<int>(g);
   }
   return nearest;

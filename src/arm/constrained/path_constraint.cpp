@@ -60,7 +60,7 @@ Placed place(const Blocks& blocks, const Tool& tool, const JointVector& joints) 
 
 /// Rates and reach of a block: both tools of a relative pose count.
 struct Motion {
-  double turning{0}, sliding{0}, reach_m{0};
+  double rotating{0}, sliding{0}, reach_m{0};
 };
 
 Motion motion_of(const Blocks& blocks, const Block& block, const JointVector& displacement) {
@@ -68,7 +68,7 @@ Motion motion_of(const Blocks& blocks, const Block& block, const JointVector& di
   for (const int tool : {block.tool, block.other_tool}) {
     if (tool < 0) continue;
     const auto rates = constrained::rates_of(blocks.tools[tool], displacement);
-    motion.turning += rates.turning;
+    motion.rotating += rates.rotating;
     motion.sliding += rates.sliding;
     motion.reach_m += blocks.tools[tool].reach_m;
   }
@@ -81,14 +81,14 @@ Motion motion_of(const Blocks& blocks, const Block& block, const JointVector& di
 double bound_of(const Blocks& blocks, const Block& block, const JointVector& displacement, double position,
                 double direction) {
   const Motion motion = motion_of(blocks, block, displacement);
-  const double turns = motion.turning * motion.turning * motion.turning;
-  const double slides = 3.0 * motion.turning * motion.turning * motion.sliding;
+  const double rotations = motion.rotating * motion.rotating * motion.rotating;
+  const double slides = 3.0 * motion.rotating * motion.rotating * motion.sliding;
   const auto kind = block.constraint.kind;
   const bool places = kind == ToolConstraintKind::kKeepPlane || kind == ToolConstraintKind::kKeepLine;
   double bound = 0;
   if (places || kind == ToolConstraintKind::kKeepRelative)
-    bound = position + kCubicRemainder * (turns * motion.reach_m + slides);
-  if (!places) bound = std::max(bound, constrained::angle_of(direction + kCubicRemainder * turns));
+    bound = position + kCubicRemainder * (rotations * motion.reach_m + slides);
+  if (!places) bound = std::max(bound, constrained::angle_of(direction + kCubicRemainder * rotations));
   return bound;
 }
 

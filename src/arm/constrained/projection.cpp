@@ -10,7 +10,7 @@ namespace extperfc::arm {
 namespace {
 
 /// Keeps redundant equations (a closed chain whose hands also keep level) from making the system singular.
-constexpr double kLeastDamping = 1e-12;
+constexpr double kMinDamping = 1e-12;
 /// Damping per square of the residual: the step stays Newton's near the solution.
 constexpr double kDamping = 1e-2;
 constexpr double kMaxStepRad = 0.5;
@@ -51,7 +51,7 @@ std::optional<JointVector> PathConstraint::project(const JointVector& joints, co
     ConstraintResidual residual;
     ConstraintJacobian slopes = jacobian(at, &residual);
     if (residual.norm() <= params.tolerance) return at;
-    const double damping = kLeastDamping + kDamping * residual.squaredNorm();
+    const double damping = kMinDamping + kDamping * residual.squaredNorm();
     JointVector free = JointVector::Ones(at.size());
     JointVector step = -pull_back(slopes, residual, damping);
     while (hold(at, step, limits, &slopes, &free)) step = -pull_back(slopes, residual, damping);
@@ -72,7 +72,7 @@ JointVector PathConstraint::tangent(const JointVector& joints, const JointVector
   JointVector along = direction;
   do {
     const JointVector wanted = direction.cwiseProduct(free);
-    along = wanted - pull_back(slopes, slopes * wanted, kLeastDamping);
+    along = wanted - pull_back(slopes, slopes * wanted, kMinDamping);
   } while (hold(joints, along, limits, &slopes, &free));
   return along;
 }

@@ -9,7 +9,7 @@ namespace extperfc::arm::constrained {
 namespace {
 
 /// A gain below this is not worth a proof.
-constexpr double kLeastGainRad = 1e-3;
+constexpr double kMinGainRad = 1e-3;
 
 std::vector<double> lengths_along(const States& path) {
   std::vector<double> along{0.0};
@@ -33,12 +33,12 @@ double length_of(const JointVector& from, const States& pieces) {
 void cut(Manifold& manifold, States* path, std::size_t from, std::size_t to, double old_length,
          const std::function<bool()>& stop) {
   const JointVector first = (*path)[from];
-  if ((path->at(to) - first).norm() > old_length - kLeastGainRad) return;
+  if ((path->at(to) - first).norm() > old_length - kMinGainRad) return;
   const auto walk = manifold.walk(first, path->at(to), old_length, stop);
-  if (!walk.reached || length_of(first, walk.states) > old_length - kLeastGainRad) return;
+  if (!walk.reached || length_of(first, walk.states) > old_length - kMinGainRad) return;
   States pieces;
   if (manifold.prove(first, walk.states, &pieces, stop) < walk.states.size()) return;
-  if (length_of(first, pieces) > old_length - kLeastGainRad) return;
+  if (length_of(first, pieces) > old_length - kMinGainRad) return;
   const auto begin = path->begin();
   States shorter(begin, begin + static_cast<std::ptrdiff_t>(from) + 1);
   shorter.insert(shorter.end(), pieces.begin(), pieces.end());

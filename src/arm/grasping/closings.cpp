@@ -66,8 +66,8 @@ std::vector<Closing> of_cone(const ConvexPart& part, const Pose& pose, const Gra
   std::vector<Closing> closings;
   for (const auto& direction : across(axis, pose.translation(), params.yaw_step_rad)) {
     Closing closing{direction, {}};
-    for (const double share : {0.0, 0.25, 0.5})
-      closing.centres.push_back(base + share * 2 * part.half.z() * axis);
+    for (const double fraction : {0.0, 0.25, 0.5})
+      closing.centres.push_back(base + fraction * 2 * part.half.z() * axis);
     closings.push_back(closing);
   }
   return closings;
@@ -100,7 +100,7 @@ std::vector<Eigen::Vector3d> approaches_of(const Eigen::Vector3d& along, const G
   down.normalize();
   const Eigen::Vector3d side = along.cross(down);
   std::vector<Eigen::Vector3d> approaches{down};
-  for (int i = 1; i * params.tilt_step_rad <= params.most_tilt_rad + 1e-3; ++i)
+  for (int i = 1; i * params.tilt_step_rad <= params.max_tilt_rad + 1e-3; ++i)
     for (const double sign : {1.0, -1.0}) {
       const double angle = sign * i * params.tilt_step_rad;
       if (angle <= -kPi + 1e-3) continue;

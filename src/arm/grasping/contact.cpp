@@ -37,8 +37,8 @@ class Profile {
             chord(part, part_T_tip * Eigen::Vector3d(rectangle.x(i), 0, rectangle.z(k)), along);
         if (!inside || !(inside->to > 0 || inside->from < 0)) continue;
         half_[i][k] = std::max(inside->to, -inside->from);
-        if (half_[i][k] > most_ + 1e-12) {
-          most_ = half_[i][k];
+        if (half_[i][k] > largest_ + 1e-12) {
+          largest_ = half_[i][k];
           at_x_ = i;
           at_z_ = k;
         }
@@ -46,20 +46,20 @@ class Profile {
     find_extreme();
   }
 
-  [[nodiscard]] bool empty() const { return most_ <= 0; }
-  [[nodiscard]] double most() const { return most_; }
+  [[nodiscard]] bool empty() const { return largest_ <= 0; }
+  [[nodiscard]] double largest() const { return largest_; }
 
   /// A pad's inside meets the surface square, or at a corner of it; a pad's edge meets it as it leans.
   [[nodiscard]] double lean_rad() const {
     if (extreme_inside_ || (at_x_ % (kGrid - 1) != 0 && at_z_ % (kGrid - 1) != 0)) return 0;
     const Eigen::Vector3d point =
-        part_T_tip_ * Eigen::Vector3d(rectangle_.x(at_x_), most_, rectangle_.z(at_z_));
+        part_T_tip_ * Eigen::Vector3d(rectangle_.x(at_x_), largest_, rectangle_.z(at_z_));
     const double along = outward_normal(part_, point).dot(part_T_tip_.linear().col(1));
     return std::acos(std::clamp(along, 0.0, 1.0));
   }
 
   [[nodiscard]] Contact contact() const {
-    Contact contact{most_, lean_rad()};
+    Contact contact{largest_, lean_rad()};
     int hits = 0, low_x = kGrid, high_x = -1, low_z = kGrid, high_z = -1;
     for (int i = 0; i < kGrid; ++i)
       for (int k = 0; k < kGrid; ++k) {
@@ -68,13 +68,13 @@ class Profile {
         high_x = std::max(high_x, i);
         low_z = std::min(low_z, k);
         high_z = std::max(high_z, k);
-        if (half_[i][k] >= most_ - kPatch) ++hits;
+        if (half_[i][k] >= largest_ - kPatch) ++hits;
       }
     if (high_x < 0) return contact;
     // Half a cell on either side: a line stands for the cell about it.
     contact.overlap_x_m = 2 * rectangle_.x_half * (high_x - low_x + 1) / kGrid;
     contact.overlap_z_m = (rectangle_.z_high - rectangle_.z_low) * (high_z - low_z + 1) / kGrid;
-    contact.share = static_cast<double>(hits) / (kGrid * kGrid);
+    contact.fraction = static_cast<double>(hits) / (kGrid * kGrid);
     return contact;
   }
 
@@ -85,14 +85,14 @@ class Profile {
     const Eigen::Vector3d point = part_T_tip_.inverse() * collision::support(part_, along);
     if (!rectangle_.holds(point.x(), point.z())) return;
     extreme_inside_ = true;
-    most_ = std::max(most_, point.y());
+    largest_ = std::max(largest_, point.y());
   }
 
   const ConvexPart& part_;
   const Pose& part_T_tip_;
   Rectangle rectangle_;
   std::array<std::array<double, kGrid>, kGrid> half_{};  ///< negative: nothing there
-  double most_{0};
+  double largest_{0};
   int at_x_{0}, at_z_{0};
   bool extreme_inside_{false};
 };
@@ -114,8 +114,8 @@ std::optional<Contact> contact_of(const ParallelHand& hand, const ConvexPart& pa
     const FingerPart& piece = hand.parts[i];
     if (half_extent_m(part, part_T_tip) - piece.inset_m <= contact.half_width_m) continue;
     const Profile other(part, part_T_tip, {piece.x_half_m, piece.z_low_m, piece.z_high_m});
-    if (other.empty() || other.most() - piece.inset_m <= contact.half_width_m) continue;
-    contact.half_width_m = other.most() - piece.inset_m;
+    if (other.empty() || other.largest() - piece.inset_m <= contact.half_width_m) continue;
+    contact.half_width_m = other.largest() - piece.inset_m;
     contact.lean_rad = other.lean_rad();
   }
   return contact;
@@ -123,14 +123,14 @@ std::optional<Contact> contact_of(const ParallelHand& hand, const ConvexPart& pa
 
 double passage_half_width_m(const ParallelHand& hand, const ConvexPart& part, const Pose& part_T_tip) {
   const double whole = half_extent_m(part, part_T_tip);
-  double most = 0;
+  double largest = 0;
   for (const FingerPart& piece : hand.parts) {
-    if (whole - piece.inset_m <= most) continue;
+    if (whole - piece.inset_m <= largest) continue;
     const double back = std::min(hand.palm_high.z(), piece.z_low_m);
     const Profile profile(part, part_T_tip, {piece.x_half_m, back, piece.z_high_m});
-    if (!profile.empty()) most = std::max(most, profile.most() - piece.inset_m);
+    if (!profile.empty()) largest = std::max(largest, profile.largest() - piece.inset_m);
   }
-  return most;
+  return largest;
 }
 
 double lowest_z_m(const ParallelHand& hand, const Pose& root_T_tip, double opening_m) {

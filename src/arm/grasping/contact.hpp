@@ -17,7 +17,7 @@ struct Contact {
   double lean_rad{0};      ///< of the surface against the pads' normal
   double overlap_x_m{0};   ///< extent of what is between the pads, along x and z of the tip
   double overlap_z_m{0};
-  double share{0};  ///< of the pad's area that lies against the part within 0.5 mm
+  double fraction{0};  ///< of the pad's area that lies against the part within 0.5 mm
 };
 
 /// For a tip at `part_T_tip` (the part's frame) and a part that is its own mirror image in the tip's plane

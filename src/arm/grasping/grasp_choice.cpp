@@ -12,8 +12,9 @@
 namespace extperfc::arm {
 namespace {
 
-constexpr double kStep = 0.01;     // [m] between places on a straight way
-constexpr double kMostTurn = 0.2;  // [rad] of a joint between two of them: more is a jump to another branch
+constexpr double kStep = 0.01;  // [m] between places on a straight way
+constexpr double kMaxRotation =
+    0.2;  // [rad] of a joint between two of them: more is a jump to another branch
 
 /// One arm among all joints of its checker.
 class Reach {
@@ -40,7 +41,7 @@ class Reach {
 
   struct Found {
     JointVector pregrasp, grasp;
-    std::vector<JointVector> way;
+    std::vector<JointVector> path;
     double effort{0};  ///< largest displacement of a joint from where the arm is
   };
 
@@ -56,7 +57,7 @@ class Reach {
         if (posture == 0) return tl::unexpected<GraspRefusal>(refused(grasp.error()));
         break;
       }
-      last = GraspRefusal::kNoWay;
+      last = GraspRefusal::kNoPath;
       if (auto found = from_pregrasp(grasp->joints, candidate)) return std::move(*found);
     }
     return tl::unexpected<GraspRefusal>(last);
@@ -78,12 +79,12 @@ class Reach {
   /// The straight way to these joint values, when it is free.
   [[nodiscard]] std::optional<Found> from_pregrasp(const JointVector& grasp,
                                                    const GraspCandidate& candidate) const {
-    auto way = straight(grasp, candidate.root_T_pregrasp);
-    if (!way || way->empty()) return std::nullopt;
-    std::reverse(way->begin(), way->end());
-    const JointVector pregrasp = way->front();
+    auto path = straight(grasp, candidate.root_T_pregrasp);
+    if (!path || path->empty()) return std::nullopt;
+    std::reverse(path->begin(), path->end());
+    const JointVector pregrasp = path->front();
     const double effort = arm_.kinematics->chain().difference(pregrasp, seed_).cwiseAbs().maxCoeff();
-    return Found{pregrasp, grasp, std::move(*way), effort};
+    return Found{pregrasp, grasp, std::move(*path), effort};
   }
 
   [[nodiscard]] JointVector whole(const JointVector& joints) const {
@@ -111,10 +112,10 @@ class Reach {
 
   /// Deterministic, different for every posture: spreads the starts about mid-range.
   [[nodiscard]] JointVector offset(int posture) const {
-    JointVector way(seed_.size());
-    for (Eigen::Index i = 0; i < way.size(); ++i)
-      way[i] = std::sin(12.9898 * posture + 78.233 * static_cast<double>(i));
-    return way;
+    JointVector direction(seed_.size());
+    for (Eigen::Index i = 0; i < direction.size(); ++i)
+      direction[i] = std::sin(12.9898 * posture + 78.233 * static_cast<double>(i));
+    return direction;
   }
 
   [[nodiscard]] static GraspRefusal refusal(IkReason reason) {
@@ -137,21 +138,21 @@ class Reach {
     if (arm_.straight) return arm_.straight(from, root_T_tip);
     const InverseKinematics& kinematics = *arm_.kinematics;
     const Pose start = kinematics.chain().forward(from);
-    const Eigen::Vector3d way = root_T_tip.translation() - start.translation();
-    const Eigen::Quaterniond turn_from(start.linear()), turn_to(root_T_tip.linear());
-    const int steps = std::max(1, static_cast<int>(std::ceil(way.norm() / kStep)));
+    const Eigen::Vector3d delta = root_T_tip.translation() - start.translation();
+    const Eigen::Quaterniond rotation_from(start.linear()), rotation_to(root_T_tip.linear());
+    const int steps = std::max(1, static_cast<int>(std::ceil(delta.norm() / kStep)));
     std::vector<JointVector> points{from};
     for (int i = 1; i <= steps; ++i) {
-      const double share = static_cast<double>(i) / steps;
+      const double fraction = static_cast<double>(i) / steps;
       Pose target = Pose::Identity();
-      target.translation() = start.translation() + share * way;
-      target.linear() = turn_from.slerp(share, turn_to).toRotationMatrix();
+      target.translation() = start.translation() + fraction * delta;
+      target.linear() = rotation_from.slerp(fraction, rotation_to).toRotationMatrix();
       IkOptions options;
       options.timeout_s = options_.ik_timeout_s;
       options.max_restarts = 0;
       options.objective = IkObjective::kNearSeed;
       const auto next = kinematics.solve(target, points.back(), options);
-      if (!next || (next->joints - points.back()).cwiseAbs().maxCoeff() > kMostTurn) return std::nullopt;
+      if (!next || (next->joints - points.back()).cwiseAbs().maxCoeff() > kMaxRotation) return std::nullopt;
       if (!arm_.checker->motion_free(whole(points.back()), whole(next->joints))) return std::nullopt;
       points.push_back(next->joints);
     }
@@ -195,7 +196,7 @@ const char* to_string(GraspRefusal refusal) {
       return "in collision";
     case GraspRefusal::kTimeout:
       return "not solved in time";
-    case GraspRefusal::kNoWay:
+    case GraspRefusal::kNoPath:
       return "without a straight free way";
   }
   return "?";
@@ -237,7 +238,7 @@ tl::expected<GraspChoice, NoGrasp> choose_grasp(const std::vector<GraspCandidate
     }
     if (best)
       return GraspChoice{arm,         static_cast<int>(rank), best->pregrasp,
-                         best->grasp, std::move(best->way),   failure.tried};
+                         best->grasp, std::move(best->path),  failure.tried};
   }
   failure.message = summary(arms, reaches, failure, ranks);
   return tl::unexpected<NoGrasp>(std::move(failure));

@@ -50,9 +50,9 @@ class Generator {
     };
     std::string text = "no grasp:";
     if (refused_[kTooWide] > 0)
-      text += " too wide, " + millimetres(least_width_m_) +
-              " at the narrowest where the fingers pass, with " + millimetres(params_.side_clearance_m) +
-              " of clearance on either side; the hand opens to " + millimetres(hand_.opening_max_m) + ";";
+      text += " too wide, " + millimetres(min_width_m_) + " at the narrowest where the fingers pass, with " +
+              millimetres(params_.side_clearance_m) + " of clearance on either side; the hand opens to " +
+              millimetres(hand_.opening_max_m) + ";";
     if (refused_[kTooThin] > 0)
       text += " thinner than " + millimetres(hand_.opening_min_m) + ", to which the hand closes;";
     if (refused_[kUncertain] > 0)
@@ -60,7 +60,7 @@ class Generator {
               millimetres(uncertainty_m_) + ";";
     if (refused_[kSlips] > 0)
       text += " the surface leans by at least " + degrees(lean_rad_) + " against the pads, friction holds " +
-              degrees(std::atan(most_slope())) + ";";
+              degrees(std::atan(max_slope())) + ";";
     if (refused_[kNoRoom] > 0) text += " no room for the hand above the support;";
     if (refused_[kMissed] > 0) text += " the pads do not reach it;";
     text.back() = '.';
@@ -68,7 +68,7 @@ class Generator {
   }
 
  private:
-  [[nodiscard]] double most_slope() const { return params_.friction * params_.friction_share; }
+  [[nodiscard]] double max_slope() const { return params_.friction * params_.friction_ratio; }
 
   [[nodiscard]] double sigma_m(const Eigen::Vector3d& direction) const {
     return std::sqrt(std::max(0.0, direction.dot(object_.covariance * direction)));
@@ -107,8 +107,8 @@ class Generator {
     const auto contact = grasping::contact_of(hand_, part_, part_T_tip);
     if (!contact ||
         std::min(contact->overlap_x_m, 2 * hand_.parts[0].x_half_m) <
-            std::min(params_.least_overlap_m, hand_.parts[0].x_half_m) ||
-        contact->overlap_z_m < params_.least_overlap_m)
+            std::min(params_.min_overlap_m, hand_.parts[0].x_half_m) ||
+        contact->overlap_z_m < params_.min_overlap_m)
       return refuse(kMissed);
     // Where the widest place is between the pads there is nothing wider on the way.
     const bool widest = contact->half_width_m >= grasping::half_extent_m(part_, part_T_tip) - 1e-9;
@@ -120,7 +120,7 @@ class Generator {
   void judge(const Pose& root_T_tip, const Contact& contact, double passage_m, double gap_m) {
     const double needed = std::max(passage_m, 2 * contact.half_width_m) + 2 * params_.side_clearance_m;
     if (needed > hand_.opening_max_m) {
-      least_width_m_ = std::min(least_width_m_, needed - 2 * params_.side_clearance_m);
+      min_width_m_ = std::min(min_width_m_, needed - 2 * params_.side_clearance_m);
       return refuse(kTooWide);
     }
     if (2 * contact.half_width_m < hand_.opening_min_m) return refuse(kTooThin);
@@ -132,7 +132,7 @@ class Generator {
       uncertainty_m_ = std::max({uncertainty_m_, params_.sigmas * sideways, params_.sigmas * along_pad});
       return refuse(kUncertain);
     }
-    if (std::tan(contact.lean_rad) > most_slope()) {
+    if (std::tan(contact.lean_rad) > max_slope()) {
       lean_rad_ = std::min(lean_rad_, contact.lean_rad);
       return refuse(kSlips);
     }
@@ -150,9 +150,9 @@ class Generator {
     candidate.lean_rad = contact.lean_rad;
     candidate.support_gap_m = gap_m;
     candidate.score = score(candidate, contact);
-    for (const double turn : {0.0, 3.14159265358979323846}) {
+    for (const double yaw : {0.0, 3.14159265358979323846}) {
       candidate.root_T_tip.linear() =
-          root_T_tip.linear() * Eigen::AngleAxisd(turn, Eigen::Vector3d::UnitZ()).toRotationMatrix();
+          root_T_tip.linear() * Eigen::AngleAxisd(yaw, Eigen::Vector3d::UnitZ()).toRotationMatrix();
       candidate.root_T_pregrasp = candidate.root_T_tip;
       candidate.root_T_pregrasp.translation() -= candidate.approach_m * candidate.approach;
       candidate.tip_T_object = candidate.root_T_tip.inverse() * object_.root_T_object;
@@ -165,7 +165,7 @@ class Generator {
     const double room = (hand_.opening_max_m - candidate.closed_m) / 2;
     const double between = sigma > 0 ? std::erf(room / (std::sqrt(2.0) * sigma)) : 1;
     const double held = 1 - std::tan(candidate.lean_rad) / params_.friction;
-    const double overlap = 0.6 + 0.4 * std::sqrt(contact.share);
+    const double overlap = 0.6 + 0.4 * std::sqrt(contact.fraction);
     const Eigen::Vector3d pads = candidate.root_T_tip * grasping::pad_middle(hand_);
     const double lever = (pads - mass_centre()).norm() / (hand_.parts[0].z_high_m - hand_.parts[0].z_low_m);
     const double top = 1 - params_.prefer_top * (1 + candidate.approach.z()) / 2;
@@ -185,7 +185,7 @@ class Generator {
   Pose root_T_part_{Pose::Identity()};
   std::vector<GraspCandidate> found_;
   std::array<int, kRefusals> refused_{};
-  double least_width_m_{1e9}, uncertainty_m_{0}, lean_rad_{1e9};
+  double min_width_m_{1e9}, uncertainty_m_{0}, lean_rad_{1e9};
 };
 
 Result<void> check_object(const GraspObject& object) {
@@ -220,7 +220,7 @@ Result<std::vector<GraspCandidate>> generate_grasps(const ParallelHand& hand, co
   if (found.empty()) return tl::unexpected<Error>(generator.reason());
   std::stable_sort(found.begin(), found.end(),
                    [](const GraspCandidate& a, const GraspCandidate& b) { return a.score > b.score; });
-  if (found.size() > static_cast<std::size_t>(params.most_candidates)) found.resize(params.most_candidates);
+  if (found.size() > static_cast<std::size_t>(params.max_candidates)) found.resize(params.max_candidates);
   return std::move(found);
 }
 

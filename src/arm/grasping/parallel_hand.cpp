@@ -52,7 +52,7 @@ class View {
       if (!parts) return tl::unexpected<Error>(parts.error());
       for (const auto& part : *parts) {
         const Pose pose = poses_[link] * part->body_T_part;
-        const Eigen::Vector3d half = collision::turned_half(*part, pose.linear());
+        const Eigen::Vector3d half = collision::rotated_half(*part, pose.linear());
         all.push_back({pose.translation() - half, pose.translation() + half});
       }
     }
@@ -159,8 +159,8 @@ Result<ParallelHand> hand_of(const RobotModel& robot, const std::string& tip_lin
   const View closed(robot, fingers->tip, fingers->joint, joint.lower);
   const View open(robot, fingers->tip, fingers->joint, joint.upper);
   const int link = joint.child_link;
-  const Eigen::Vector3d way = open.pose(link).translation() - closed.pose(link).translation();
-  if (!(std::abs(way.y()) > 1e-6) || way.head<1>().norm() + std::abs(way.z()) > 1e-6)
+  const Eigen::Vector3d delta = open.pose(link).translation() - closed.pose(link).translation();
+  if (!(std::abs(delta.y()) > 1e-6) || delta.head<1>().norm() + std::abs(delta.z()) > 1e-6)
     return fail(ErrorCode::kInvalidArgument,
                 "joint " + finger_joint + " does not move along y of " + tip_link);
   const auto one = closed.bounds(fingers->driven), two = closed.bounds(fingers->other);
@@ -172,8 +172,8 @@ Result<ParallelHand> hand_of(const RobotModel& robot, const std::string& tip_lin
                 "the fingers of " + tip_link + " have no shapes or are not alike");
   ParallelHand hand;
   hand.tip_link = tip_link;
-  add_fingers(way.y() > 0 ? *one : *two, hand);
-  hand.opening_max_m = hand.opening_min_m + 2 * std::abs(way.y());
+  add_fingers(delta.y() > 0 ? *one : *two, hand);
+  hand.opening_max_m = hand.opening_min_m + 2 * std::abs(delta.y());
   Bounds palm;
   for (const Bounds& shape : *palm_shapes) palm.add(shape);
   add_carriage(*one, *open.bounds(fingers->driven), palm);

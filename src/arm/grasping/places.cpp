@@ -34,7 +34,7 @@ Result<void> check(const ParallelHand& hand, const PlaceRequest& request, const 
   return {};
 }
 
-PlaceCandidate turned(const PlaceRequest& request, const PlaceParams& params, double yaw_rad) {
+PlaceCandidate rotated(const PlaceRequest& request, const PlaceParams& params, double yaw_rad) {
   PlaceCandidate place;
   place.yaw_rad = yaw_rad;
   place.root_T_object = request.root_T_object;
@@ -53,16 +53,16 @@ PlaceCandidate turned(const PlaceRequest& request, const PlaceParams& params, do
 Result<std::vector<PlaceCandidate>> place_poses(const ParallelHand& hand, const PlaceRequest& request,
                                                 const PlaceParams& params) {
   if (auto ok = check(hand, request, params); !ok) return tl::unexpected<Error>(ok.error());
-  std::vector<PlaceCandidate> places{turned(request, params, 0)};
+  std::vector<PlaceCandidate> places{rotated(request, params, 0)};
   const int half = request.any_yaw ? static_cast<int>(std::lround(kPi / params.yaw_step_rad)) : 0;
   for (int i = 1; i <= half; ++i) {
-    places.push_back(turned(request, params, i * kPi / half));
-    if (i < half) places.push_back(turned(request, params, -i * kPi / half));
+    places.push_back(rotated(request, params, i * kPi / half));
+    if (i < half) places.push_back(rotated(request, params, -i * kPi / half));
   }
   if (!request.support_z_m) return places;
-  const double least = *request.support_z_m + params.support_clearance_m;
+  const double min_z_m = *request.support_z_m + params.support_clearance_m;
   // Turning about the vertical changes no height: either all are above the support or none is.
-  if (grasping::lowest_z_m(hand, places[0].root_T_tip, request.opening_m) < least)
+  if (grasping::lowest_z_m(hand, places[0].root_T_tip, request.opening_m) < min_z_m)
     return fail(
         ErrorCode::kFailed,
         "the hand would be in what the object shall stand on: it holds the object too low for this pose");

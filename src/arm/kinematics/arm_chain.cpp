@@ -78,11 +78,11 @@ std::shared_ptr<const ik::Geometry> to_geometry(const RobotModel& robot, const s
     const Joint& joint = robot.joints()[index];
     before = before * to_link(joint.parent_T_joint);
     if (joint.type == JointType::kFixed) continue;
-    const ik::Link turn = frame_about(joint.axis);
-    geometry->links[geometry->count] = before * turn;
+    const ik::Link rotation = frame_about(joint.axis);
+    geometry->links[geometry->count] = before * rotation;
     geometry->prismatic[geometry->count] = joint.type == JointType::kPrismatic;
     ++geometry->count;
-    before = ik::Link{turn.rotation.transpose(), Eigen::Vector3d::Zero()};
+    before = ik::Link{rotation.rotation.transpose(), Eigen::Vector3d::Zero()};
   }
   geometry->links[geometry->count] = before;
   geometry->reach = ik::find_reach(*geometry, limits);
@@ -147,10 +147,10 @@ JointVector ArmChain::clamp(const JointVector& joints) const {
 JointVector ArmChain::difference(const JointVector& to, const JointVector& from) const {
   check_size(*this, to);
   check_size(*this, from);
-  JointVector way = to - from;
+  JointVector delta = to - from;
   for (int i = 0; i < joint_count(); ++i)
-    if (std::isinf(limits_.lower[i])) way[i] = std::remainder(way[i], ik::kTurn);
-  return way;
+    if (std::isinf(limits_.lower[i])) delta[i] = std::remainder(delta[i], ik::kRevolution);
+  return delta;
 }
 
 bool ArmChain::within_limits(const JointVector& joints) const {

@@ -95,8 +95,8 @@ std::vector<Candidate> by_distance(const ArmChain& chain, const IkSolutionSet& s
   std::vector<Candidate> candidates;
   for (const IkBranch& branch : set.branches)
     for (const JointVector& joints : branch.joints) {
-      const JointVector way = chain.difference(joints, seed);
-      candidates.push_back({way.norm(), seed + way});
+      const JointVector delta = chain.difference(joints, seed);
+      candidates.push_back({delta.norm(), seed + delta});
     }
   std::sort(candidates.begin(), candidates.end(),
             [](const Candidate& a, const Candidate& b) { return a.distance < b.distance; });

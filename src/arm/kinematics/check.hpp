@@ -9,9 +9,9 @@ namespace extperfc::arm::ik {
 /// A rigid transform to rounding: finite, orthonormal, right-handed.
 [[nodiscard]] inline bool is_rigid(const Pose& pose) {
   constexpr double kRounding = 1e-6;
-  const Eigen::Matrix3d turn = pose.linear();
-  return pose.translation().allFinite() && turn.allFinite() && turn.determinant() > 0 &&
-         (turn.transpose() * turn - Eigen::Matrix3d::Identity()).cwiseAbs().maxCoeff() < kRounding;
+  const Eigen::Matrix3d rotation = pose.linear();
+  return pose.translation().allFinite() && rotation.allFinite() && rotation.determinant() > 0 &&
+         (rotation.transpose() * rotation - Eigen::Matrix3d::Identity()).cwiseAbs().maxCoeff() < kRounding;
 }
 
 [[nodiscard]] inline bool is_usable(const IkTolerance& tolerance) {

@@ -9,13 +9,13 @@ namespace extperfc::arm::ik {
 namespace {
 
 // Found by trying on random poses of a seven-joint arm; none of them matters much.
-constexpr int kMostSteps = 40;
+constexpr int kMaxSteps = 40;
 constexpr int kStepsPerClock = 16;
-constexpr int kMostStalls = 3;
+constexpr int kMaxStalls = 3;
 constexpr double kStall = 0.8;  // a step that leaves more of the cost than this
 constexpr double kLessDamping = 0.3, kMoreDamping = 4;
-constexpr double kLeastDamping = 1e-9;
-constexpr double kMostFactor = 1e4;
+constexpr double kMinDamping = 1e-9;
+constexpr double kMaxFactor = 1e4;
 constexpr double kLongestStep = 1.0;  // [rad] or [m] of any joint
 
 template <int N>
@@ -31,7 +31,7 @@ bool Descent<N>::run(Joints<N>& q, const Deadline& deadline) {
   factor_ = 1;
   stalls_ = 0;
   here_.compute(geometry_, task_, q);
-  for (int i = 0; i < kMostSteps && stalls_ < kMostStalls && factor_ < kMostFactor; ++i) {
+  for (int i = 0; i < kMaxSteps && stalls_ < kMaxStalls && factor_ < kMaxFactor; ++i) {
     if (task_.reached(here_.error)) return true;
     if (i % kStepsPerClock == kStepsPerClock - 1 && deadline.passed()) return false;
     if (i == 0) here_.derivative(geometry_, task_, columns_);
@@ -60,9 +60,9 @@ void Descent<N>::step(Joints<N>& q) {
 /// make up for it.
 template <int N>
 Joints<N> Descent<N>::proposal(const Joints<N>& q) const {
-  const double damping = factor_ * here_.cost + kLeastDamping;
+  const double damping = factor_ * here_.cost + kMinDamping;
   Columns<N> active = movable(q);
-  Joints<N> change = -least_change(active, here_.residual, damping);
+  Joints<N> change = -min_norm_change(active, here_.residual, damping);
   shorten<N>(change);
   const Joints<N> tried = q + change;
   Joints<N> next = bounds_.clamp(tried);
@@ -76,7 +76,7 @@ Joints<N> Descent<N>::proposal(const Joints<N>& q) const {
     residual += (next[i] - q[i]) * columns_.col(i);
     active.col(i).setZero();
   }
-  change = -least_change(active, residual, damping);
+  change = -min_norm_change(active, residual, damping);
   shorten<N>(change);
   return bounds_.clamp(next + change);
 }

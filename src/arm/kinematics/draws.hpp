@@ -29,11 +29,11 @@ class Draws {
     if (!begun_) begin();  // late: most searches draw nothing
     Joints<N> q = bounds_.lower;
     for (int i = 0; i < q.size(); ++i) {
-      share_[i] += step_[i];
-      if (share_[i] >= 1) share_[i] -= 1;
+      fraction_[i] += step_[i];
+      if (fraction_[i] >= 1) fraction_[i] -= 1;
       const bool endless = std::isinf(bounds_.lower[i]);
-      const double low = endless ? -kTurn / 2 : bounds_.lower[i];
-      q[i] = low + share_[i] * ((endless ? kTurn / 2 : bounds_.upper[i]) - low);
+      const double low = endless ? -kRevolution / 2 : bounds_.lower[i];
+      q[i] = low + fraction_[i] * ((endless ? kRevolution / 2 : bounds_.upper[i]) - low);
     }
     return q;
   }
@@ -44,14 +44,14 @@ class Draws {
     constexpr std::uint64_t kSeeds = 1'000'003;
     constexpr double kApart = 7919;
     const auto place = kApart * static_cast<double>(seed_ % kSeeds);
-    share_ = step_ = bounds_.lower;
-    const double first = spread_step(static_cast<int>(share_.size()));
+    fraction_ = step_ = bounds_.lower;
+    const double first = spread_step(static_cast<int>(fraction_.size()));
     double step = 1;
-    for (int i = 0; i < share_.size(); ++i) {
+    for (int i = 0; i < fraction_.size(); ++i) {
       step *= first;
       step_[i] = step;
-      const double share = 0.5 + place * step;
-      share_[i] = share - std::floor(share);
+      const double fraction = 0.5 + place * step;
+      fraction_[i] = fraction - std::floor(fraction);
     }
     begun_ = true;
   }
@@ -59,14 +59,14 @@ class Draws {
   const Bounds<N>& bounds_;
   std::uint64_t seed_;
   bool begun_{false};
-  Joints<N> share_, step_;
+  Joints<N> fraction_, step_;
 };
 
 /// Joints without end moved by whole turns to within half a turn of `seed`.
 template <int N>
 void unwind(const Bounds<N>& bounds, const Joints<N>& seed, Joints<N>& q) {
   for (int i = 0; i < q.size(); ++i)
-    if (std::isinf(bounds.lower[i])) q[i] = seed[i] + std::remainder(q[i] - seed[i], kTurn);
+    if (std::isinf(bounds.lower[i])) q[i] = seed[i] + std::remainder(q[i] - seed[i], kRevolution);
 }
 
 }  // namespace extperfc::arm::ik

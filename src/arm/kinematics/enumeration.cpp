@@ -8,7 +8,7 @@ namespace {
 
 constexpr double kSame = 1e-3;      // [rad]; the tolerance's image at a nearly singular position
 constexpr double kOnBranch = 0.75;  // of a step: half of one and what curvature adds
-constexpr int kMostSteps = 2000;
+constexpr int kMaxSteps = 2000;
 
 }  // namespace
 
@@ -52,7 +52,7 @@ bool Enumeration::is_new(const IkSolutionSet& found, const JointVector& q) const
 
 IkBranch Enumeration::branch(const JointVector& q) const {
   if (redundancy_ != 1) return {{q}, false};
-  return SelfMotion(chain_, q, options_.tolerance, options_.step_rad).trace(kMostSteps);
+  return SelfMotion(chain_, q, options_.tolerance, options_.step_rad).trace(kMaxSteps);
 }
 
 }  // namespace extperfc::arm::ik

@@ -12,16 +12,16 @@
 namespace extperfc::arm::ik {
 
 template <int N>
-inline constexpr int kMost = N == Eigen::Dynamic ? kMaxJoints : N;
+inline constexpr int kMaxSize = N == Eigen::Dynamic ? kMaxJoints : N;
 template <int N>
-using Joints = Eigen::Matrix<double, N, 1, 0, kMost<N>, 1>;
+using Joints = Eigen::Matrix<double, N, 1, 0, kMaxSize<N>, 1>;
 template <int N>
-using Columns = Eigen::Matrix<double, 6, N, 0, 6, kMost<N>>;
+using Columns = Eigen::Matrix<double, 6, N, 0, 6, kMaxSize<N>>;
 template <int N>
-using Axes = Eigen::Matrix<double, 3, N, 0, 3, kMost<N>>;
+using Axes = Eigen::Matrix<double, 3, N, 0, 3, kMaxSize<N>>;
 using Vector6 = Eigen::Matrix<double, 6, 1>;
 
-inline constexpr double kTurn = 6.283185307179586;  // [rad]
+inline constexpr double kRevolution = 6.283185307179586;  // [rad]
 
 /// A fixed transform.
 struct Link {
@@ -80,8 +80,8 @@ void place(const Geometry& geometry, const Link& base, const Joints<N>& q, Place
     out.origins.col(i) = position;
     const Link& link = geometry.links[i + 1];
     position.noalias() += rotation * link.offset_m;
-    const Eigen::Matrix3d turned = rotation * link.rotation;
-    rotation = turned;
+    const Eigen::Matrix3d rotated = rotation * link.rotation;
+    rotation = rotated;
   }
   out.rotation = rotation;
   out.position = position;

@@ -15,7 +15,7 @@ using Matrix6 = Eigen::Matrix<double, 6, 6>;
 /// The least change of the joints that changes the task's rows by `wish`, damped:
 /// J^T (J J^T + damping I)^-1 wish.
 template <typename Rows>
-[[nodiscard]] auto least_change(const Rows& rows, const Vector6& wish, double damping) {
+[[nodiscard]] auto min_norm_change(const Rows& rows, const Vector6& wish, double damping) {
   Matrix6 normal;
   normal.noalias() = rows * rows.transpose();
   normal.diagonal().array() += damping;

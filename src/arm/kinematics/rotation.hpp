@@ -16,8 +16,8 @@ namespace extperfc::arm::ik {
   const double cosine = 0.5 * (r.trace() - 1);
   if (sine > 1e-9) return twice * (std::atan2(sine, cosine) / (2 * sine));
   if (cosine > 0) return 0.5 * twice;  // next to none
-  const Eigen::AngleAxisd half_turn(r);
-  return half_turn.axis() * half_turn.angle();
+  const Eigen::AngleAxisd half_rotation(r);
+  return half_rotation.axis() * half_rotation.angle();
 }
 
 [[nodiscard]] inline Eigen::Matrix3d cross_matrix(const Eigen::Vector3d& v) {

@@ -14,10 +14,10 @@ namespace {
 constexpr double kHeld = 1e-10;     // [m], [rad]
 constexpr double kDamping = 1e-12;  // for the rows of free axes and at singular positions
 constexpr int kNewtonSteps = 8;
-constexpr double kMostCorrection = 0.3;   // of a step; more may be a jump to another branch
-constexpr double kLeastStep = 1.0 / 128;  // of the step
+constexpr double kMaxCorrection = 0.3;  // of a step; more may be a jump to another branch
+constexpr double kMinStep = 1.0 / 128;  // of the step
 constexpr int kBisections = 30;
-constexpr std::size_t kLeastRound = 3;  // neighbours of the start do not close a curve
+constexpr std::size_t kMinRound = 3;  // neighbours of the start do not close a curve
 
 IkTolerance tightened(const IkTolerance& held) {
   const auto tight = [](double tolerance) { return std::isinf(tolerance) ? tolerance : kHeld; };
@@ -39,13 +39,13 @@ SelfMotion::SelfMotion(const ArmChain& chain, const JointVector& start, const Ik
       start_(start),
       step_(step) {}
 
-IkBranch SelfMotion::trace(int most) {
+IkBranch SelfMotion::trace(int largest) {
   const JointVector heading = first_heading();
   IkBranch branch;
   std::vector<JointVector> forward;
-  branch.closed = walk(heading, most, forward);
+  branch.closed = walk(heading, largest, forward);
   if (!branch.closed) {
-    (void)walk(-heading, most, branch.joints);
+    (void)walk(-heading, largest, branch.joints);
     std::reverse(branch.joints.begin(), branch.joints.end());
   }
   branch.joints.push_back(start_);
@@ -68,7 +68,7 @@ JointVector SelfMotion::first_heading() {
 /// Null space of the Jacobian at q, on the side of the last heading.
 JointVector SelfMotion::heading_at(const JointVector& q, const JointVector& last) {
   evaluate(q);
-  const JointVector inside = last - least_change(columns_, columns_ * last, kDamping);
+  const JointVector inside = last - min_norm_change(columns_, columns_ * last, kDamping);
   return inside.normalized();
 }
 
@@ -76,7 +76,7 @@ bool SelfMotion::correct(JointVector& q) {
   for (int i = 0; i < kNewtonSteps; ++i) {
     evaluate(q);
     if (task_.reached(here_.error)) return true;
-    q -= least_change(columns_, here_.residual, kDamping);
+    q -= min_norm_change(columns_, here_.residual, kDamping);
   }
   return false;
 }
@@ -85,23 +85,22 @@ bool SelfMotion::correct(JointVector& q) {
 bool SelfMotion::advance(const JointVector& q, const JointVector& heading, double length, JointVector& next) {
   const JointVector predicted = q + length * heading;
   next = predicted;
-  return correct(next) && (next - predicted).norm() <= kMostCorrection * length;
+  return correct(next) && (next - predicted).norm() <= kMaxCorrection * length;
 }
 
 /// True when the walk came back to the start, which is not repeated.
-bool SelfMotion::walk(JointVector heading, int most, std::vector<JointVector>& out) {
+bool SelfMotion::walk(JointVector heading, int largest, std::vector<JointVector>& out) {
   const JointVector first = heading;
   JointVector q = start_;
   JointVector next = q;
   double length = step_;
-  for (int i = 0; i < most;) {
+  for (int i = 0; i < largest;) {
     if (!advance(q, heading, length, next)) {
       length *= 0.5;
-      if (length < kLeastStep * step_) return false;
+      if (length < kMinStep * step_) return false;
       continue;
     }
-    if (out.size() >= kLeastRound && heading.dot(first) > 0.5 && passes_start(q, heading, length))
-      return true;
+    if (out.size() >= kMinRound && heading.dot(first) > 0.5 && passes_start(q, heading, length)) return true;
     if (!bounds_.contain(next)) {
       to_limit(q, heading, length, out);
       return false;
@@ -116,10 +115,11 @@ bool SelfMotion::walk(JointVector heading, int most, std::vector<JointVector>& o
 }
 
 bool SelfMotion::passes_start(const JointVector& q, const JointVector& heading, double length) const {
-  JointVector way = start_;
-  unwind(bounds_, q, way);
-  way -= q;
-  return way.dot(heading) > 0 && way.dot(heading) <= length && way.norm() <= (1 + kMostCorrection) * length;
+  JointVector delta = start_;
+  unwind(bounds_, q, delta);
+  delta -= q;
+  return delta.dot(heading) > 0 && delta.dot(heading) <= length &&
+         delta.norm() <= (1 + kMaxCorrection) * length;
 }
 
 /// The last position within the limits on the way of a step that leaves them.

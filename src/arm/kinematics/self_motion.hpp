@@ -18,7 +18,7 @@ class SelfMotion {
   SelfMotion(const ArmChain& chain, const JointVector& start, const IkTolerance& held, double step);
 
   /// At most `most` steps in each direction.
-  [[nodiscard]] IkBranch trace(int most);
+  [[nodiscard]] IkBranch trace(int largest);
 
  private:
   void evaluate(const JointVector& q);
@@ -27,7 +27,7 @@ class SelfMotion {
   [[nodiscard]] bool correct(JointVector& q);
   [[nodiscard]] bool advance(const JointVector& q, const JointVector& heading, double length,
                              JointVector& next);
-  [[nodiscard]] bool walk(JointVector heading, int most, std::vector<JointVector>& out);
+  [[nodiscard]] bool walk(JointVector heading, int largest, std::vector<JointVector>& out);
   [[nodiscard]] bool passes_start(const JointVector& q, const JointVector& heading, double length) const;
   void to_limit(const JointVector& q, const JointVector& heading, double length,
                 std::vector<JointVector>& out);

@@ -8,10 +8,10 @@
 namespace extperfc::arm::ik {
 namespace {
 
-constexpr int kMostSteps = 50;
-constexpr int kMostHalvings = 12;
-constexpr double kLeastChange = 1e-7;   // [rad] or [m]
-constexpr double kLeastGain = 1e-9;     // of the value
+constexpr int kMaxSteps = 50;
+constexpr int kMaxHalvings = 12;
+constexpr double kMinChange = 1e-7;     // [rad] or [m]
+constexpr double kMinGain = 1e-9;       // of the value
 constexpr double kLongestChange = 0.5;  // [rad] or [m]; the curvature of the task is left out
 constexpr double kDamping = 1e-9;       // against singular Jacobians
 
@@ -29,10 +29,10 @@ Objective mid_range(const ArmChain& chain) {
 }
 
 void Settle::run(JointVector& q, const Objective& objective, const Deadline& deadline) {
-  for (int i = 0; i < kMostSteps && !deadline.passed(); ++i) {
+  for (int i = 0; i < kMaxSteps && !deadline.passed(); ++i) {
     JointVector change = direction(q, objective);
     change *= longest_step(q, change);
-    if (change.cwiseAbs().maxCoeff() < kLeastChange || !advance(q, change, objective, deadline)) return;
+    if (change.cwiseAbs().maxCoeff() < kMinChange || !advance(q, change, objective, deadline)) return;
   }
 }
 
@@ -55,8 +55,8 @@ JointVector Settle::direction(const JointVector& q, const Objective& objective) 
 bool Settle::block(const JointVector& q, const JointVector& change, JointVector& wish) {
   bool any = false;
   for (int i = 0; i < q.size(); ++i)
-    if ((q[i] - bounds_.lower[i] < kLeastChange && change[i] < 0) ||
-        (bounds_.upper[i] - q[i] < kLeastChange && change[i] > 0)) {
+    if ((q[i] - bounds_.lower[i] < kMinChange && change[i] < 0) ||
+        (bounds_.upper[i] - q[i] < kMinChange && change[i] > 0)) {
       columns_.col(i).setZero();
       wish[i] = 0;
       any = true;
@@ -66,7 +66,7 @@ bool Settle::block(const JointVector& q, const JointVector& change, JointVector&
 
 /// Part of the change up to the first limit.
 double Settle::longest_step(const JointVector& q, const JointVector& change) const {
-  double part = std::min(1.0, kLongestChange / std::max(change.cwiseAbs().maxCoeff(), kLeastChange));
+  double part = std::min(1.0, kLongestChange / std::max(change.cwiseAbs().maxCoeff(), kMinChange));
   for (int i = 0; i < q.size(); ++i) {
     const double room = change[i] > 0 ? bounds_.upper[i] - q[i] : q[i] - bounds_.lower[i];
     if (std::abs(change[i]) * part > room) part = room / std::abs(change[i]);
@@ -78,10 +78,10 @@ bool Settle::advance(JointVector& q, const JointVector& change, const Objective&
                      const Deadline& deadline) {
   const double value = objective.value(q);
   double part = 1;
-  for (int halving = 0; halving < kMostHalvings; ++halving, part *= 0.5) {
+  for (int halving = 0; halving < kMaxHalvings; ++halving, part *= 0.5) {
     JointVector next = bounds_.clamp(q + part * change);
     if (!descent_.run(next, deadline)) continue;
-    if (!(objective.value(next) < (1 - kLeastGain) * value)) continue;
+    if (!(objective.value(next) < (1 - kMinGain) * value)) continue;
     q = next;
     return true;
   }

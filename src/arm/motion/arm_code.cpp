@@ -56,8 +56,8 @@ const char* to_string(ArmCode code) {
       return "object_lost";
     case ArmCode::kNothingHeld:
       return "nothing_held";
-    case ArmCode::kHandsFull:
-      return "hands_full";
+    case ArmCode::kGrippersFull:
+      return "grippers_full";
     case ArmCode::kGripperFailed:
       return "gripper_failed";
     case ArmCode::kInternal:

@@ -13,8 +13,8 @@ namespace extperfc::arm::motion {
 
 namespace {
 
-tl::unexpected<Ending> end(ArmCode code, std::string message) {
-  return tl::unexpected<Ending>(Ending{code, std::move(message)});
+tl::unexpected<Status> failure(ArmCode code, std::string message) {
+  return tl::unexpected<Status>(Status{code, std::move(message)});
 }
 
 std::string where(const ToolTarget& target) {
@@ -24,7 +24,7 @@ std::string where(const ToolTarget& target) {
   return text;
 }
 
-Ending explain(const IkFailure& failure, const GroupChain& arm, const ToolTarget& target,
+Status explain(const IkFailure& failure, const GroupChain& arm, const ToolTarget& target,
                const std::string& touching) {
   const std::string what = "no joint values bring " + arm.chain.tip_link() + " to " + where(target);
   switch (failure.reason) {
@@ -64,11 +64,11 @@ class Finder {
   [[nodiscard]] bool out_of_time() const { return watch_.seconds() > search_.time_s; }
 
   /// `alone`: nothing else moves, so a solution that collides is none.
-  tl::expected<void, Ending> solve(Part* part, bool alone) {
+  tl::expected<void, Status> solve(Part* part, bool alone) {
     const InverseKinematics solver(part->arm.chain);
     const JointVector from = part->arm.take(start_);
     for (int i = 0; i < search_.samples; ++i) {
-      if (cancelled()) return end(ArmCode::kCancelled, "cancelled");
+      if (cancelled()) return failure(ArmCode::kCancelled, "cancelled");
       if (i > 0 && !part->solutions.empty() && out_of_time()) break;
       const auto found = solver.solve(part->target->root_T_tool, i == 0 ? from : anywhere(part->arm.chain),
                                       options(*part, alone, i));
@@ -128,7 +128,7 @@ class Finder {
   Stopwatch watch_;
 };
 
-tl::expected<std::vector<Part>, Ending> make_parts(const RobotArms& arms, const ArmGroup& group,
+tl::expected<std::vector<Part>, Status> make_parts(const RobotArms& arms, const ArmGroup& group,
                                                    const std::vector<ToolTarget>& targets) {
   std::vector<Part> parts;
   std::set<Eigen::Index> used;
@@ -137,8 +137,8 @@ tl::expected<std::vector<Part>, Ending> make_parts(const RobotArms& arms, const 
     if (!arm) return tl::unexpected(arm.error());
     for (const auto joint : arm->in_group)
       if (!used.insert(joint).second)
-        return end(ArmCode::kInvalidRequest, "two goals need the same joints (" + arm->chain.tip_link() +
-                                                 "): several poses of one tool are for LINEAR motions");
+        return failure(ArmCode::kInvalidRequest, "two goals need the same joints (" + arm->chain.tip_link() +
+                                                     "): several poses of one tool are for LINEAR motions");
     parts.push_back({std::move(*arm), &target, {}});
   }
   return parts;
@@ -173,31 +173,32 @@ void GroupChain::put(const JointVector& chain_values, JointVector* group_values)
     (*group_values)[in_group[i]] = chain_values[static_cast<Eigen::Index>(i)];
 }
 
-tl::expected<GroupChain, Ending> chain_to(const RobotArms& arms, const ArmGroup& group,
+tl::expected<GroupChain, Status> chain_to(const RobotArms& arms, const ArmGroup& group,
                                           const std::string& link) {
   if (link.empty() && group.tips.size() != 1)
-    return end(ArmCode::kInvalidRequest, "group " + group.name + " has " + std::to_string(group.tips.size()) +
-                                             " tips: name the link of the goal");
+    return failure(ArmCode::kInvalidRequest, "group " + group.name + " has " +
+                                                 std::to_string(group.tips.size()) +
+                                                 " tips: name the link of the goal");
   const std::string& tip = link.empty() ? group.tips.front() : link;
   auto chain = ArmChain::make(arms.robot(), arms.root_link(), tip);
-  if (!chain) return end(ArmCode::kInvalidRequest, "the goal's link: " + chain.error().message);
+  if (!chain) return failure(ArmCode::kInvalidRequest, "the goal's link: " + chain.error().message);
   const auto foreign = [&](const std::string& joint) {
     return "link " + tip + " is moved by " + joint + ", which is not in the group " + group.name;
   };
   std::vector<Eigen::Index> in_group;
   for (const auto& joint : chain->joint_names()) {
     const auto found = std::find(group.joints.begin(), group.joints.end(), joint);
-    if (found == group.joints.end()) return end(ArmCode::kInvalidRequest, foreign(joint));
+    if (found == group.joints.end()) return failure(ArmCode::kInvalidRequest, foreign(joint));
     in_group.push_back(found - group.joints.begin());
   }
   return GroupChain{std::move(*chain), std::move(in_group)};
 }
 
-tl::expected<std::vector<JointVector>, Ending> find_goals(const RobotArms& arms, const ArmGroup& group,
+tl::expected<std::vector<JointVector>, Status> find_goals(const RobotArms& arms, const ArmGroup& group,
                                                           const std::vector<ToolTarget>& targets,
                                                           const JointVector& start, CollisionChecker& checker,
                                                           const GoalSearch& search) {
-  if (targets.empty()) return end(ArmCode::kInvalidRequest, "no goal was given");
+  if (targets.empty()) return failure(ArmCode::kInvalidRequest, "no goal was given");
   auto parts = make_parts(arms, group, targets);
   if (!parts) return tl::unexpected(parts.error());
   Finder finder(start, checker, search);
@@ -216,7 +217,7 @@ tl::expected<std::vector<JointVector>, Ending> find_goals(const RobotArms& arms,
   }
   if (!free.empty()) return free;
   const auto contact = checker.contact(goals.front());
-  return end(
+  return failure(
       ArmCode::kGoalInCollision,
       "every solution found for the goal collides" +
           (contact ? ", the nearest: " + contact->first + " touches " + contact->second : std::string()));

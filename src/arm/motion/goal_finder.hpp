@@ -4,18 +4,12 @@
 #include <string>
 #include <vector>
 
-#include "extperfc/arm/arm_code.hpp"
 #include "extperfc/arm/collision_checker.hpp"
 #include "extperfc/arm/motion_pipeline.hpp"
 #include "extperfc/arm/robot_arms.hpp"
+#include "extperfc/arm/status.hpp"
 
 namespace extperfc::arm::motion {
-
-/// Why something ended, as results carry it.
-struct Ending {
-  ArmCode code{ArmCode::kInternal};
-  std::string message;
-};
 
 struct GoalSearch {
   int samples{12};     ///< per tool
@@ -27,9 +21,9 @@ struct GoalSearch {
 
 /// Joint values of the group that bring every target's link to its pose, free of collisions, the nearest to
 /// `start` first; at most `samples` of them. Joints that move no target's link stay as in `start`.
-/// Endings: kInvalidRequest (two targets for one arm, a link that the group does not move, a bad pose),
+/// Errors: kInvalidRequest (two targets for one arm, a link that the group does not move, a bad pose),
 /// kGoalUnreachable, kGoalInCollision, kPlanningTimeout, kCancelled.
-[[nodiscard]] tl::expected<std::vector<JointVector>, Ending> find_goals(
+[[nodiscard]] tl::expected<std::vector<JointVector>, Status> find_goals(
     const RobotArms& arms, const ArmGroup& group, const std::vector<ToolTarget>& targets,
     const JointVector& start, CollisionChecker& checker, const GoalSearch& search);
 
@@ -41,8 +35,8 @@ struct GroupChain {
   [[nodiscard]] JointVector take(const JointVector& group_values) const;
   void put(const JointVector& chain_values, JointVector* group_values) const;
 };
-/// An empty link means the group's only tip. Ending: kInvalidRequest.
-[[nodiscard]] tl::expected<GroupChain, Ending> chain_to(const RobotArms& arms, const ArmGroup& group,
+/// An empty link means the group's only tip. Error: kInvalidRequest.
+[[nodiscard]] tl::expected<GroupChain, Status> chain_to(const RobotArms& arms, const ArmGroup& group,
                                                         const std::string& link);
 
 }  // namespace extperfc::arm::motion

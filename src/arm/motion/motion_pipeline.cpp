@@ -17,15 +17,13 @@
 
 namespace extperfc::arm {
 
-using motion::Ending;
-
 namespace {
 
 void demand(bool holds, const char* what) {
   if (!holds) throw std::invalid_argument(what);
 }
 
-MotionOutcome ended(ArmCode code, std::string message) {
+MotionOutcome outcome_of(ArmCode code, std::string message) {
   MotionOutcome outcome;
   outcome.code = code;
   outcome.message = std::move(message);
@@ -152,10 +150,10 @@ class Run {
     // What the padding alone forbids is tried without it: a hand beside the thing that it lets go, for one.
     if (near_something(goals)) {
       if (auto made = make_checker(false); !made)
-        return ended(ArmCode::kInvalidRequest, made.error().message);
+        return outcome_of(ArmCode::kInvalidRequest, made.error().message);
       goals = find_goals();
     }
-    if (!goals) return finish(ended(goals.error().code, goals.error().message));
+    if (!goals) return finish(outcome_of(goals.error().code, goals.error().message));
     return request_.constraints.empty() ? plan(*goals) : plan_constrained(*goals);
   }
 
@@ -171,18 +169,19 @@ class Run {
   }
 
  private:
-  using Goals = tl::expected<std::vector<JointVector>, Ending>;
+  using Goals = tl::expected<std::vector<JointVector>, Status>;
 
   /// Nothing when there is something to plan with.
   std::optional<MotionOutcome> prepare(bool padded) {
-    if (const auto wrong = problem(request_)) return ended(ArmCode::kInvalidRequest, *wrong);
+    if (const auto wrong = problem(request_)) return outcome_of(ArmCode::kInvalidRequest, *wrong);
     const auto group = pipeline_.arms().group(request_.group);
-    if (!group) return ended(ArmCode::kInvalidRequest, group.error().message);
+    if (!group) return outcome_of(ArmCode::kInvalidRequest, group.error().message);
     group_ = *group;
     const auto start = RobotArms::select(*group_, request_.start);
-    if (!start) return ended(ArmCode::kNoJointStates, start.error().message);
+    if (!start) return outcome_of(ArmCode::kNoJointStates, start.error().message);
     start_ = *start;
-    if (auto made = make_checker(padded); !made) return ended(ArmCode::kInvalidRequest, made.error().message);
+    if (auto made = make_checker(padded); !made)
+      return outcome_of(ArmCode::kInvalidRequest, made.error().message);
     return std::nullopt;
   }
 
@@ -211,20 +210,20 @@ class Run {
 
   Goals goals_of(const NamedState& state) {
     const auto positions = pipeline_.arms().named_state(*group_, state.name);
-    if (!positions) return tl::unexpected(Ending{ArmCode::kInvalidRequest, positions.error().message});
+    if (!positions) return tl::unexpected(Status{ArmCode::kInvalidRequest, positions.error().message});
     return goals_of(*positions);
   }
 
   Goals goals_of(const JointPositions& positions) {
-    if (positions.empty()) return tl::unexpected(Ending{ArmCode::kInvalidRequest, "no goal was given"});
+    if (positions.empty()) return tl::unexpected(Status{ArmCode::kInvalidRequest, "no goal was given"});
     JointVector goal = start_;
     for (const auto& [name, value] : positions) {
       const auto found = std::find(group_->joints.begin(), group_->joints.end(), name);
       if (found == group_->joints.end())
         return tl::unexpected(
-            Ending{ArmCode::kInvalidRequest, "joint '" + name + "' is not in the group " + group_->name});
+            Status{ArmCode::kInvalidRequest, "joint '" + name + "' is not in the group " + group_->name});
       if (!std::isfinite(value))
-        return tl::unexpected(Ending{ArmCode::kInvalidRequest, "the goal of " + name + " is not finite"});
+        return tl::unexpected(Status{ArmCode::kInvalidRequest, "the goal of " + name + " is not finite"});
       goal[found - group_->joints.begin()] = value;
     }
     return std::vector<JointVector>{goal};
@@ -243,12 +242,12 @@ class Run {
     try {
       found = search({start_, goals, request_.cancelled});
     } catch (const std::invalid_argument& error) {
-      return finish(ended(ArmCode::kInvalidRequest, error.what()));
+      return finish(outcome_of(ArmCode::kInvalidRequest, error.what()));
     }
     times_.search_s = found.search_s;
     times_.shortcut_s = found.shortcut_s;
     if (found.code != PlanCode::kSuccess)
-      return finish(ended(static_cast<ArmCode>(found.code), found.message));
+      return finish(outcome_of(static_cast<ArmCode>(found.code), found.message));
     std::vector<double> deviations(found.waypoints.size(),
                                    padded_ ? pipeline_.params().corner_deviation_rad : 0.0);
     return put_in_time(std::move(found.waypoints), {std::move(deviations), kFineCorner}, 1.0);
@@ -258,16 +257,16 @@ class Run {
     auto waypoints = request_.path;
     for (const auto& state : waypoints)
       if (state.size() != start_.size() || !state.allFinite())
-        return finish(ended(ArmCode::kInvalidRequest, "a state of the path does not fit the group"));
+        return finish(outcome_of(ArmCode::kInvalidRequest, "a state of the path does not fit the group"));
     if ((waypoints.front() - start_).cwiseAbs().maxCoeff() > kPathStart)
-      return finish(ended(ArmCode::kStartMoved, "the robot is not where the path starts"));
+      return finish(outcome_of(ArmCode::kStartMoved, "the robot is not where the path starts"));
     waypoints.front() = start_;
     if (waypoints.size() == 1) waypoints.push_back(request_.path.back());
     if (!proven(waypoints)) {
       if (auto made = make_checker(false); !made)
-        return ended(ArmCode::kInvalidRequest, made.error().message);
+        return outcome_of(ArmCode::kInvalidRequest, made.error().message);
       if (!proven(waypoints))
-        return finish(ended(ArmCode::kPathBlocked, "something is in the way of the path"));
+        return finish(outcome_of(ArmCode::kPathBlocked, "something is in the way of the path"));
     }
     std::vector<double> deviations(waypoints.size(), kFineCorner);
     return put_in_time(std::move(waypoints), {std::move(deviations), kFineCorner}, 1.0);
@@ -294,25 +293,26 @@ class Run {
   MotionOutcome plan_linear() {
     const auto* targets = std::get_if<std::vector<ToolTarget>>(&request_.goal);
     if (targets == nullptr || targets->empty())
-      return finish(ended(ArmCode::kInvalidRequest, "a straight motion needs poses of a tool as its goal"));
+      return finish(
+          outcome_of(ArmCode::kInvalidRequest, "a straight motion needs poses of a tool as its goal"));
     std::vector<Pose> poses;
     for (const auto& target : *targets) {
       if (target.link != targets->front().link)
         return finish(
-            ended(ArmCode::kInvalidRequest, "a straight motion is of one tool: its goals name several"));
+            outcome_of(ArmCode::kInvalidRequest, "a straight motion is of one tool: its goals name several"));
       poses.push_back(target.root_T_tool);
     }
     const auto arm = motion::chain_to(pipeline_.arms(), *group_, targets->front().link);
-    if (!arm) return finish(ended(arm.error().code, arm.error().message));
+    if (!arm) return finish(outcome_of(arm.error().code, arm.error().message));
     auto found = follow(arm->chain, poses);
     if (found.end == CartesianEnd::kCollision || found.end == CartesianEnd::kStartInCollision) {
       if (auto made = make_checker(false); !made)
-        return ended(ArmCode::kInvalidRequest, made.error().message);
+        return outcome_of(ArmCode::kInvalidRequest, made.error().message);
       found = follow(arm->chain, poses);
     }
     const bool enough = found.fraction >= request_.minimum_fraction && found.fraction > 0.0;
     if (found.end != CartesianEnd::kComplete && !(enough && code_of(found.end) == ArmCode::kPathIncomplete)) {
-      auto outcome = ended(code_of(found.end), found.message);
+      auto outcome = outcome_of(code_of(found.end), found.message);
       outcome.fraction = found.fraction;
       return finish(std::move(outcome));
     }
@@ -338,7 +338,7 @@ class Run {
     const auto constraint = PathConstraint::make(
         pipeline_.arms().robot(), {group_->joints, other_positions(), request_.constraints, start_});
     if (!constraint)
-      return finish(ended(ArmCode::kInvalidRequest, "constraint: " + constraint.error().message));
+      return finish(outcome_of(ArmCode::kInvalidRequest, "constraint: " + constraint.error().message));
     ConstrainedPlannerParams params;
     params.timeout_s = std::max(1e-3, request_.planning_time_s - times_.sum_s());
     params.seed = params_.seed;
@@ -348,16 +348,16 @@ class Run {
     try {
       found = ConstrainedPlanner(*checker_, *constraint, params).plan({start_, goals, request_.cancelled});
     } catch (const std::invalid_argument& error) {
-      return finish(ended(ArmCode::kInvalidRequest, error.what()));
+      return finish(outcome_of(ArmCode::kInvalidRequest, error.what()));
     }
     times_.search_s = found.search_s;
     times_.shortcut_s = found.shortcut_s;
     if (found.code != PlanCode::kSuccess)
       return finish(
-          ended(found.violated >= 0 ? ArmCode::kConstraintViolated : static_cast<ArmCode>(found.code),
-                found.message));
+          outcome_of(found.violated >= 0 ? ArmCode::kConstraintViolated : static_cast<ArmCode>(found.code),
+                     found.message));
     const auto deviations = corner_deviations(*constraint, found.waypoints, 0.8 * kConstraintError);
-    if (!deviations) return finish(ended(ArmCode::kInternal, deviations.error().message));
+    if (!deviations) return finish(outcome_of(ArmCode::kInternal, deviations.error().message));
     return put_in_time(std::move(found.waypoints), {*deviations, 2e-6}, 1.0);
   }
 
@@ -378,9 +378,10 @@ class Run {
     times.acceleration_scale = request_.acceleration_scale;
     auto made = motion::prove_trajectory(
         *checker_, waypoints, {group_->max_velocity, group_->max_acceleration, {}}, times, corners);
-    times_.time_law_s = watch.seconds();
-    if (!made) return finish(ended(ArmCode::kInternal, "no time law: " + made.error().message));
-    MotionOutcome outcome = ended(ArmCode::kSuccess, "");
+    times_.time_parameterization_s = watch.seconds();
+    if (!made)
+      return finish(outcome_of(ArmCode::kInternal, "time parameterization failed: " + made.error().message));
+    MotionOutcome outcome = outcome_of(ArmCode::kSuccess, "");
     outcome.waypoints = std::move(waypoints);
     outcome.trajectory = std::move(made->trajectory);
     outcome.points = std::move(made->points);

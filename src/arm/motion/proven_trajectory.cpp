@@ -13,18 +13,18 @@ namespace extperfc::arm::motion {
 namespace {
 
 constexpr double kChordError = 1e-4;       // [rad]
-constexpr double kLeast = 1e-3;            // a corner rounded by less is stopped at [rad]
+constexpr double kMinDeviation = 1e-3;     // a corner rounded by less is stopped at [rad]
 constexpr double kFinestTolerance = 1e-7;  // of the points; the last one tried [rad]
 constexpr double kFiner = 0.1;
 
 /// q'' of a corner is turn * (6 x - 6 x^2) / length: 1.5 |turn| / length at most. A chord over ds leaves a
 /// curve by at most ds^2 / 8 of that; the points leave the curve by `tolerance_rad` more in each joint.
 bool corner_free(CollisionChecker& checker, const PathPiece& corner, double tolerance_rad) {
-  const double curvature = 1.5 * corner.turn.norm() / corner.length;
+  const double curvature = 1.5 * corner.direction_change.norm() / corner.length;
   const double chord = std::sqrt(8.0 * kChordError / std::max(curvature, 1e-9));
   const int chords = 1 + static_cast<int>(corner.length / chord);
   const double deviation = std::min(kChordError, curvature * std::pow(corner.length / chords, 2) / 8) +
-                           std::sqrt(static_cast<double>(corner.turn.size())) * tolerance_rad;
+                           std::sqrt(static_cast<double>(corner.direction_change.size())) * tolerance_rad;
   JointVector from = corner.position;
   for (int i = 1; i <= chords; ++i) {
     const JointVector to = evaluate(corner, corner.length * i / chords).position;
@@ -36,11 +36,11 @@ bool corner_free(CollisionChecker& checker, const PathPiece& corner, double tole
 
 std::size_t nearest(const std::vector<JointVector>& waypoints, const JointVector& position) {
   std::size_t best = 0;
-  double least = std::numeric_limits<double>::infinity();
+  double smallest = std::numeric_limits<double>::infinity();
   for (std::size_t i = 0; i < waypoints.size(); ++i) {
     const double distance = (waypoints[i] - position).squaredNorm();
-    if (distance >= least) continue;
-    least = distance;
+    if (distance >= smallest) continue;
+    smallest = distance;
     best = i;
   }
   return best;
@@ -48,7 +48,7 @@ std::size_t nearest(const std::vector<JointVector>& waypoints, const JointVector
 
 /// Makes a corner rounder by half as little, or a stop.
 void sharpen(double& deviation_rad) {
-  deviation_rad = deviation_rad > 2.0 * kLeast ? 0.5 * deviation_rad : 0.0;
+  deviation_rad = deviation_rad > 2.0 * kMinDeviation ? 0.5 * deviation_rad : 0.0;
 }
 
 /// Tries with less and less rounding, then with finer points, until the proof succeeds.

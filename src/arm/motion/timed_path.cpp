@@ -79,11 +79,11 @@ Result<TimedPath> TimedPath::only(const std::vector<std::string>& joints) const 
 
 double TimedPath::deviation(const JointVector& measured, double from_s, double to_s) const {
   constexpr double kStep = 0.01;  // [s]
-  double least = std::numeric_limits<double>::infinity();
+  double smallest = std::numeric_limits<double>::infinity();
   const double from = std::clamp(from_s, 0.0, duration_s()), to = std::clamp(to_s, from, duration_s());
   for (double t = from;; t = std::min(t + kStep, to)) {
-    least = std::min(least, (position(t) - measured).cwiseAbs().maxCoeff());
-    if (t >= to) return least;
+    smallest = std::min(smallest, (position(t) - measured).cwiseAbs().maxCoeff());
+    if (t >= to) return smallest;
   }
 }
 

@@ -12,7 +12,7 @@ namespace {
 using perception::VoxelGrid;
 using perception::VoxelMemory;
 
-constexpr double kMostVoxels = 8e6;
+constexpr double kMaxVoxels = 8e6;
 
 struct Range {
   const char* name;
@@ -51,14 +51,14 @@ Result<void> check(const ImageView& depth, const CameraModel& camera, const Pose
 Result<void> DepthObstaclesParams::validate() const {
   const std::array<Range, 10> ranges{{{"voxel_m", voxel_m, 0.005, 0.2},
                                       {"pixel_step", static_cast<double>(pixel_step), 1, 16},
-                                      {"least_depth_m", least_depth_m, 0.01, 10},
-                                      {"most_depth_m", most_depth_m, least_depth_m + 1e-3, 20},
-                                      {"least_points", static_cast<double>(least_points), 1, 1000},
+                                      {"min_depth_m", min_depth_m, 0.01, 10},
+                                      {"max_depth_m", max_depth_m, min_depth_m + 1e-3, 20},
+                                      {"min_points", static_cast<double>(min_points), 1, 1000},
                                       {"robot_padding_m", robot_padding_m, 0, 0.3},
                                       {"object_padding_m", object_padding_m, 0, 0.3},
                                       {"clear_margin_m", clear_margin_m, 0, 0.5},
-                                      {"most_age_s", most_age_s, 0.05, 3600},
-                                      {"most_boxes", static_cast<double>(most_boxes), 8, 5000}}};
+                                      {"max_age_s", max_age_s, 0.05, 3600},
+                                      {"max_boxes", static_cast<double>(max_boxes), 8, 5000}}};
   for (const Range& range : ranges)
     if (!(range.value >= range.low && range.value <= range.high))
       return fail(ErrorCode::kInvalidArgument,
@@ -66,7 +66,7 @@ Result<void> DepthObstaclesParams::validate() const {
                       std::to_string(range.low) + " to " + std::to_string(range.high));
   if (!low_m.allFinite() || !high_m.allFinite() || !((high_m - low_m).minCoeff() > 0))
     return fail(ErrorCode::kInvalidArgument, "low_m must be below high_m on every axis");
-  if (!(((high_m - low_m) / voxel_m).array().ceil().prod() <= kMostVoxels))
+  if (!(((high_m - low_m) / voxel_m).array().ceil().prod() <= kMaxVoxels))
     return fail(ErrorCode::kInvalidArgument, "more than 8 million voxels: a smaller box or larger voxels");
   if (name.empty()) return fail(ErrorCode::kInvalidArgument, "the object needs a name");
   return {};

@@ -28,7 +28,7 @@ void JointHistory::add(double time_s, const std::vector<std::string>& names,
   }
   if (!ours || !latest_.allFinite()) return;
   entries_.push_back({time_s, latest_});
-  while (entries_.front().time_s < time_s - span_s_ || entries_.size() > kMostEntries) entries_.pop_front();
+  while (entries_.front().time_s < time_s - span_s_ || entries_.size() > kMaxEntries) entries_.pop_front();
 }
 
 std::optional<JointVector> JointHistory::at(double time_s, double beyond_s) const {
@@ -41,8 +41,8 @@ std::optional<JointVector> JointHistory::at(double time_s, double beyond_s) cons
   if (next->time_s == time_s) return next->positions;
   if (next == entries_.begin()) return std::nullopt;
   const auto& before = *std::prev(next);
-  const double share = (time_s - before.time_s) / (next->time_s - before.time_s);
-  return JointVector((1 - share) * before.positions + share * next->positions);
+  const double fraction = (time_s - before.time_s) / (next->time_s - before.time_s);
+  return JointVector((1 - fraction) * before.positions + fraction * next->positions);
 }
 
 double JointHistory::newest_s() const {

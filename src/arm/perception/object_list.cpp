@@ -11,16 +11,16 @@ namespace {
 
 constexpr double kSame = 1e-6;  ///< poses that differ by less are the same [m, rad]
 
-double turn_between(const Pose& a, const Pose& b) {
+double angle_between(const Pose& a, const Pose& b) {
   return Eigen::AngleAxisd(Eigen::Matrix3d(a.linear().transpose() * b.linear())).angle();
 }
 
-bool differ(const Pose& a, const Pose& b, double least_m, double least_rad) {
-  return (a.translation() - b.translation()).norm() > least_m || turn_between(a, b) > least_rad;
+bool differ(const Pose& a, const Pose& b, double min_m, double min_rad) {
+  return (a.translation() - b.translation()).norm() > min_m || angle_between(a, b) > min_rad;
 }
 
 /// The same box with the yaw nearest to `yaw_rad`.
-StandingBox turned_to(StandingBox box, double yaw_rad) {
+UprightBox rotated_to(UprightBox box, double yaw_rad) {
   const double quarters = std::round((yaw_rad - box.yaw_rad) / M_PI_2);
   box.yaw_rad += quarters * M_PI_2;
   if (std::abs(std::fmod(quarters, 2.0)) > 0.5) std::swap(box.size_m.x(), box.size_m.y());
@@ -37,11 +37,12 @@ bool inside(const Eigen::Vector3d& middle_m, const Eigen::Vector3d& other_middle
 Result<void> ObjectListParams::validate() const {
   const auto wrong = [](const char* what) { return fail(ErrorCode::kInvalidArgument, what); };
   if (confirm < 1 || confirm > 100) return wrong("confirm must be from 1 to 100");
-  if (!(most_age_s >= 0.0 && most_age_s <= 1e6)) return wrong("most_age_s must be from 0 to 1e6");
+  if (!(max_age_s >= 0.0 && max_age_s <= 1e6)) return wrong("max_age_s must be from 0 to 1e6");
   if (!(match_m >= 0.001 && match_m <= 10.0)) return wrong("match_m must be from 0.001 to 10");
-  if (most_objects < 1 || most_objects > 500) return wrong("most_objects must be from 1 to 500");
-  if (!(news_m >= 0.0 && news_m <= 1.0)) return wrong("news_m must be from 0 to 1");
-  if (!(news_rad >= 0.0 && news_rad <= 3.15)) return wrong("news_rad must be from 0 to 3.15");
+  if (max_objects < 1 || max_objects > 500) return wrong("max_objects must be from 1 to 500");
+  if (!(min_change_m >= 0.0 && min_change_m <= 1.0)) return wrong("min_change_m must be from 0 to 1");
+  if (!(min_change_rad >= 0.0 && min_change_rad <= 3.15))
+    return wrong("min_change_rad must be from 0 to 3.15");
   if (average < 1 || average > 1000) return wrong("average must be from 1 to 1000");
   return {};
 }
@@ -51,79 +52,79 @@ Result<ObjectList> ObjectList::make(const ObjectListParams& params) {
   return ObjectList(params);
 }
 
-ObjectListUpdate ObjectList::update(const std::vector<ObjectSighting>& sightings,
-                                    const std::vector<SceneThing>& scene, double time_s) {
+ObjectListUpdate ObjectList::update(const std::vector<ObjectDetection>& detections,
+                                    const std::vector<KnownObject>& scene, double time_s) {
   ObjectListUpdate done;
   for (auto& track : tracks_) track.seen_s = std::min(track.seen_s, time_s);
-  done.news = follow(scene, time_s);
-  const auto matches = match(sightings);
+  done.changed = follow(scene, time_s);
+  const auto matches = match(detections);
   for (auto& track : tracks_) ++track.missed;
-  const auto is_claimed = [&](std::size_t i) { return claimed(sightings[i], scene); };
-  for (std::size_t i = 0; i < sightings.size(); ++i) {
+  const auto is_claimed = [&](std::size_t i) { return claimed(detections[i], scene); };
+  for (std::size_t i = 0; i < detections.size(); ++i) {
     if (matches[i] < 0) continue;
     Track& track = tracks_[static_cast<std::size_t>(matches[i])];
     ++done.matched;
-    if (!is_claimed(i) && !sightings[i].vague) {
-      see(track, sightings[i].box, time_s);
+    if (!is_claimed(i) && !detections[i].ambiguous) {
+      see(track, detections[i].box, time_s);
     } else if (!track.name.empty()) {
       // It may be the other thing that is seen: it is there, but who knows where.
       track.seen_s = time_s;
       track.missed = 0;
     }
   }
-  for (std::size_t i = 0; i < sightings.size(); ++i) {
+  for (std::size_t i = 0; i < detections.size(); ++i) {
     if (matches[i] >= 0) continue;
     if (is_claimed(i))
       ++done.claimed;
-    else if (sightings[i].vague)
-      ++done.vague;
+    else if (detections[i].ambiguous)
+      ++done.ambiguous;
     else
-      begin(sightings[i], time_s, done);
+      begin(detections[i], time_s, done);
   }
-  done.news = leave(time_s) || done.news;
-  for (auto& track : tracks_) done.news = show(track) || done.news;
-  done.news = join(scene) || done.news;
+  done.changed = leave(time_s) || done.changed;
+  for (auto& track : tracks_) done.changed = show(track) || done.changed;
+  done.changed = join(scene) || done.changed;
   done.waiting = count(false);
   return done;
 }
 
 /// What others did to the scene. True when an object went.
-bool ObjectList::follow(const std::vector<SceneThing>& scene, double time_s) {
-  const auto thing_of = [&](const Track& track) {
+bool ObjectList::follow(const std::vector<KnownObject>& scene, double time_s) {
+  const auto object_of = [&](const Track& track) {
     return std::find_if(scene.begin(), scene.end(),
-                        [&](const SceneThing& one) { return one.name == track.name; });
+                        [&](const KnownObject& one) { return one.name == track.name; });
   };
   const auto gone = [&](const Track& track) {
-    const auto thing = thing_of(track);
-    return !track.name.empty() && (thing == scene.end() || !thing->listed);
+    const auto object = object_of(track);
+    return !track.name.empty() && (object == scene.end() || !object->listed);
   };
   const auto end = std::remove_if(tracks_.begin(), tracks_.end(), gone);
-  const bool news = end != tracks_.end();
+  const bool changed = end != tracks_.end();
   tracks_.erase(end, tracks_.end());
   for (auto& track : tracks_) {
     if (track.name.empty()) continue;
-    const SceneThing& thing = *thing_of(track);
-    track.still = thing.still;
-    if (track.still || differ(thing.world_T_object, track.shown, kSame, kSame))
-      put(track, thing.world_T_object, time_s);
+    const KnownObject& object = *object_of(track);
+    track.still = object.still;
+    if (track.still || differ(object.world_T_object, track.shown, kSame, kSame))
+      put(track, object.world_T_object, time_s);
   }
-  return news;
+  return changed;
 }
 
 /// For each sighting its object, -1: none.
-std::vector<int> ObjectList::match(const std::vector<ObjectSighting>& sightings) const {
+std::vector<int> ObjectList::match(const std::vector<ObjectDetection>& detections) const {
   std::vector<std::tuple<bool, double, int, int>> pairs;
   for (std::size_t t = 0; t < tracks_.size(); ++t)
-    for (std::size_t s = 0; s < sightings.size(); ++s) {
-      if (tracks_[t].still || tracks_[t].label != sightings[s].label) continue;
-      const double away = (tracks_[t].last_m - sightings[s].box.position_m).norm();
+    for (std::size_t s = 0; s < detections.size(); ++s) {
+      if (tracks_[t].still || tracks_[t].label != detections[s].label) continue;
+      const double away = (tracks_[t].last_m - detections[s].box.position_m).norm();
       if (away <= params_.match_m)
-        pairs.emplace_back(sightings[s].vague, away, static_cast<int>(t), static_cast<int>(s));
+        pairs.emplace_back(detections[s].ambiguous, away, static_cast<int>(t), static_cast<int>(s));
     }
   std::sort(pairs.begin(), pairs.end());
-  std::vector<int> matches(sightings.size(), -1);
+  std::vector<int> matches(detections.size(), -1);
   std::vector<bool> taken(tracks_.size(), false);
-  for (const auto& [vague, away, t, s] : pairs) {
+  for (const auto& [ambiguous, away, t, s] : pairs) {
     if (taken[static_cast<std::size_t>(t)] || matches[static_cast<std::size_t>(s)] >= 0) continue;
     taken[static_cast<std::size_t>(t)] = true;
     matches[static_cast<std::size_t>(s)] = t;
@@ -131,15 +132,15 @@ std::vector<int> ObjectList::match(const std::vector<ObjectSighting>& sightings)
   return matches;
 }
 
-bool ObjectList::claimed(const ObjectSighting& sighting, const std::vector<SceneThing>& scene) const {
+bool ObjectList::claimed(const ObjectDetection& detection, const std::vector<KnownObject>& scene) const {
   const auto near = [&](const Eigen::Vector3d& place) {
-    return (place - sighting.box.position_m).norm() <= params_.match_m;
+    return (place - detection.box.position_m).norm() <= params_.match_m;
   };
-  return std::any_of(scene.begin(), scene.end(), [&](const SceneThing& thing) {
-    const bool held = !thing.places.empty();  // and turned about, so that it may seem to be of another class
-    return thing.still && (held || thing.label == sighting.label) &&
-           (near(thing.world_T_object.translation()) ||
-            std::any_of(thing.places.begin(), thing.places.end(), near));
+  return std::any_of(scene.begin(), scene.end(), [&](const KnownObject& object) {
+    const bool held = !object.places.empty();  // and turned about, so that it may seem to be of another class
+    return object.still && (held || object.label == detection.label) &&
+           (near(object.world_T_object.translation()) ||
+            std::any_of(object.places.begin(), object.places.end(), near));
   });
 }
 
@@ -156,12 +157,12 @@ void ObjectList::put(Track& track, const Pose& pose, double time_s) const {
   track.seen_s = time_s;
 }
 
-void ObjectList::see(Track& track, const StandingBox& sighting, double time_s) const {
+void ObjectList::see(Track& track, const UprightBox& detection, double time_s) const {
   track.seen_s = time_s;
   track.missed = 0;
-  track.sightings = std::min(track.sightings + 1, params_.confirm);
-  track.last_m = sighting.position_m;
-  const StandingBox box = turned_to(sighting, track.mean.yaw_rad);
+  track.detections = std::min(track.detections + 1, params_.confirm);
+  track.last_m = detection.position_m;
+  const UprightBox box = rotated_to(detection, track.mean.yaw_rad);
   if (track.count > 0 && (box.position_m - track.mean.position_m).norm() > 0.5 * params_.match_m) {
     if (++track.far < params_.confirm) return;
     track.count = 0;
@@ -175,46 +176,46 @@ void ObjectList::see(Track& track, const StandingBox& sighting, double time_s) c
 }
 
 /// A sighting of nothing known.
-void ObjectList::begin(const ObjectSighting& sighting, double time_s, ObjectListUpdate& done) {
+void ObjectList::begin(const ObjectDetection& detection, double time_s, ObjectListUpdate& done) {
   const auto doubles = [&](const Track& track) {
     return (track.still || track.missed < params_.confirm) &&
-           inside(sighting.box.position_m, track.last_m, track.mean.size_m);
+           inside(detection.box.position_m, track.last_m, track.mean.size_m);
   };
   if (std::any_of(tracks_.begin(), tracks_.end(), doubles)) {
-    ++done.doubled;
+    ++done.duplicate;
     return;
   }
-  if (count(false) >= params_.most_objects) {
+  if (count(false) >= params_.max_objects) {
     ++done.no_room;
     return;
   }
   Track track;
-  track.label = sighting.label;
-  track.mean = sighting.box;
-  see(track, sighting.box, time_s);
+  track.label = detection.label;
+  track.mean = detection.box;
+  see(track, detection.box, time_s);
   tracks_.push_back(std::move(track));
 }
 
 /// True when an object went.
 bool ObjectList::leave(double time_s) {
-  bool news = false;
+  bool changed = false;
   const auto gone = [&](const Track& track) {
     if (track.name.empty()) return track.missed >= params_.confirm;
-    const bool old = !track.still && params_.most_age_s > 0.0 && time_s - track.seen_s > params_.most_age_s;
-    news = news || old;
+    const bool old = !track.still && params_.max_age_s > 0.0 && time_s - track.seen_s > params_.max_age_s;
+    changed = changed || old;
     return old;
   };
   tracks_.erase(std::remove_if(tracks_.begin(), tracks_.end(), gone), tracks_.end());
-  return news;
+  return changed;
 }
 
 /// True when an object came.
-bool ObjectList::join(const std::vector<SceneThing>& scene) {
+bool ObjectList::join(const std::vector<KnownObject>& scene) {
   std::set<std::string> gone;
-  bool news = false;
+  bool changed = false;
   for (auto& track : tracks_) {
-    if (!track.name.empty() || track.sightings < params_.confirm) continue;
-    if (count(true) >= params_.most_objects) break;
+    if (!track.name.empty() || track.detections < params_.confirm) continue;
+    if (count(true) >= params_.max_objects) break;
     for (const auto& other : tracks_)
       if (!other.name.empty() && !other.still && other.missed >= params_.confirm &&
           inside(track.mean.position_m, other.mean.position_m, other.mean.size_m))
@@ -222,26 +223,27 @@ bool ObjectList::join(const std::vector<SceneThing>& scene) {
     track.name = free_name(track.label, scene);
     track.shown = pose_of(track.mean);
     track.shown_size_m = track.mean.size_m;
-    news = true;
+    changed = true;
   }
   tracks_.erase(std::remove_if(tracks_.begin(), tracks_.end(),
                                [&](const Track& track) { return gone.count(track.name) > 0; }),
                 tracks_.end());
-  return news;
+  return changed;
 }
 
 /// True when the object is shown elsewhere or otherwise than before.
 bool ObjectList::show(Track& track) const {
   if (track.name.empty() || track.still || track.count == 0) return false;
   const Pose pose = pose_of(track.mean);
-  const bool resized = ((track.mean.size_m - track.shown_size_m).cwiseAbs().array() > params_.news_m).any();
-  if (!resized && !differ(pose, track.shown, params_.news_m, params_.news_rad)) return false;
+  const bool resized =
+      ((track.mean.size_m - track.shown_size_m).cwiseAbs().array() > params_.min_change_m).any();
+  if (!resized && !differ(pose, track.shown, params_.min_change_m, params_.min_change_rad)) return false;
   track.shown = pose;
   track.shown_size_m = track.mean.size_m;
   return true;
 }
 
-std::string ObjectList::free_name(const std::string& label, const std::vector<SceneThing>& scene) const {
+std::string ObjectList::free_name(const std::string& label, const std::vector<KnownObject>& scene) const {
   const auto taken = [&](const std::string& name) {
     const auto has_it = [&](const auto& one) { return one.name == name; };
     return std::any_of(tracks_.begin(), tracks_.end(), has_it) ||

@@ -13,13 +13,13 @@ namespace {
 using collision::ConvexPart;
 
 constexpr double kStep = 0.005;  // [m]
-constexpr int kMostSteps = 16;   // along each axis
+constexpr int kMaxSteps = 16;    // along each axis
 
 /// Points of a grid that are in the part, in its frame.
 std::vector<Eigen::Vector3d> points_in(const ConvexPart& part) {
   Eigen::Vector3i steps;
   for (int axis = 0; axis < 3; ++axis)
-    steps[axis] = std::clamp(static_cast<int>(std::ceil(2.0 * part.half[axis] / kStep)), 1, kMostSteps);
+    steps[axis] = std::clamp(static_cast<int>(std::ceil(2.0 * part.half[axis] / kStep)), 1, kMaxSteps);
   const Eigen::Vector3d step = 2.0 * part.half.cwiseQuotient(steps.cast<double>());
   std::vector<Eigen::Vector3d> points;
   for (int x = 0; x <= steps.x(); ++x)

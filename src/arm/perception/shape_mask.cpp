@@ -70,7 +70,7 @@ void ShapeMask::mark(int index) {
   const double far = own.padding_m + grid_.half_diagonal() + kRounding;
   const double deep = own.padding_m - grid_.half_diagonal() - kRounding;
   const Eigen::Vector3d half =
-      (collision::turned_half(*own.part, own.root_T_part.linear()).array() + far).matrix();
+      (collision::rotated_half(*own.part, own.root_T_part.linear()).array() + far).matrix();
   const Eigen::Array3d low = (own.root_T_part.translation() - half - grid_.low).array() / grid_.edge;
   const Eigen::Array3d high = (own.root_T_part.translation() + half - grid_.low).array() / grid_.edge;
   const Eigen::Array3d count = grid_.count.cast<double>().array();
@@ -101,7 +101,7 @@ Owner ShapeMask::look(int head, const Eigen::Vector3f& point) const {
   Owner owner = Owner::kNone;
   for (int entry = head; entry >= 0; entry = entries_[entry].next) {
     const Shape& shape = shapes_[entries_[entry].part];
-    const Eigen::Vector3f local = shape.turn * point + shape.shift;
+    const Eigen::Vector3f local = shape.rotation * point + shape.shift;
     if (collision::distance_bound(*shape.part, local.cast<double>()) > shape.padding) continue;
     if (shape.owner == Owner::kRobot) return Owner::kRobot;
     owner = Owner::kObject;

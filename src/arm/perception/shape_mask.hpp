@@ -61,8 +61,8 @@ class ShapeMask {
   };
   struct Shape {
     const collision::ConvexPart* part;
-    Eigen::Matrix3f turn;   ///< part_R_root
-    Eigen::Vector3f shift;  ///< of part_T_root
+    Eigen::Matrix3f rotation;  ///< part_R_root
+    Eigen::Vector3f shift;     ///< of part_T_root
     float padding;
     Owner owner;
   };

@@ -10,8 +10,8 @@
 namespace extperfc::arm::perception {
 namespace {
 
-constexpr int kLooks = 3;         // rows and columns of pixels that are asked about a voxel
-constexpr int kLeastAnswers = 3;  // of them that must have a depth
+constexpr int kLooks = 3;       // rows and columns of pixels that are asked about a voxel
+constexpr int kMinAnswers = 3;  // of them that must have a depth
 
 template <PixelFormat kFormat>
 float depth_in_row(const std::uint8_t* row, int u);
@@ -72,10 +72,11 @@ bool VoxelMemory::forget(std::vector<MaskPart> parts) {
 
 template <PixelFormat kFormat>
 void VoxelMemory::count_points(const DepthView& view, DepthUpdate& update) {
-  const Eigen::Matrix3f turn = view.root_T_camera.linear().cast<float>();
+  const Eigen::Matrix3f rotation = view.root_T_camera.linear().cast<float>();
   const Eigen::Vector3f shift = view.root_T_camera.translation().cast<float>();
   const Eigen::Vector3f low = grid.low.cast<float>();
-  const auto least = static_cast<float>(params.least_depth_m), most = static_cast<float>(params.most_depth_m);
+  const auto smallest = static_cast<float>(params.min_depth_m),
+             largest = static_cast<float>(params.max_depth_m);
   const float per_metre = 1 / static_cast<float>(grid.edge);
   const Eigen::Vector3f top = grid.count.cast<float>();
   for (int row = 0; row < rays_.rows(); ++row) {
@@ -83,9 +84,10 @@ void VoxelMemory::count_points(const DepthView& view, DepthUpdate& update) {
     const Eigen::Vector2f* const rays = rays_.row(row);
     for (int column = 0; column < rays_.columns(); ++column) {
       const float depth = depth_in_row<kFormat>(pixels, column * rays_.step());
-      if (!(depth >= least && depth <= most)) continue;
+      if (!(depth >= smallest && depth <= largest)) continue;
       const Eigen::Vector2f& ray = rays[column];
-      const Eigen::Vector3f point = turn * Eigen::Vector3f(ray.x() * depth, ray.y() * depth, depth) + shift;
+      const Eigen::Vector3f point =
+          rotation * Eigen::Vector3f(ray.x() * depth, ray.y() * depth, depth) + shift;
       const Eigen::Vector3f at = (point - low) * per_metre;
       if (!(at.x() >= 0 && at.y() >= 0 && at.z() >= 0 && at.x() < top.x() && at.y() < top.y() &&
             at.z() < top.z()))
@@ -116,7 +118,7 @@ bool VoxelMemory::ends_on_object(const DepthView& view, double u, double v, doub
 bool VoxelMemory::seen_empty(const DepthView& view, const Pose& camera_T_root, int voxel) const {
   const Eigen::Vector3d middle = camera_T_root * grid.centre(grid.cell(voxel));
   const double radius = grid.half_diagonal();
-  if (middle.z() - radius < params.least_depth_m || !rays_.near_view(middle.head<2>() / middle.z()))
+  if (middle.z() - radius < params.min_depth_m || !rays_.near_view(middle.head<2>() / middle.z()))
     return false;
   const Eigen::Vector2d pixel = view.camera.project(middle);
   const double reach = radius / middle.z() * view.camera.fx;
@@ -132,19 +134,18 @@ bool VoxelMemory::seen_empty(const DepthView& view, const Pose& camera_T_root, i
       if (depth < behind && !(depth >= far_side && ends_on_object(view, u, v, depth))) return false;
       ++answers;
     }
-  return answers >= kLeastAnswers;
+  return answers >= kMinAnswers;
 }
 
 void VoxelMemory::merge(const DepthView& view, double time_s, DepthUpdate& update) {
   const Pose camera_T_root = view.root_T_camera.inverse();
   std::vector<Voxel> merged;
   for (const int voxel : touched_)
-    if (counts_[voxel] >= params.least_points && !mask_.touches_robot(voxel))
-      merged.push_back({voxel, time_s});
+    if (counts_[voxel] >= params.min_points && !mask_.touches_robot(voxel)) merged.push_back({voxel, time_s});
   update.seen = static_cast<int>(merged.size());
   for (const Voxel& old : voxels) {
-    if (counts_[old.index] >= params.least_points) continue;
-    if (time_s - old.seen_s > params.most_age_s)
+    if (counts_[old.index] >= params.min_points) continue;
+    if (time_s - old.seen_s > params.max_age_s)
       ++update.forgotten;
     else if (mask_.covers(old.index) ||
              (counts_[old.index] == 0 && seen_empty(view, camera_T_root, old.index)))
@@ -163,7 +164,7 @@ void VoxelMemory::make_object(DepthUpdate& update) {
   for (const Voxel& voxel : voxels) cells.push_back(voxel.index);
   VoxelGrid level = grid;
   std::vector<CellBox> boxes = merge_boxes(level, cells, scratch_);
-  while (boxes.size() > static_cast<std::size_t>(params.most_boxes)) {
+  while (boxes.size() > static_cast<std::size_t>(params.max_boxes)) {
     cells = coarser_cells(level, cells);
     level = coarser(level);
     boxes = merge_boxes(level, cells, scratch_);

@@ -7,7 +7,7 @@
 #include "extperfc/base/stopwatch.hpp"
 
 #include "arm/planning/ompl_search.hpp"
-#include "arm/planning/request_gate.hpp"
+#include "arm/planning/request_validator.hpp"
 #include "arm/planning/search.hpp"
 #include "arm/planning/shortcuts.hpp"
 

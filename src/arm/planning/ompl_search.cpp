@@ -169,11 +169,11 @@ std::optional<Found> ompl_search(CollisionChecker& checker, const JointLimits& l
   Found found;
   for (const auto* state : path->getStates())
     found.waypoints.push_back(to_joints(state, space->getStateDimension()));
-  double least = std::numeric_limits<double>::infinity();
+  double smallest = std::numeric_limits<double>::infinity();
   for (std::size_t g = 0; g < goals.size(); ++g) {
     const double distance = (goals[g] - found.waypoints.back()).norm();
-    if (distance >= least) continue;
-    least = distance;
+    if (distance >= smallest) continue;
+    smallest = distance;
     found.goal = static_cast<int>(g);
   }
   return found;

@@ -7,7 +7,7 @@
 
 #include "extperfc/base/stopwatch.hpp"
 
-#include "arm/planning/request_gate.hpp"
+#include "arm/planning/request_validator.hpp"
 #include "arm/planning/shortcuts.hpp"
 #include "arm/planning/team_work.hpp"
 

@@ -33,20 +33,20 @@ JointVector RrtConnect::sample(Rng& rng) const {
 
 RrtConnect::Step RrtConnect::extend(Tree& tree, int from, const JointVector& target, int* added) {
   const JointVector& state = tree.state(from);
-  const JointVector way = target - state;
-  const double length = way.norm();
+  const JointVector delta = target - state;
+  const double length = delta.norm();
   const bool reaches = length <= params_.range_rad;
-  const JointVector next = reaches ? target : JointVector(state + way * (params_.range_rad / length));
+  const JointVector next = reaches ? target : JointVector(state + delta * (params_.range_rad / length));
   if (length > kSameStateRad && !checker_.motion_free(state, next)) return Step::kBlocked;
   *added = tree.add(next, from);
   return reaches ? Step::kReached : Step::kAdvanced;
 }
 
 void RrtConnect::choose_tree() {
-  const double share = static_cast<double>(from_start_.size()) / states();
-  if (share > kAhead)
+  const double fraction = static_cast<double>(from_start_.size()) / states();
+  if (fraction > kAhead)
     grows_start_ = false;
-  else if (share < 1.0 - kAhead)
+  else if (fraction < 1.0 - kAhead)
     grows_start_ = true;
   else
     grows_start_ = !grows_start_;

@@ -10,7 +10,7 @@ namespace extperfc::arm::planning {
 
 namespace {
 
-constexpr int kMostSamples = 1'000'000;
+constexpr int kMaxSamples = 1'000'000;
 
 /// Indices of the goals, nearest first.
 std::vector<int> by_distance(const JointVector& start, const std::vector<JointVector>& goals) {
@@ -89,9 +89,9 @@ void Search::begin(const JointVector& start, const std::vector<JointVector>& goa
   nearest_goal_ = goals[nearest_];
 }
 
-std::optional<Found> Search::turn(const std::function<bool()>& stop) {
+std::optional<Found> Search::run_round(const std::function<bool()>& stop) {
   const int samples = samples_;
-  samples_ = std::min(2 * samples_, kMostSamples);
+  samples_ = std::min(2 * samples_, kMaxSamples);
   auto order = branches_;
   for (int i = 0; i < 2 && order.size() > 1; ++i, std::reverse(order.begin(), order.end())) {
     auto found = branch_after_branch(start_, nearest_goal_, order, samples, stop);
@@ -107,7 +107,7 @@ std::optional<Found> Search::run(const JointVector& start, const std::vector<Joi
   if (auto found = straight(start, goals)) return found;
   begin(start, goals);
   std::optional<Found> found;
-  while (!found && !exhausted() && !stop()) found = turn(stop);
+  while (!found && !exhausted() && !stop()) found = run_round(stop);
   return found;
 }
 

@@ -30,7 +30,7 @@ class Search {
   /// run() in pieces: begin() once, then turn() until it finds a path, `stop` said so or it is exhausted().
   /// The turns of two searches with the same seed are the same, whenever they are run.
   void begin(const JointVector& start, const std::vector<JointVector>& goals);
-  [[nodiscard]] std::optional<Found> turn(const std::function<bool()>& stop);
+  [[nodiscard]] std::optional<Found> run_round(const std::function<bool()>& stop);
   [[nodiscard]] bool exhausted() const { return whole_ && whole_->full(); }
   [[nodiscard]] std::optional<Found> straight(const JointVector& start,
                                               const std::vector<JointVector>& goals);

@@ -13,7 +13,7 @@ namespace {
 using Path = std::vector<JointVector>;
 
 /// A gain below this is not worth a segment more.
-constexpr double kLeastGainRad = 1e-3;
+constexpr double kMinGainRad = 1e-3;
 
 /// A place on a path: behind waypoint `segment`, `fraction` of the way to the next.
 struct Place {
@@ -57,7 +57,7 @@ bool cut(CollisionChecker& checker, Path* path, const Place& from, const Place& 
       (path->at(from.segment + 1) - from.state).norm() + (to.state - path->at(to.segment)).norm();
   for (std::size_t i = from.segment + 1; i < to.segment; ++i)
     old_length += (path->at(i + 1) - path->at(i)).norm();
-  if ((to.state - from.state).norm() > old_length - kLeastGainRad) return false;
+  if ((to.state - from.state).norm() > old_length - kMinGainRad) return false;
   if (!checker.motion_free(from.state, to.state)) return false;
   Path shorter(path->begin(), path->begin() + static_cast<std::ptrdiff_t>(from.segment) + 1);
   shorter.push_back(from.state);

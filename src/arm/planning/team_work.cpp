@@ -133,7 +133,7 @@ void FirstPath::work() {
     task->busy = true;
     const std::uint64_t own = key(*task);
     lock.unlock();
-    auto found = task->search->turn([&] { return crew_.stopped() || best_ < own; });
+    auto found = task->search->run_round([&] { return crew_.stopped() || best_ < own; });
     lock.lock();
     task->busy = false;
     if (!found) {
@@ -204,8 +204,8 @@ std::optional<BestPath::Winner> BestPath::attempt(int number) {
   const auto& members = problem_.params.members;
   const int member = number % static_cast<int>(members.size());
   const auto& who = members[static_cast<std::size_t>(member)];
-  const auto turn = static_cast<std::uint64_t>(number / static_cast<int>(members.size()));
-  const PlannerParams params = params_of(problem_.params, who, who.seed + turn * kSeedStep);
+  const auto round = static_cast<std::uint64_t>(number / static_cast<int>(members.size()));
+  const PlannerParams params = params_of(problem_.params, who, who.seed + round * kSeedStep);
   CollisionChecker checker = problem_.checker.clone();
   const auto stop = [this] { return crew_.stopped(); };
   std::optional<Found> found;

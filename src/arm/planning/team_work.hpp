@@ -13,7 +13,7 @@
 
 #include "extperfc/arm/planning_team.hpp"
 
-#include "arm/planning/request_gate.hpp"
+#include "arm/planning/request_validator.hpp"
 #include "arm/planning/rrt_connect.hpp"
 #include "arm/planning/search.hpp"
 

@@ -11,7 +11,7 @@ namespace {
 constexpr Eigen::Index kFirstRoom = 256;
 // Values of the paper's kind: a domain is unbounded until an extension from its state fails.
 constexpr double kFirstDomainRad = 4.0;
-constexpr double kLeastDomainRad = 1.0;
+constexpr double kMinDomainRad = 1.0;
 constexpr double kDomainStep = 1e-4;
 
 }  // namespace
@@ -56,7 +56,7 @@ void Tree::widen_domain(int index) {
 
 void Tree::narrow_domain(int index) {
   domains_[index] = std::isfinite(domains_[index])
-                        ? std::max(kLeastDomainRad, domains_[index] * (1.0 - kDomainStep))
+                        ? std::max(kMinDomainRad, domains_[index] * (1.0 - kDomainStep))
                         : kFirstDomainRad;
 }
 

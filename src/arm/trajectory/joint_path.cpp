@@ -9,8 +9,8 @@ namespace extperfc::arm {
 namespace {
 
 constexpr double kSamePlaceRad = 1e-9;
-constexpr double kStraightTurn = 1e-9;
-constexpr double kReversalTurn = 1.98;
+constexpr double kStraightBend = 1e-9;
+constexpr double kReversalBend = 1.98;
 constexpr double kDeviationPerReach = 3.0 / 16.0;  // times |w - u|: distance from the lines per L
 
 /// A waypoint that is kept, with how far the path may pass from it.
@@ -76,14 +76,14 @@ std::vector<Corner> distinct_corners(const std::vector<JointVector>& waypoints,
 std::vector<Line> lines_between(const std::vector<Corner>& corners) {
   std::vector<Line> lines;
   for (std::size_t i = 1; i < corners.size(); ++i) {
-    const JointVector way = corners[i].position - corners[i - 1].position;
-    lines.push_back({way / way.norm(), way.norm()});
+    const JointVector delta = corners[i].position - corners[i - 1].position;
+    lines.push_back({delta / delta.norm(), delta.norm()});
   }
   return lines;
 }
 
 /// What each end of a line gets of it when they want `a` and `b`: all they want, or a fair share.
-std::pair<double, double> share(double length, double a, double b) {
+std::pair<double, double> split(double length, double a, double b) {
   if (a + b <= length) return {a, b};
   if (a <= length / 2) return {a, length - a};
   if (b <= length / 2) return {length - b, b};
@@ -92,24 +92,24 @@ std::pair<double, double> share(double length, double a, double b) {
 
 /// Sets reach and stop of the inner corners; returns the largest deviation.
 double round_corners(std::vector<Corner>& corners, const std::vector<Line>& lines) {
-  std::vector<double> turn(corners.size(), 0.0);
+  std::vector<double> bend(corners.size(), 0.0);
   for (std::size_t i = 1; i + 1 < corners.size(); ++i) {
     auto& corner = corners[i];
-    turn[i] = (lines[i].direction - lines[i - 1].direction).norm();
+    bend[i] = (lines[i].direction - lines[i - 1].direction).norm();
     const double room = std::min(lines[i - 1].length, lines[i].length);
-    corner.stop = turn[i] > kReversalTurn || (corner.deviation <= 0 && turn[i] >= kStraightTurn);
+    corner.stop = bend[i] > kReversalBend || (corner.deviation <= 0 && bend[i] >= kStraightBend);
     if (corner.stop) continue;
     corner.reach =
-        turn[i] < kStraightTurn ? room : std::min(room, corner.deviation / (kDeviationPerReach * turn[i]));
+        bend[i] < kStraightBend ? room : std::min(room, corner.deviation / (kDeviationPerReach * bend[i]));
   }
   for (std::size_t i = 0; i < lines.size(); ++i) {
-    const auto [a, b] = share(lines[i].length, corners[i].reach, corners[i + 1].reach);
+    const auto [a, b] = split(lines[i].length, corners[i].reach, corners[i + 1].reach);
     corners[i].reach = std::min(corners[i].reach, a);
     corners[i + 1].reach = std::min(corners[i + 1].reach, b);
   }
   double deviation = 0;
   for (std::size_t i = 0; i < corners.size(); ++i)
-    deviation = std::max(deviation, kDeviationPerReach * corners[i].reach * turn[i]);
+    deviation = std::max(deviation, kDeviationPerReach * corners[i].reach * bend[i]);
   return deviation;
 }
 
@@ -121,8 +121,9 @@ PathState evaluate(const PathPiece& piece, double offset) {
             JointVector::Zero(piece.direction.size())};
   const double x = std::clamp(offset / piece.length, 0.0, 1.0);
   const double moved = x * x * x * (1 - x / 2) * piece.length;
-  return {piece.position + offset * piece.direction + moved * piece.turn,
-          piece.direction + x * x * (3 - 2 * x) * piece.turn, 6 * x * (1 - x) / piece.length * piece.turn};
+  return {piece.position + offset * piece.direction + moved * piece.direction_change,
+          piece.direction + x * x * (3 - 2 * x) * piece.direction_change,
+          6 * x * (1 - x) / piece.length * piece.direction_change};
 }
 
 Result<JointPath> JointPath::make(const std::vector<JointVector>& waypoints, const JointPathParams& params) {

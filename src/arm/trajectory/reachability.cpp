@@ -60,8 +60,8 @@ class CornerStage {
     const auto shape = stage_shape(piece, stage.offset, stage.length);
     for (Eigen::Index j = 0; j < limit.size(); ++j)
       for (int k = 0; k < 4; ++k)
-        add((piece.direction[j] + piece.turn[j] * shape.along[k]) / limit[j],
-            piece.turn[j] * shape.across[k] / limit[j]);
+        add((piece.direction[j] + piece.direction_change[j] * shape.along[k]) / limit[j],
+            piece.direction_change[j] * shape.across[k] / limit[j]);
   }
 
   /// Squared speeds at the start from which one in `next` can be reached; none if there are none.
@@ -190,15 +190,16 @@ class Solver {
   Result<void> backward() {
     const double end = passage_.end_speed * passage_.end_speed;
     if (end > caps_.back() * (1 + 1e-9))
-      return fail(ErrorCode::kInvalidArgument, "time law: the end speed of " + text(passage_.end_speed) +
-                                                   " rad/s is beyond the velocity limits, which permit " +
-                                                   text(std::sqrt(caps_.back())));
+      return fail(ErrorCode::kInvalidArgument,
+                  "time parameterization: the end speed of " + text(passage_.end_speed) +
+                      " rad/s is beyond the velocity limits, which permit " + text(std::sqrt(caps_.back())));
     reach_.assign(stages_.size() + 1, {});
     reach_.back() = {end, end};
     for (std::size_t i = stages_.size(); i-- > 0;) {
       const auto range = controllable(i);
       if (!range)
-        return fail(ErrorCode::kInvalidArgument, "time law: the end speed of " + text(passage_.end_speed) +
+        return fail(ErrorCode::kInvalidArgument, "time parameterization: the end speed of " +
+                                                     text(passage_.end_speed) +
                                                      " rad/s cannot be reached within the limits");
       reach_[i] = *range;
     }
@@ -209,8 +210,8 @@ class Solver {
     const double start = passage_.start_speed * passage_.start_speed;
     const auto& range = reach_.front();
     if (start > range.upper * (1 + 1e-9) || start < range.lower * (1 - 1e-9))
-      return fail(ErrorCode::kInvalidArgument, "time law: the start speed is " + text(passage_.start_speed) +
-                                                   " rad/s, the limits permit " +
+      return fail(ErrorCode::kInvalidArgument, "time parameterization: the start speed is " +
+                                                   text(passage_.start_speed) + " rad/s, the limits permit " +
                                                    text(std::sqrt(range.lower)) + " to " +
                                                    text(std::sqrt(range.upper)));
     squared_.assign(stages_.size() + 1, 0.0);
@@ -240,23 +241,24 @@ class Solver {
 
   /// Largest squared speed on a straight between nodes of which the squared speeds sum to `ends`: gaining,
   /// hold_s and losing fill it, v^2 / most + v hold_s = length + ends / (2 most).
-  [[nodiscard]] double peak(double most, double length, double ends) const {
+  [[nodiscard]] double peak(double largest, double length, double ends) const {
     const double hold = passage_.hold_s;
-    const double free = length / most + ends / (2 * most * most);
-    if (hold <= 0) return most * most * free;
-    const double speed = 2 * most * free / (hold + std::sqrt(hold * hold + 4 * free));
+    const double free = length / largest + ends / (2 * largest * largest);
+    if (hold <= 0) return largest * largest * free;
+    const double speed = 2 * largest * free / (hold + std::sqrt(hold * hold + 4 * free));
     return speed * speed;
   }
 
   /// Gains speed, holds it, loses it, each as far as needed.
   void add_straight(std::size_t i, std::vector<PathPhase>& phases) const {
     const auto& stage = stages_[i];
-    const double most = straight_acceleration(stage);
+    const double largest = straight_acceleration(stage);
     const double x0 = squared_[i];
     const double x1 = squared_[i + 1];
-    const double top = std::max({x0, x1, std::min(speed_cap(stage, 0), peak(most, stage.length, x0 + x1))});
-    const double gain = std::min(stage.length, (top - x0) / (2 * most));
-    const double loss = std::min(stage.length - gain, (top - x1) / (2 * most));
+    const double top =
+        std::max({x0, x1, std::min(speed_cap(stage, 0), peak(largest, stage.length, x0 + x1))});
+    const double gain = std::min(stage.length, (top - x0) / (2 * largest));
+    const double loss = std::min(stage.length - gain, (top - x1) / (2 * largest));
     add_phase(stage, 0, gain, x0, top, phases);
     add_phase(stage, gain, stage.length - gain - loss, top, top, phases);
     add_phase(stage, stage.length - loss, loss, top, x1, phases);
@@ -296,7 +298,8 @@ class Solver {
                          std::sqrt(acceleration_use(piece, phase, acceleration_))});
     }
     if (!std::isfinite(slower) || (slower > 1 + 1e-6 && (passage_.start_speed > 0 || passage_.end_speed > 0)))
-      return fail(ErrorCode::kFailed, "time law: limits are exceeded by a factor of " + text(slower));
+      return fail(ErrorCode::kFailed,
+                  "time parameterization: limits are exceeded by a factor of " + text(slower));
     for (auto& phase : phases) {
       phase.begin_s *= slower;
       phase.duration_s *= slower;

@@ -20,10 +20,10 @@ struct Passage {
   double hold_s{0};
 };
 
-/// Fastest time law of a passage under bounds of velocity and acceleration, by reachability analysis (Pham
-/// and Pham 2018, "A New Approach to Time-Optimal Path Parameterization Based on Reachability Analysis", IEEE
-/// T-RO 34(3), algorithm 1): backwards the squared speeds from which the end can be reached, forwards the
-/// largest of them. What differs from the paper:
+/// Fastest time parameterization of a passage under bounds of velocity and acceleration, by reachability
+/// analysis (Pham and Pham 2018, "A New Approach to Time-Optimal Path Parameterization Based on Reachability
+/// Analysis", IEEE T-RO 34(3), algorithm 1): backwards the squared speeds from which the end can be reached,
+/// forwards the largest of them. What differs from the paper:
 ///   - Straights are one stage each, solved in closed form: gain speed, hold it, lose it. Exact.
 ///   - A rounded corner is cut into `stages` stages of equal length; their bounds are put on the Bezier
 ///   points
@@ -36,8 +36,8 @@ struct Passage {
 ///     they meet in finitely many steps.
 ///   - Velocity limits hold at grid points; where a stage exceeds them inside by its own bound, the speeds at
 ///     its ends are lowered and the passes run again.
-/// Phases start at time 0 and have no gaps. Errors: speeds at the ends that no time law within the limits
-/// has. O(stages x joints).
+/// Phases start at time 0 and have no gaps. Errors: speeds at the ends that no time parameterization within
+/// the limits has. O(stages x joints).
 [[nodiscard]] Result<std::vector<PathPhase>> fastest_phases(const JointPath& path, const Passage& passage,
                                                             const JointVector& velocity,
                                                             const JointVector& acceleration, int stages);

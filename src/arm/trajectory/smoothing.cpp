@@ -73,8 +73,8 @@ bool has_corner(const JointPath& path, const Passage& passage) {
 }
 
 Result<SmoothPassage> attempt(const JointPath& path, const Passage& passage, const TrajectoryLimits& limits,
-                              double share, int stages) {
-  auto phases = fastest_phases(path, passage, limits.velocity, share * limits.acceleration, stages);
+                              double fraction, int stages) {
+  auto phases = fastest_phases(path, passage, limits.velocity, fraction * limits.acceleration, stages);
   if (!phases) return tl::unexpected(phases.error());
   SmoothPassage result{*std::move(phases)};
   result.window_s = smoothing_window(path, result.phases, *limits.jerk);
@@ -84,23 +84,23 @@ Result<SmoothPassage> attempt(const JointPath& path, const Passage& passage, con
 }
 
 /// Largest acceleration over the jerk limit [s]: no window can be shorter.
-double least_window(const AccelerationCourse& course) {
-  double least = 0;
+double min_window(const AccelerationCourse& course) {
+  double smallest = 0;
   for (const auto& range : course.ranges)
-    least = std::max(least, range.lower.cwiseAbs().cwiseMax(range.upper.cwiseAbs()).maxCoeff());
-  return least * (1 + 1e-11);
+    smallest = std::max(smallest, range.lower.cwiseAbs().cwiseMax(range.upper.cwiseAbs()).maxCoeff());
+  return smallest * (1 + 1e-11);
 }
 
 /// With speed held on straights for as long as the shortest window, where that is shorter in the end.
 Result<SmoothPassage> better_attempt(const JointPath& path, const Passage& passage,
-                                     const TrajectoryLimits& limits, double share, int stages) {
-  auto plain = attempt(path, passage, limits, share, stages);
+                                     const TrajectoryLimits& limits, double fraction, int stages) {
+  auto plain = attempt(path, passage, limits, fraction, stages);
   if (!plain) return plain;
-  const double least_s = least_window(course(path, plain->phases, *limits.jerk));
-  if (plain->window_s <= least_s * (1 + 1e-6)) return plain;
+  const double min_window_s = min_window(course(path, plain->phases, *limits.jerk));
+  if (plain->window_s <= min_window_s * (1 + 1e-6)) return plain;
   Passage holding = passage;
-  holding.hold_s = least_s * (1 + 1e-6);  // above what rounding may take away
-  auto held = attempt(path, holding, limits, share, stages);
+  holding.hold_s = min_window_s * (1 + 1e-6);  // above what rounding may take away
+  auto held = attempt(path, holding, limits, fraction, stages);
   if (!held || held->duration_s() < plain->duration_s()) return held;
   return plain;
 }
@@ -110,13 +110,13 @@ Result<SmoothPassage> better_attempt(const JointPath& path, const Passage& passa
 double smoothing_window(const JointPath& path, const std::vector<PathPhase>& phases,
                         const JointVector& jerk) {
   const auto accelerations = course(path, phases, jerk);
-  double least = least_window(accelerations);
+  double smallest = min_window(accelerations);
   const auto holds = [&](double window_s) { return largest_change(accelerations, window_s) <= window_s; };
-  if (holds(least)) return least;
-  double enough = 2 * least;
+  if (holds(smallest)) return smallest;
+  double enough = 2 * smallest;
   for (int i = 0; i < kBisections; ++i) {
-    const double middle = (least + enough) / 2;
-    (holds(middle) ? enough : least) = middle;
+    const double middle = (smallest + enough) / 2;
+    (holds(middle) ? enough : smallest) = middle;
   }
   return enough;
 }
@@ -124,24 +124,25 @@ double smoothing_window(const JointPath& path, const std::vector<PathPhase>& pha
 Result<SmoothPassage> smooth_passage(const JointPath& path, const Passage& passage,
                                      const TrajectoryLimits& limits, double deviation_rad, int stages) {
   std::optional<SmoothPassage> best;
-  double best_share = 1;
+  double best_fraction = 1;
   bool better = false;
-  const auto consider = [&](double share) -> Result<void> {
-    auto result = better_attempt(path, passage, limits, share, stages);
+  const auto consider = [&](double fraction) -> Result<void> {
+    auto result = better_attempt(path, passage, limits, fraction, stages);
     if (!result) return tl::unexpected(result.error());
     better = result->deviation_rad <= deviation_rad && (!best || result->duration_s() < best->duration_s());
     if (!better) return {};
     best = *std::move(result);
-    best_share = share;
+    best_fraction = fraction;
     return {};
   };
-  double share = 1;
-  for (int step = 0; step < kSteps && (better || !best); ++step, share *= kStep)
-    if (auto done = consider(share); !done) return tl::unexpected(done.error());
+  double fraction = 1;
+  for (int step = 0; step < kSteps && (better || !best); ++step, fraction *= kStep)
+    if (auto done = consider(fraction); !done) return tl::unexpected(done.error());
   if (!best)
     return fail(ErrorCode::kInvalidArgument,
-                "time law: no acceleration is low enough to keep within smoothing_deviation_rad of the path");
-  const double middle = best_share;
+                "time parameterization: no acceleration is low enough to keep within smoothing_deviation_rad "
+                "of the path");
+  const double middle = best_fraction;
   for (const double factor : {1 / kFineStep, kFineStep})
     if (middle * factor < 1)
       if (auto done = consider(middle * factor); !done) return tl::unexpected(done.error());

@@ -27,11 +27,11 @@ struct SmoothPassage {
 [[nodiscard]] double smoothing_window(const JointPath& path, const std::vector<PathPhase>& phases,
                                       const JointVector& jerk);
 
-/// The shortest of some jerk-limited time laws of a passage that starts and ends at rest. Lower accelerations
-/// need shorter windows: limits of acceleration are tried in steps of a square root of two downwards until
-/// the duration rises, with and without holding the speed between gaining and losing it (Passage::hold_s),
-/// and only laws count whose averaging keeps within `deviation_rad` of the path (without corners it never
-/// leaves it).
+/// The shortest of some jerk-limited time parameterizations of a passage that starts and ends at rest. Lower
+/// accelerations need shorter windows: limits of acceleration are tried in steps of a square root of two
+/// downwards until the duration rises, with and without holding the speed between gaining and losing it
+/// (Passage::hold_s), and only laws count whose averaging keeps within `deviation_rad` of the path (without
+/// corners it never leaves it).
 [[nodiscard]] Result<SmoothPassage> smooth_passage(const JointPath& path, const Passage& passage,
                                                    const TrajectoryLimits& limits, double deviation_rad,
                                                    int stages);

@@ -8,7 +8,7 @@ namespace extperfc::arm {
 namespace {
 
 /// How far s goes during a phase.
-double way(const PathPhase& phase) {
+double length_of(const PathPhase& phase) {
   return phase.duration_s * (phase.speed + 0.5 * phase.acceleration * phase.duration_s);
 }
 
@@ -55,11 +55,11 @@ JointInterval acceleration_range(const PathPiece& piece, const PathPhase& phase)
   const JointVector first = phase.acceleration * piece.direction;
   JointInterval range{first, first};
   if (piece.straight) return range;
-  const auto shape = stage_shape(piece, phase.offset, way(phase));
+  const auto shape = stage_shape(piece, phase.offset, length_of(phase));
   const double x = phase.speed * phase.speed;
   for (int k = 0; k < 4; ++k) {
     const JointVector value =
-        first + (phase.acceleration * shape.along[k] + x * shape.across[k]) * piece.turn;
+        first + (phase.acceleration * shape.along[k] + x * shape.across[k]) * piece.direction_change;
     range.lower = k == 0 ? value : range.lower.cwiseMin(value).eval();
     range.upper = k == 0 ? value : range.upper.cwiseMax(value).eval();
   }
@@ -69,19 +69,20 @@ JointInterval acceleration_range(const PathPiece& piece, const PathPhase& phase)
 double velocity_use(const PathPiece& piece, const PathPhase& phase, const JointVector& limit) {
   const double fastest = std::max(phase.speed, end_speed(phase));
   if (piece.straight) return fastest * (piece.direction.array() / limit.array()).abs().maxCoeff();
-  const auto shape = stage_shape(piece, phase.offset, way(phase));
+  const auto shape = stage_shape(piece, phase.offset, length_of(phase));
   const double x0 = phase.speed * phase.speed;
   const double x1 = end_speed(phase) * end_speed(phase);
   // step(y) rises from end to end, so that each |q'_j| is largest at an end: mostly that is enough to know.
-  const JointVector first = piece.direction + shape.step[0] * piece.turn;
-  const JointVector last = piece.direction + shape.step[3] * piece.turn;
+  const JointVector first = piece.direction + shape.step[0] * piece.direction_change;
+  const JointVector last = piece.direction + shape.step[3] * piece.direction_change;
   const double rough =
       fastest * (first.cwiseAbs().cwiseMax(last.cwiseAbs()).array() / limit.array()).maxCoeff();
   if (rough <= 1) return rough;
   double largest = 0;
   for (Eigen::Index j = 0; j < limit.size(); ++j) {
     std::array<double, 4> tangent{};
-    for (int k = 0; k < 4; ++k) tangent[k] = (piece.direction[j] + piece.turn[j] * shape.step[k]) / limit[j];
+    for (int k = 0; k < 4; ++k)
+      tangent[k] = (piece.direction[j] + piece.direction_change[j] * shape.step[k]) / limit[j];
     largest = std::max(largest, largest_square(tangent, x0, x1));
   }
   return std::sqrt(largest);

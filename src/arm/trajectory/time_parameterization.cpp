@@ -14,7 +14,7 @@ namespace extperfc::arm {
 namespace {
 
 tl::unexpected<Error> invalid(const std::string& why) {
-  return fail(ErrorCode::kInvalidArgument, "time law: " + why);
+  return fail(ErrorCode::kInvalidArgument, "time parameterization: " + why);
 }
 
 Result<void> check_limit(const char* name, const JointVector& limit, Eigen::Index joints) {
@@ -35,16 +35,16 @@ Result<void> check_limits(const TrajectoryLimits& limits, Eigen::Index joints) {
 }
 
 Result<void> check_params(const TimeParams& params, bool with_jerk) {
-  const auto share = [](double value) { return value > 0 && value <= 1; };
+  const auto fraction = [](double value) { return value > 0 && value <= 1; };
   const auto speed = [](double value) { return value >= 0 && std::isfinite(value); };
-  if (!share(params.velocity_scale)) return invalid("velocity_scale must lie in (0, 1]");
-  if (!share(params.acceleration_scale)) return invalid("acceleration_scale must lie in (0, 1]");
+  if (!fraction(params.velocity_scale)) return invalid("velocity_scale must lie in (0, 1]");
+  if (!fraction(params.acceleration_scale)) return invalid("acceleration_scale must lie in (0, 1]");
   if (!speed(params.start_speed)) return invalid("start_speed must be finite and not negative");
   if (!speed(params.end_speed)) return invalid("end_speed must be finite and not negative");
   if (params.stages_per_corner < 4 || params.stages_per_corner > 200)
     return invalid("stages_per_corner must lie in [4, 200]");
   if (!with_jerk) return {};
-  if (!share(params.smoothing_deviation_rad)) return invalid("smoothing_deviation_rad must lie in (0, 1]");
+  if (!fraction(params.smoothing_deviation_rad)) return invalid("smoothing_deviation_rad must lie in (0, 1]");
   if (params.start_speed > 0 || params.end_speed > 0)
     return invalid("start_speed and end_speed must be 0 with jerk limits");
   return {};

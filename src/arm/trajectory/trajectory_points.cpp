@@ -12,9 +12,9 @@ namespace extperfc::arm {
 
 namespace {
 
-constexpr double kLeastIntervalS = 2e-5;  // nearer borders are merged: rounding would drown accelerations
-constexpr double kOvershoot = 2e-3;       // of limits, that stretching has to take away
-constexpr int kMostMerged = 64;
+constexpr double kMinIntervalS = 2e-5;  // nearer borders are merged: rounding would drown accelerations
+constexpr double kOvershoot = 2e-3;     // of limits, that stretching has to take away
+constexpr int kMaxMerged = 64;
 constexpr int kStretches = 8;
 constexpr int kLooks = 12;             // parts of an interval, at whose ends the distance is looked at
 constexpr double kBetweenLooks = 0.9;  // of the tolerance; between them it may be a little more
@@ -113,7 +113,7 @@ class PointMaker {
     const auto borders = trajectory_.borders_s();
     std::vector<double> kept{0.0};
     for (const double border : borders)
-      if (border > kept.back() + kLeastIntervalS) kept.push_back(border);
+      if (border > kept.back() + kMinIntervalS) kept.push_back(border);
     if (kept.size() > 1) kept.pop_back();
     kept.push_back(trajectory_.duration_s());
     return kept;
@@ -137,7 +137,7 @@ class PointMaker {
 
   /// Halves an interval until interpolation is good; adds the ends of the parts.
   void divide(double from_s, double to_s, std::vector<double>& times) const {
-    if (to_s - from_s < 2 * kLeastIntervalS || good(from_s, to_s)) {
+    if (to_s - from_s < 2 * kMinIntervalS || good(from_s, to_s)) {
       times.push_back(to_s);
       return;
     }
@@ -151,7 +151,7 @@ class PointMaker {
     std::vector<double> times{borders.front()};
     for (std::size_t i = 0; i + 1 < borders.size();) {
       std::size_t next = i + 1;
-      for (std::size_t step = 2; step <= kMostMerged && i + step < borders.size(); step *= 2) {
+      for (std::size_t step = 2; step <= kMaxMerged && i + step < borders.size(); step *= 2) {
         if (!good(borders[i], borders[i + step])) break;
         next = i + step;
       }

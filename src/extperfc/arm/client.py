@@ -29,7 +29,7 @@ StateCheck.__doc__ = "Is a state free? Otherwise why not; the nearest pair of na
 class Plan:
     """A motion that was planned and not executed yet."""
     trajectory: trajectory_msgs.msg.JointTrajectory
-    fraction: float             # of the way that was asked for, [0, 1]
+    fraction: float             # planned fraction of the requested path, [0, 1]
     planning_time_s: float
     message: str
 
@@ -45,7 +45,7 @@ class Arm:
     A goal is
     - the name of a state: "neutral", "tuck", "untuck";
     - joint values [rad], {"s0": 0.1, "e1": 0.75}: what is not named stays;
-    - a pose of the tool (left_gripper, right_gripper) in `frame`: (x, y, z), turned as it is now,
+    - a pose of the tool (left_gripper, right_gripper) in `frame`: (x, y, z) with its present orientation,
       (x, y, z, roll, pitch, yaw), (x, y, z, qx, qy, qz, qw), a 4x4 array, a Pose, or a PoseStamped with its own frame;
     - with linear=True also a list of poses, straight from one to the next;
     - for both arms {"left": goal, "right": goal} with two poses or two of joint values, or one name of a state.
@@ -53,14 +53,14 @@ class Arm:
     velocity_scale=0.3, planning_time=2.0.
 
     namespace: of the robot and the arm node; none: this node's own. wait_s: how long to wait for servers, in real time.
-    Makes the process a ROS node if it is none yet. What fails raises ArmError; goals that make no sense ValueError.
+    Makes the process a ROS node if necessary. Failures raise ArmError; invalid goals raise ValueError.
     A motion ends when it is interrupted with Ctrl-C, when its timeout is over, and when the program ends, unless it is
     killed with SIGKILL.
     """
 
     def __init__(self, side, namespace="", wait_s=connection.WAIT_S):
         if side not in GROUPS:
-            raise ValueError(f"{side!r} is no arm: left, right or both")
+            raise ValueError(f"unknown arm {side!r}: must be left, right or both")
         connection.ensure_node()
         self.side, self.namespace, self.wait_s = side, namespace, wait_s
         self.sides = SIDES if side == "both" else (side,)
@@ -71,7 +71,7 @@ class Arm:
     # Motions.
 
     def plan(self, goal, linear=False, timeout=None, **options):
-        """Plans and does not move. Returns a Plan."""
+        """Plans without moving. Returns a Plan."""
         asked = self._request(goal, linear, options)
         result = self._send("plan", extperfc.msg.PlanAction, extperfc.msg.PlanGoal(asked)).wait(timeout)
         return Plan(result.trajectory, result.fraction, result.planning_time, result.message)
@@ -88,10 +88,10 @@ class Arm:
 
         wait=True: returns extperfc/MoveArmResult at the end; timeout: in seconds of real time, then it is cancelled.
         wait=False: returns a Motion at once (motion.wait(), motion.done, motion.cancel(), motion.feedback).
-        replans: how often another way is looked for when the way is blocked.
+        replans: maximum number of new plans when the path is blocked.
         """
         if replans < 0:
-            raise ValueError("replans is a number from 0 on")
+            raise ValueError("replans must be 0 or more")
         asked = self._request(goal, linear, options)
         return self._move(extperfc.msg.MoveArmGoal(request=asked, replans=int(replans)), wait, timeout)
 
@@ -104,13 +104,13 @@ class Arm:
         return self.move_to("untuck", **options)
 
     def stop(self):
-        """Stops whatever the arm node moves, also what other programs asked for."""
+        """Stops all motions of the arm node, including those of other programs."""
         answer = self._call("arm/stop", std_srvs.srv.Trigger)
         if not answer.success:
             raise ArmError(extperfc.msg.ArmCode.INTERNAL, answer.message)
 
     def jog(self, twist=None, joints=None, frame="", duration=0.0):
-        """Moves by velocities, as a joystick does; the node keeps clear of what is around.
+        """Moves by velocities, as a joystick does; the node avoids collisions.
 
         twist: (vx, vy, vz, wx, wy, wz) [m/s, rad/s] of the tool along the axes of `frame` (empty: the tool's own);
         or joints: {joint: rad/s}. duration [s]: repeats the command so long and stops; 0: sends it once, and the node
@@ -145,7 +145,7 @@ class Arm:
              frame=DEFAULT_FRAME):
         """Grasps an object of the scene, by its name or label, and lifts it [m] (0: the node's parameter).
 
-        "both": whichever arm reaches it better. place_at: a pose, or a list of poses, where it is to be put down later,
+        "both": the arm that reaches it better. place_at: a pose, or a list of poses, where it will be placed later,
         as for place(); only grasps count from which one of them can be reached. Returns extperfc/PickResult, or a Motion
         with wait=False.
         """
@@ -156,22 +156,22 @@ class Arm:
 
     def place(self, pose, what="", any_yaw=True, frame=DEFAULT_FRAME, retreat=0.0, planning_time=0.0, wait=True,
               timeout=None):
-        """Puts down what the hand holds. pose: of the object, standing; any_yaw: turned about the vertical as suits.
+        """Places the held object. pose: of the object; any_yaw: any rotation about the vertical is accepted.
         retreat: back from it after opening [m], 0: the node's parameter. Returns extperfc/PlaceResult, or a Motion."""
         goal = extperfc.msg.PlaceGoal(what, self._arm_name(), goals.pose_stamped(pose, frame), bool(any_yaw),
                                       float(retreat), float(planning_time))
         return self._ended(self._send("place", extperfc.msg.PlaceAction, goal), wait, timeout)
 
     def open(self, percent=OPEN_PERCENT, timeout=10.0):
-        """Opens the gripper, of both arms one after the other, to a part of its way [%]."""
+        """Opens the gripper, of both arms one after the other, to a percentage of its opening."""
         for side in self.sides:
             self._grip(side, percent, timeout)
 
     def close(self, timeout=10.0):
-        """Closes it. Returns whether something is between the fingers; of both arms: whether in either."""
+        """Closes it. Returns True if an object is between the fingers, for both arms: of either."""
         return any([self._grip(side, CLOSED_PERCENT, timeout).stalled for side in self.sides])
 
-    # What is so.
+    # State.
 
     @property
     def joints(self):
@@ -204,15 +204,15 @@ class Arm:
         return StateCheck(answer.code == 0, answer.code, answer.message, answer.first, answer.second, answer.distance)
 
     def keep_level(self, frame=DEFAULT_FRAME):
-        """Constraints: what is upright in the hand now (by the vertical of `frame`) stays so."""
+        """Constraints: keeps the held object upright (along the vertical of `frame`)."""
         return [goals.keep_axis(self._rotation_now(side, frame).T @ numpy.array([0.0, 0.0, 1.0]), goals.tip_of(side))
                 for side in self.sides]
 
-    # Below: how.
+    # Implementation.
 
     def _one_side(self, what):
         if self.side == "both":
-            raise ValueError(f"{what} is of one arm: Arm('left') or Arm('right')")
+            raise ValueError(f"{what} needs one arm: Arm('left') or Arm('right')")
         return self.side
 
     def _arm_name(self):
@@ -241,22 +241,22 @@ class Arm:
         return self._services[name](**fields)
 
     def _publisher(self, name, message_type):
-        """A publisher that somebody listens to."""
+        """A publisher that has subscribers."""
         if name not in self._publishers:
             self._publishers[name] = rospy.Publisher(connection.join(self.namespace, name), message_type, queue_size=1)
         deadline = time.monotonic() + self.wait_s
         while self._publishers[name].get_num_connections() == 0:
             if time.monotonic() > deadline:
                 raise ArmError(ClientCode.NOT_RUNNING,
-                               f"nobody listens to {rospy.resolve_name(name)} after {self.wait_s:g} s: {connection.START}")
+                               f"no subscriber of {rospy.resolve_name(name)} after {self.wait_s:g} s: {connection.START}")
             time.sleep(0.01)
         return self._publishers[name]
 
     def _grip(self, side, percent, timeout):
         if not 0 <= percent <= 100:
-            raise ValueError(f"{percent} is no opening in percent")
+            raise ValueError(f"opening {percent}: must be from 0 to 100 %")
         goal = control_msgs.msg.GripperCommandGoal()
-        goal.command.position, goal.command.max_effort = float(percent), 0.0  # 0: what the gripper is set to
+        goal.command.position, goal.command.max_effort = float(percent), 0.0  # 0: the gripper's setting
         name = f"robot/end_effector/{side}_gripper/gripper_action"
         try:
             return self._send(name, control_msgs.msg.GripperCommandAction, goal,

@@ -1,4 +1,4 @@
-"""Ways to the node: actions and services that wait for it, motions that end with the program."""
+"""Connections to the node: actions and services that wait for it, motions that end with the program."""
 
 import signal
 import sys
@@ -22,12 +22,12 @@ UNNAMED = "unknown"         # rospy's name for a caller that it has not met yet
 LEAVE_S = 0.2               # for a cancellation to leave the process
 START = "is the arm node running (roslaunch extperfc arm.launch)?"
 
-_motions = set()            # under way; held here, since a caller may drop a motion that still moves
+_motions = set()            # active; referenced here, since a caller may drop a motion that still moves
 _hook_set = False
 
 
 def _cancel_all():
-    """The program ends: nothing goes on moving."""
+    """Cancels all motions when the program ends."""
     moving = [motion for motion in list(_motions) if not motion.done]
     for motion in moving:
         motion.cancel(at_once=True)
@@ -84,7 +84,7 @@ class Service:
 
 
 class Motion:
-    """A goal under way. It is cancelled when the program ends."""
+    """An active goal. It is cancelled when the program ends."""
 
     def __init__(self, connected=lambda: True):
         self._connected, self._handle, self._ended, self.feedback = connected, None, threading.Event(), None
@@ -138,7 +138,7 @@ class Motion:
             self._handle.cancel()
 
     def wait(self, timeout=None):
-        """Waits for the end and returns the action's result. timeout: in seconds of real time; none: as long as it takes.
+        """Waits for the end and returns the action's result. timeout: in seconds of real time; None: unlimited.
 
         Raises ArmError: what the node said, or TIMEOUT, after which the motion was cancelled. Ctrl-C cancels too.
         """
@@ -158,12 +158,12 @@ class Motion:
                 last_connected = now
             elif now > last_connected + LOST_S:
                 _motions.discard(self)
-                raise ArmError(ClientCode.CONNECTION_LOST, "the arm node went away")
+                raise ArmError(ClientCode.CONNECTION_LOST, "connection to the arm node lost")
             if self._handle.get_comm_state() != actionlib.CommState.WAITING_FOR_RESULT:
                 last_moving = now
             elif now > last_moving + RESULT_S:
                 _motions.discard(self)
-                raise ArmError(ClientCode.CONNECTION_LOST, "it has ended, but how got lost on the way here")
+                raise ArmError(ClientCode.CONNECTION_LOST, "the motion ended, but its result was lost")
             if rospy.is_shutdown():
                 raise ArmError(ClientCode.CONNECTION_LOST, "this program's ROS node has shut down")
             if deadline is not None and now > deadline:
@@ -172,9 +172,9 @@ class Motion:
                 raise ArmError(ClientCode.TIMEOUT, f"not done after {timeout:g} s; cancelled")
 
     def result(self):
-        """The action's result. Raises ArmError if it is none to be glad of, or not there yet."""
+        """The action's result. Raises ArmError if the motion failed or is not finished."""
         if not self.done:
-            raise ArmError(ClientCode.TIMEOUT, "still under way")
+            raise ArmError(ClientCode.TIMEOUT, "not finished yet")
         result, state = self._handle.get_result(), self._handle.get_terminal_state()
         code = getattr(result, "code", 0)
         if result is None or (code == 0 and state != GoalStatus.SUCCEEDED):

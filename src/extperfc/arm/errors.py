@@ -4,11 +4,11 @@ from extperfc.msg import ArmCode
 
 
 class ClientCode:
-    """Failures that the node cannot tell of, beside the numbers of extperfc/ArmCode."""
+    """Failures that the node cannot report, in addition to the codes of extperfc/ArmCode."""
     NOT_RUNNING = -1        # no master, no node, no service, no action
     TIMEOUT = -2            # of the caller; the motion was cancelled
     REJECTED = -3           # the action refused the goal without a code
-    CONNECTION_LOST = -4    # the node went away while it worked
+    CONNECTION_LOST = -4    # the connection to the node was lost during the request
 
 
 def _constants(owner):

@@ -1,4 +1,4 @@
-"""Messages from what is convenient to write in Python. Nothing here talks to anybody."""
+"""Conversion of convenient Python values to messages. Without communication."""
 
 import collections.abc
 import dataclasses
@@ -34,7 +34,7 @@ def pose_of_matrix(target_T_source):
     rotation = array[:3, :3]
     if (array.shape != (4, 4) or numpy.abs(rotation @ rotation.T - numpy.eye(3)).max() > 1e-3
             or numpy.linalg.det(rotation) < 0):
-        raise ValueError("this array is no 4x4 transform with a rotation")
+        raise ValueError("the array is not a 4x4 transform with a rotation")
     pose = geometry_msgs.msg.Pose()
     pose.position.x, pose.position.y, pose.position.z = (float(v) for v in array[:3, 3])
     q = pose.orientation
@@ -55,7 +55,7 @@ def _is_numbers(value):
 
 
 def is_pose(value):
-    """Is this one pose, in any of the ways of pose_stamped?"""
+    """Is this one pose, in any form that pose_stamped accepts?"""
     return (isinstance(value, (geometry_msgs.msg.Pose, geometry_msgs.msg.PoseStamped))
             or getattr(value, "shape", None) == (4, 4) or (_is_numbers(value) and len(value) in (3, 6, 7)))
 
@@ -64,7 +64,7 @@ def pose_stamped(value, frame=DEFAULT_FRAME, rotation=None):
     """A geometry_msgs/PoseStamped with stamp 0, which means now.
 
     value: a PoseStamped (its own frame counts), a Pose, a 4x4 array, (x, y, z), (x, y, z, roll, pitch, yaw) or
-    (x, y, z, qx, qy, qz, qw) in metres and radians. rotation: 3x3, for three numbers; none: not turned.
+    (x, y, z, qx, qy, qz, qw) in metres and radians. rotation: 3x3, for three numbers; None: identity.
     Raises ValueError.
     """
     if isinstance(value, geometry_msgs.msg.PoseStamped):
@@ -77,14 +77,14 @@ def pose_stamped(value, frame=DEFAULT_FRAME, rotation=None):
         stamped.pose = pose_of_matrix(value)
     elif is_pose(value):
         array = _finite(value, "pose")
-        turned = numpy.eye(3) if rotation is None else rotation
+        rotation_matrix = numpy.eye(3) if rotation is None else rotation
         if len(array) == 6:
-            turned = rd.rotation_of_rpy(*array[3:])
+            rotation_matrix = rd.rotation_of_rpy(*array[3:])
         elif len(array) == 7:
-            turned = rd.rotation_of_quaternion(*array[3:])
-        stamped.pose = pose_of_matrix(rd.transform(array[:3], turned))
+            rotation_matrix = rd.rotation_of_quaternion(*array[3:])
+        stamped.pose = pose_of_matrix(rd.transform(array[:3], rotation_matrix))
     else:
-        raise ValueError(f"{value!r} is no pose: give a Pose, a PoseStamped, a 4x4 array, or 3, 6 or 7 numbers")
+        raise ValueError(f"{value!r} is not a pose: give a Pose, a PoseStamped, a 4x4 array, or 3, 6 or 7 numbers")
     return stamped
 
 
@@ -95,7 +95,7 @@ def joint_state(values, side="both"):
     message = sensor_msgs.msg.JointState()
     for name, value in values.items():
         if not isinstance(value, numbers.Real):
-            raise ValueError(f"joint {name}: {value!r} is no number of radians")
+            raise ValueError(f"joint {name}: {value!r} is not a number of radians")
         bare = not name.startswith(tuple(f"{s}_" for s in SIDES))
         if bare and side == "both":
             raise ValueError(f"joint {name}: of which arm? Write left_{name} or right_{name}")
@@ -125,7 +125,7 @@ def _constraint(kind, link="", axis=(0, 0, 0), frame="", other=""):
 
 def _direction(axis):
     if _finite(axis, "axis").shape != (3,) or not numpy.linalg.norm(axis) > 0:
-        raise ValueError(f"{axis!r} is no direction")
+        raise ValueError(f"{axis!r} is not a direction")
     return axis
 
 
@@ -145,30 +145,30 @@ def keep_line(direction, frame="", link=""):
 
 
 def keep_orientation(link=""):
-    """The tool is turned as at the start all the way."""
+    """The tool keeps the orientation of the start."""
     return _constraint(extperfc.msg.ToolConstraint.KEEP_ORIENTATION, link)
 
 
 def keep_relative(link=tip_of("left"), other=tip_of("right")):
-    """Both tools stay as they are to each other: both hands hold one thing."""
+    """Both tools keep their relative pose: both grippers hold one object."""
     return _constraint(extperfc.msg.ToolConstraint.KEEP_RELATIVE, link, other=other)
 
 
 @dataclasses.dataclass
 class MotionOptions:
-    """What a motion may be asked beside its goal. 0 means: the parameter of the node."""
-    frame: str = DEFAULT_FRAME              # of poses without a frame of their own
+    """Options of a motion. 0 means: the parameter of the node."""
+    frame: str = DEFAULT_FRAME              # of poses without a frame_id
     constraints: object = ()                # one of keep_...(), or several
     start: object = None                    # for plan: {joint: radians}; joints not named are where they are
     position_tolerance: object = 0.0        # [m], see tool_goal
     orientation_tolerance: object = 0.0     # [rad]
     planning_time: float = 0.0              # [s]
-    improve: bool = False                   # go on until the time is up and take the shortest path
+    improve: bool = False                   # use the whole planning time and return the shortest path
     planner: str = ""
     seed: int = 0
     velocity_scale: float = 0.0             # of the robot's limits, (0, 1]
     acceleration_scale: float = 0.0         # the same
-    minimum_fraction: float = 0.0           # linear: less than this of the way is a failure; 0: all of it
+    minimum_fraction: float = 0.0           # linear: a smaller planned fraction is a failure; 0: the whole path
 
 
 def _flat(constraints):
@@ -185,7 +185,7 @@ def _tool_goals(side, goal, options, rotation_now):
     """Tool goals of one arm: of a pose or of a list of poses."""
     poses = [goal] if is_pose(goal) else list(goal)
     if not poses:
-        raise ValueError("an empty list is no goal")
+        raise ValueError("the list of goals is empty")
     goals = []
     for pose in poses:
         rotation = rotation_now(side, options.frame) if _is_numbers(pose) and len(pose) == 3 else None
@@ -220,7 +220,7 @@ def _set_goal(request, side, goal, options, rotation_now):
     elif is_pose(goal) or (isinstance(goal, (list, tuple)) and all(is_pose(g) for g in goal)):
         request.tool_goals = _tool_goals(side, goal, options, rotation_now)
     else:
-        raise ValueError(f"{goal!r} is no goal: give a state's name, {{joint: radians}}, a pose or a list of poses")
+        raise ValueError(f"{goal!r} is not a goal: give a state's name, {{joint: radians}}, a pose or a list of poses")
 
 
 def motion_request(side, goal, options, linear, rotation_now):

@@ -1,4 +1,4 @@
-"""What the robot tells of itself: joints and frames. One listener for all arms of a process."""
+"""State of the robot: joints and frames. One listener for all arms of a process."""
 
 import threading
 import time
@@ -42,7 +42,7 @@ class JointListener:
                     break
                 self._heard.wait(left)
         if not found:
-            raise ArmError(ArmCode.NO_JOINT_STATES, f"nothing about the joints {', '.join(p + '*' for p in prefixes)} "
+            raise ArmError(ArmCode.NO_JOINT_STATES, f"no positions of the joints {', '.join(p + '*' for p in prefixes)} "
                            f"on {self.topic} within {wait_s:g} s")
         return found
 

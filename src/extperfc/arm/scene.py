@@ -1,4 +1,4 @@
-"""What arms must not touch, and what hands hold."""
+"""The planning scene: collision objects and objects that grippers hold."""
 
 import pathlib
 import struct
@@ -56,7 +56,7 @@ class Scene:
         self.apply([SceneObject(operation=SceneObject.REMOVE, name=_named(name))])
 
     def clear(self):
-        """Removes everything, also from the hands."""
+        """Removes all objects, including held ones."""
         self.apply([SceneObject(operation=SceneObject.REMOVE)])
 
     def attach(self, name, link, touch_links=()):
@@ -68,14 +68,14 @@ class Scene:
         self.apply([SceneObject(operation=SceneObject.DETACH, name=_named(name))])
 
     def apply(self, objects):
-        """extperfc/SceneObject messages: all of them or, where something is wrong, none."""
+        """extperfc/SceneObject messages: applies all of them or, on an error, none."""
         answer = self._apply(objects=objects)
         if not answer.success:
             raise ArmError(ArmCode.INVALID_REQUEST, answer.message)
 
     @property
     def objects(self):
-        """{name: extperfc/SceneObject}, each with its pose in a frame of its own; operation ATTACH for what hands hold."""
+        """{name: extperfc/SceneObject}, each with its pose in its frame; operation ATTACH for held objects."""
         return {found.name: found for found in self._get().objects}
 
     def _add(self, name, kind, dimensions, count, pose, frame, label):
@@ -136,14 +136,14 @@ def read_mesh(address):
 
 
 def _stl_corners(data, path):
-    """Three corners per triangle (3 M, 3). A file that has the size of a binary one is one, whatever it begins with."""
+    """Three corners per triangle (3 M, 3). A file that has the size of a binary one is one, independent of its first bytes."""
     if len(data) >= 84 and len(data) == 84 + 50 * struct.unpack_from("<I", data, 80)[0]:
         records = numpy.frombuffer(data, numpy.dtype([("normal", "<f4", 3), ("corners", "<f4", (3, 3)), ("rest", "<u2")]),
                                    offset=84)
         return records["corners"].reshape(-1, 3).astype(float)
-    words = [line.split() for line in data.decode(errors="replace").splitlines()]
+    tokens = [line.split() for line in data.decode(errors="replace").splitlines()]
     try:
-        corners = numpy.array([[float(v) for v in line[1:4]] for line in words if line[:1] == ["vertex"]], float)
+        corners = numpy.array([[float(v) for v in line[1:4]] for line in tokens if line[:1] == ["vertex"]], float)
     except ValueError:
         raise ValueError(f"{path}: neither a binary nor a text STL file") from None
     if corners.ndim != 2 or corners.shape[1] != 3 or len(corners) % 3:
@@ -156,11 +156,11 @@ def _obj_corners(text, path):
     vertices, corners = [], []
     try:
         for line in text.splitlines():
-            words = line.split()
-            if words[:1] == ["v"]:
-                vertices.append([float(v) for v in words[1:4]])
-            elif words[:1] == ["f"]:
-                numbers = [int(word.split("/")[0]) for word in words[1:]]
+            tokens = line.split()
+            if tokens[:1] == ["v"]:
+                vertices.append([float(v) for v in tokens[1:4]])
+            elif tokens[:1] == ["f"]:
+                numbers = [int(token.split("/")[0]) for token in tokens[1:]]
                 face = [vertices[n - 1 if n > 0 else len(vertices) + n] for n in numbers]
                 for i in range(1, len(face) - 1):
                     corners += [face[0], face[i], face[i + 1]]

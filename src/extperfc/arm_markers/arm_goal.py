@@ -1,4 +1,4 @@
-"""One arm's goal in rviz: where it is, the ghost of the arm there, and what is said of it."""
+"""One arm's goal in rviz: its pose, the ghost of the arm there, and its text."""
 
 import threading
 
@@ -8,7 +8,7 @@ from extperfc.arm_markers.ghost import Ghost, array, text_marker
 from extperfc.arm_markers.goal import Newest, view_of
 
 TEXT_GOOD, TEXT_BAD = (0.85, 1.0, 0.85, 1.0), (1.0, 0.45, 0.35, 1.0)
-TEXT_AT_M = (0.25, 0.0, 0.12)   # from the goal, in its frame: before the hand as seen from the front, since text can hide
+TEXT_AT_M = (0.25, 0.0, 0.12)   # from the goal, in its frame: in front of the gripper, since text can hide
 LINE_LETTERS = 60
 
 

@@ -19,7 +19,7 @@ class Commands:
         self._start(which, "planning", self._plan_now)
 
     def execute(self, which):
-        """Executes what was planned last, of whichever arm."""
+        """Executes what was planned last, of any arm."""
         self._start(which, "moving", self._execute_now)
 
     def plan_and_execute(self, which):
@@ -32,7 +32,7 @@ class Commands:
         self._start(side, "opening", lambda who: self._arms[who].open() or "open")
 
     def close(self, side):
-        self._start(side, "closing", lambda who: "holds something" if self._arms[who].close() else "closed, holds nothing")
+        self._start(side, "closing", lambda who: "holds an object" if self._arms[who].close() else "closed, empty")
 
     def stop(self, which):
         threading.Thread(target=self._stop_now, args=(which,), daemon=True).start()
@@ -49,11 +49,11 @@ class Commands:
     def _plan_now(self, which):
         self._plan = None
         self._plan = self._arms[which].plan(self._goal_of(which), linear=self._linear)
-        return f"a way of {self._plan.duration_s:.1f} s, found in {1000 * self._plan.planning_time_s:.0f} ms"
+        return f"path of {self._plan.duration_s:.1f} s, planned in {1000 * self._plan.planning_time_s:.0f} ms"
 
     def _execute_now(self, which):
         if self._plan is None:
-            return "nothing is planned"
+            return "no plan yet"
         plan, self._plan = self._plan, None
         return self._moved(which, self._arms[which].execute(plan))
 

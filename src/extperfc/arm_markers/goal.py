@@ -37,8 +37,8 @@ def view_of(solve, last_joints):
 
 
 class Newest:
-    """Calls `work` with the newest thing put in, in a thread of its own and at most at a rate [Hz]; older things that
-    came in while it worked are left out."""
+    """Calls `work` with the latest item, in a separate thread and at most at a rate [Hz]; items that arrived in between
+    are skipped."""
 
     def __init__(self, work, rate_hz):
         self._work, self._period_s = work, 1.0 / rate_hz
@@ -46,9 +46,9 @@ class Newest:
         self._thread = threading.Thread(target=self._run, daemon=True)
         self._thread.start()
 
-    def put(self, thing):
+    def put(self, item):
         with self._changed:
-            self._waiting[:] = [thing]
+            self._waiting[:] = [item]
             self._changed.notify_all()
 
     def end(self):
@@ -64,9 +64,9 @@ class Newest:
                 self._changed.wait_for(lambda: self._waiting or self._ended)
                 if self._ended:
                     return
-                thing = self._waiting.pop()
+                item = self._waiting.pop()
             began = time.monotonic()
-            self._work(thing)
+            self._work(item)
             with self._changed:
                 self._changed.wait_for(lambda: self._ended, max(0.0, began + self._period_s - time.monotonic()))
 

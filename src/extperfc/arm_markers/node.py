@@ -4,7 +4,7 @@
   asks       the actions plan, move_arm and the grippers', the services arm/solve_ik and arm/stop
   offers     arm/goals (interactive markers: arm/goals/update, /update_full, /feedback)
   publishes  arm/goal_ghost (visualization_msgs/MarkerArray): each arm at its dragged goal, and what is said of it
-             arm/planned_path (visualization_msgs/MarkerArray): the planned motion, again and again, and the tools' ways
+             arm/planned_path (visualization_msgs/MarkerArray): the planned motion, repeatedly, and the paths of the tools
   parameters ~frame (base): of the goals, a link of the robot; ~ik_rate (15 Hz): of questions while dragging;
              ~named_states ([neutral, tuck, untuck]): of the menu
 """
@@ -27,7 +27,7 @@ from extperfc.robot_description import RobotDescription
 
 
 class Refused(Exception):
-    """The node cannot start so; the text says why."""
+    """The node cannot start; the text says why."""
 
 
 def read_parameters():
@@ -40,7 +40,7 @@ def read_parameters():
         raise Refused(f"robot_description: {error}") from None
     frame, rate_hz = rospy.get_param("~frame", goals.DEFAULT_FRAME), float(rospy.get_param("~ik_rate", 15.0))
     if frame not in robot.links:
-        raise Refused(f"~frame: {frame} is no link of the robot")
+        raise Refused(f"~frame: {frame} is not a link of the robot")
     if not 0.1 <= rate_hz <= 200:
         raise Refused(f"~ik_rate: {rate_hz} is out of [0.1, 200] Hz")
     return robot, frame, rate_hz, list(rospy.get_param("~named_states", ["neutral", "tuck", "untuck"]))
@@ -72,12 +72,12 @@ class ArmMarkers:
         self._subscriber = rospy.Subscriber("arm/display_trajectory", JointTrajectory, self._on_trajectory, queue_size=1)
 
     def _await_joints(self, sides):
-        """Until every joint of the arms was heard of."""
+        """Waits until every joint of the arms was published."""
         wanted = {name for side in sides for name in self._robot.joints_above(goals.tip_of(side))}
         waited = 0
         while not wanted <= set(self._listener.positions()):
             if rospy.is_shutdown():
-                raise Refused("ended before the joints were heard of")
+                raise Refused("shut down before joint states arrived")
             if waited == 100:
                 rospy.logwarn("waiting for the arms' joints on %s", self._listener.topic)
             waited += 1
@@ -99,7 +99,7 @@ class ArmMarkers:
             rospy.logwarn("arm/display_trajectory: %s", error)
 
     def _on_moved(self, which):
-        """The arms are somewhere else: no way ahead of them, and goals where the tools are."""
+        """The arms have moved: clears the planned path and moves the goals to the tools."""
         self._player.clear()
         for side in goals.SIDES if which == "both" else (which,):
             self._settle(side)

@@ -10,12 +10,12 @@
 #include <ros/console.h>
 #include <ros/node_handle.h>
 
-#include "ros/arm/ending.hpp"
-#include "ros/arm/executor.hpp"
+#include "ros/arm/motion_callbacks.hpp"
+#include "ros/arm/status.hpp"
 
 namespace extperfc::arm_node {
 
-/// An action whose goals are worked off one after the other in a thread of its own; a newer goal preempts.
+/// An action server that executes its goals one after the other in a separate thread; a newer goal preempts.
 /// Results need `code` and `message`, feedback `stage`.
 template <typename Action>
 class ActionRunner {
@@ -24,8 +24,9 @@ class ActionRunner {
   using Goal = typename Server::GoalConstPtr::element_type;
   using Result = typename Action::_action_result_type::_result_type;
   using Feedback = typename Action::_action_feedback_type::_feedback_type;
-  /// Fills the result but for code and message. The hooks' `interrupted` covers cancelling and preemption.
-  using Work = std::function<Ending(const Goal& goal, const Hooks& hooks, Result& result)>;
+  /// Fills the result except for code and message. The callbacks' cancel token covers cancelling and
+  /// preemption.
+  using Work = std::function<Status(const Goal& goal, const MotionCallbacks& callbacks, Result& result)>;
 
   ActionRunner(const ros::NodeHandle& handle, const std::string& name, Work work)
       : work_(std::move(work)),
@@ -33,25 +34,25 @@ class ActionRunner {
             handle, name, [this](const typename Server::GoalConstPtr& goal) { run(*goal); }, false) {
     server_.start();
   }
-  /// Ends what runs.
+  /// Cancels the running goal.
   ~ActionRunner() {
     closing_ = true;
     try {
       server_.shutdown();
     } catch (const std::exception& error) {
-      ROS_ERROR_STREAM("an action server does not shut down: " << error.what());
+      ROS_ERROR_STREAM("action server does not shut down: " << error.what());
     }
   }
   ActionRunner(const ActionRunner&) = delete;
   ActionRunner& operator=(const ActionRunner&) = delete;
 
  private:
-  [[nodiscard]] std::optional<Ending> interrupted() {
+  [[nodiscard]] std::optional<Status> cancel_reason() {
     using arm::ArmCode;
-    if (closing_) return Ending{ArmCode::kCancelled, "the node ends"};
+    if (closing_) return Status{ArmCode::kCancelled, "the node shuts down"};
     if (!server_.isPreemptRequested()) return std::nullopt;
-    if (server_.isNewGoalAvailable()) return Ending{ArmCode::kPreempted, "a newer goal came"};
-    return Ending{ArmCode::kCancelled, "cancelled"};
+    if (server_.isNewGoalAvailable()) return Status{ArmCode::kPreempted, "preempted by a newer goal"};
+    return Status{ArmCode::kCancelled, "cancelled"};
   }
 
   void report(const std::string& stage, double executed) {
@@ -69,20 +70,19 @@ class ActionRunner {
 
   void run(const Goal& goal) {
     Result result;
-    Ending ending;
-    const Hooks hooks{[this] { return interrupted(); },
-                      [this](const std::string& stage, double executed) { report(stage, executed); },
-                      {},
-                      {}};
+    Status status;
+    MotionCallbacks callbacks;
+    callbacks.cancel.add([this] { return cancel_reason(); });
+    callbacks.progress = [this](const std::string& stage, double executed) { report(stage, executed); };
     try {
-      ending = work_(goal, hooks, result);
+      status = work_(goal, callbacks, result);
     } catch (const std::exception& error) {
-      ending = {arm::ArmCode::kInternal, error.what()};
+      status = {arm::ArmCode::kInternal, error.what()};
     }
-    result.code = static_cast<int>(ending.code);
-    result.message = ending.message;
-    const std::string text = std::string(to_string(ending.code)) + ": " + ending.message;
-    if (ending.code == arm::ArmCode::kSuccess)
+    result.code = static_cast<int>(status.code);
+    result.message = status.message;
+    const std::string text = std::string(to_string(status.code)) + ": " + status.message;
+    if (status.code == arm::ArmCode::kSuccess)
       server_.setSucceeded(result, text);
     else if (server_.isPreemptRequested())
       server_.setPreempted(result, text);

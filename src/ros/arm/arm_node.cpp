@@ -38,16 +38,17 @@ Result<std::unique_ptr<ArmNode>> ArmNode::make(const ros::NodeHandle& handle,
   if (!grasper) return tl::unexpected(grasper.error());
   node->grasper_ = std::move(*grasper);
   if (params->depth.enabled) {
-    auto depth = DepthWatch::make({node->arms_, node->frames_, node->scene_, params->world_frame,
-                                   [own = node.get()] { own->publish_scene(); }},
-                                  params->depth);
+    auto depth =
+        DepthObstacleMonitor::make({node->arms_, node->transforms_, node->scene_, params->world_frame,
+                                    [own = node.get()] { own->publish_scene(); }},
+                                   params->depth);
     if (!depth) return tl::unexpected(depth.error());
     node->depth_ = std::move(*depth);
   }
   if (params->objects.enabled) {
-    auto objects = ObjectWatch::make({node->arms_, node->frames_, node->scene_, params->world_frame,
-                                      [own = node.get()] { own->on_scene_changed(); }},
-                                     params->objects);
+    auto objects = ObjectMonitor::make({node->arms_, node->transforms_, node->scene_, params->world_frame,
+                                        [own = node.get()] { own->on_scene_changed(); }},
+                                       params->objects);
     if (!objects) return tl::unexpected(objects.error());
     node->objects_ = std::move(*objects);
   }
@@ -60,17 +61,17 @@ ArmNode::ArmNode(const ros::NodeHandle& handle, const ros::NodeHandle& private_h
     : handle_(handle),
       params_(params),
       arms_(std::move(arms)),
-      watch_(handle, {params.execution.joint_state_timeout_s, params.execution.robot_state}),
-      frames_(arms_, watch_, params.transform_timeout_s),
-      scene_(frames_, params.world_frame),
-      executor_(handle, arms_, watch_, scene_, params.execution, params.controllers),
-      planner_({params_, arms_, watch_, frames_, scene_, executor_}),
+      robot_state_(handle, {params.execution.joint_state_timeout_s, params.execution.robot_state}),
+      transforms_(arms_, robot_state_, params.transform_timeout_s),
+      scene_(transforms_, params.world_frame),
+      executor_(handle, arms_, robot_state_, scene_, params.execution, params.controllers),
+      planner_({params_, arms_, robot_state_, transforms_, scene_, executor_}),
       mover_(planner_.shared()),
       server_(planner_.shared()),
       reporter_(handle, private_handle, name) {}
 
 ArmNode::~ArmNode() {
-  // First what runs, then what it uses.
+  // Running motions end before the members that they use.
   ++stops_;
   joggers_.clear();
   place_action_.reset();
@@ -90,19 +91,23 @@ void ArmNode::advertise() {
                handle_.advertiseService("arm/clear_depth", &ArmNode::on_clear_depth, this),
                handle_.advertiseService("arm/stop", &ArmNode::on_stop, this)};
   plan_action_ = std::make_unique<ActionRunner<extperfc::PlanAction>>(
-      handle_, "plan",
-      [this](const auto& goal, const Hooks& hooks, auto& result) { return plan(goal, hooks, result); });
+      handle_, "plan", [this](const auto& goal, const MotionCallbacks& callbacks, auto& result) {
+        return plan(goal, callbacks, result);
+      });
   move_action_ = std::make_unique<ActionRunner<extperfc::MoveArmAction>>(
-      handle_, "move_arm",
-      [this](const auto& goal, const Hooks& hooks, auto& result) { return move(goal, hooks, result); });
+      handle_, "move_arm", [this](const auto& goal, const MotionCallbacks& callbacks, auto& result) {
+        return move(goal, callbacks, result);
+      });
   pick_action_ = std::make_unique<ActionRunner<extperfc::PickAction>>(
-      handle_, "pick",
-      [this](const auto& goal, const Hooks& hooks, auto& result) { return pick(goal, hooks, result); });
+      handle_, "pick", [this](const auto& goal, const MotionCallbacks& callbacks, auto& result) {
+        return pick(goal, callbacks, result);
+      });
   place_action_ = std::make_unique<ActionRunner<extperfc::PlaceAction>>(
-      handle_, "place",
-      [this](const auto& goal, const Hooks& hooks, auto& result) { return place(goal, hooks, result); });
-  for (const auto& hand : params_.hands)
-    joggers_.push_back(std::make_unique<JogServer>(handle_, planner_.shared(), lease_, stops_, hand));
+      handle_, "place", [this](const auto& goal, const MotionCallbacks& callbacks, auto& result) {
+        return place(goal, callbacks, result);
+      });
+  for (const auto& gripper : params_.grippers)
+    joggers_.push_back(std::make_unique<JogServer>(handle_, planner_.shared(), lease_, stops_, gripper));
   reporter_.add("arms", [this](diagnostic_updater::DiagnosticStatusWrapper& status) { report(status); });
   if (depth_)
     reporter_.add("depth",
@@ -115,69 +120,72 @@ void ArmNode::advertise() {
   if (objects_) objects_->start(handle_);
 }
 
-Ending ArmNode::plan(const extperfc::PlanGoal& goal, const Hooks& hooks, extperfc::PlanResult& result) {
-  hooks.progress("planning", 0.0);
+Status ArmNode::plan(const extperfc::PlanGoal& goal, const MotionCallbacks& callbacks,
+                     extperfc::PlanResult& result) {
+  callbacks.progress("planning", 0.0);
   auto request = planner_.read(goal.request);
   if (!request) return request.error();
-  std::optional<Ending> stopped;
+  std::optional<Status> stopped;
   request->cancelled = [&] {
-    if (!stopped) stopped = hooks.interrupted();
+    if (!stopped) stopped = callbacks.cancel.reason();
     return stopped.has_value();
   };
   const auto outcome = planner_.plan(*request);
   result.fraction = outcome.fraction;
   result.planning_time = outcome.times.sum_s();
-  Ending ending = stopped ? *stopped : Ending{outcome.code, outcome.message};
-  note("plan", ending);
-  if (ending.code != ArmCode::kSuccess) return ending;
+  Status status = stopped ? *stopped : Status{outcome.code, outcome.message};
+  note("plan", status);
+  if (status.code != ArmCode::kSuccess) return status;
   result.trajectory = convert::to_message(outcome.joints, outcome.points);
   trajectory_publisher_.publish(result.trajectory);
-  return ending;
+  return status;
 }
 
-Hooks ArmNode::with_stops(const Hooks& hooks, const ArmsLease::Hold& hold) {
-  const auto stops = stops_.load();
-  return {[this, &hooks, &hold, stops]() -> std::optional<Ending> {
-            if (stops_ != stops) return Ending{ArmCode::kCancelled, "stopped by arm/stop"};
-            if (hold.superseded()) return Ending{ArmCode::kPreempted, "a newer motion was asked for"};
-            return hooks.interrupted();
-          },
-          hooks.progress,
-          {},
-          [this](const trajectory_msgs::JointTrajectory& trajectory) {
-            trajectory_publisher_.publish(trajectory);
-          }};
+MotionCallbacks ArmNode::with_stops(const MotionCallbacks& callbacks, const ArmsLease::Hold& hold) {
+  MotionCallbacks changed = callbacks;
+  changed.cancel.add([this, &hold, stops = stops_.load()]() -> std::optional<Status> {
+    if (stops_ != stops) return Status{ArmCode::kCancelled, "stopped by arm/stop"};
+    if (hold.superseded()) return Status{ArmCode::kPreempted, "preempted by a newer motion"};
+    return std::nullopt;
+  });
+  changed.planned = [this](const trajectory_msgs::JointTrajectory& trajectory) {
+    trajectory_publisher_.publish(trajectory);
+  };
+  return changed;
 }
 
-Ending ArmNode::pick(const extperfc::PickGoal& goal, const Hooks& hooks, extperfc::PickResult& result) {
+Status ArmNode::pick(const extperfc::PickGoal& goal, const MotionCallbacks& callbacks,
+                     extperfc::PickResult& result) {
   const auto hold = lease_.take();
-  const Hooks stops = with_stops(hooks, hold);
-  const auto interrupted = stops.interrupted();
-  Ending ending = interrupted ? *interrupted : grasper_->pick(goal, stops, result);
+  const MotionCallbacks stops = with_stops(callbacks, hold);
+  const auto cancelled = stops.cancel.reason();
+  Status status = cancelled ? *cancelled : grasper_->pick(goal, stops, result);
   publish_scene();
-  note("pick", ending);
-  return ending;
+  note("pick", status);
+  return status;
 }
 
-Ending ArmNode::place(const extperfc::PlaceGoal& goal, const Hooks& hooks, extperfc::PlaceResult& result) {
+Status ArmNode::place(const extperfc::PlaceGoal& goal, const MotionCallbacks& callbacks,
+                      extperfc::PlaceResult& result) {
   const auto hold = lease_.take();
-  const Hooks stops = with_stops(hooks, hold);
-  const auto interrupted = stops.interrupted();
-  Ending ending = interrupted ? *interrupted : grasper_->place(goal, stops, result);
+  const MotionCallbacks stops = with_stops(callbacks, hold);
+  const auto cancelled = stops.cancel.reason();
+  Status status = cancelled ? *cancelled : grasper_->place(goal, stops, result);
   publish_scene();
-  note("place", ending);
-  return ending;
+  note("place", status);
+  return status;
 }
 
-Ending ArmNode::move(const extperfc::MoveArmGoal& goal, const Hooks& hooks, extperfc::MoveArmResult& result) {
+Status ArmNode::move(const extperfc::MoveArmGoal& goal, const MotionCallbacks& callbacks,
+                     extperfc::MoveArmResult& result) {
   const auto hold = lease_.take();
-  const Hooks stops = with_stops(hooks, hold);
-  if (const auto ended = stops.interrupted()) return *ended;
+  const MotionCallbacks stops = with_stops(callbacks, hold);
+  if (const auto cancelled = stops.cancel.reason()) return *cancelled;
   Moved moved;
   if (!goal.trajectory.points.empty() || !goal.trajectory.joint_names.empty()) {
     moved = mover_.execute(goal.trajectory, stops);
   } else if (auto request = mover_.read(goal.request); !request) {
-    moved.ending = request.error();
+    moved.status = request.error();
   } else {
     moved = mover_.move(std::move(*request), goal.replans, stops);
   }
@@ -185,15 +193,15 @@ Ending ArmNode::move(const extperfc::MoveArmGoal& goal, const Hooks& hooks, extp
   result.fraction = moved.fraction;
   result.executed = moved.executed;
   result.replans = moved.replans;
-  note("move_arm", moved.ending);
-  return moved.ending;
+  note("move_arm", moved.status);
+  return moved.status;
 }
 
-void ArmNode::note(const char* what, const Ending& ending) {
+void ArmNode::note(const char* what, const Status& status) {
   const std::lock_guard lock(note_mutex_);
-  last_ = std::string(what) + ": " + to_string(ending.code) +
-          (ending.message.empty() ? "" : ", " + ending.message);
-  last_failed_ = ending.code != ArmCode::kSuccess;
+  last_ = std::string(what) + ": " + to_string(status.code) +
+          (status.message.empty() ? "" : ", " + status.message);
+  last_failed_ = status.code != ArmCode::kSuccess;
   if (last_failed_)
     ROS_WARN_STREAM(last_);
   else
@@ -238,7 +246,7 @@ bool ArmNode::on_check_state(extperfc::CheckArmState::Request& request,
   extperfc::ArmRequest asked;
   asked.group = request.group;
   asked.start = request.joints;
-  asked.named_state = "-";  // no goal is needed to look at a start
+  asked.named_state = "-";  // a check of the start needs no goal
   const auto state = server_.read(asked);
   if (!state) return answer(state.error().code, state.error().message);
   const auto world = scene_.world();
@@ -268,9 +276,9 @@ bool ArmNode::on_solve_ik(extperfc::SolveArmIk::Request& request, extperfc::Solv
   asked.group = request.group;
   asked.start = request.seed;
   asked.tool_goals = {request.goal};
-  const auto answer = [&](const Ending& ending) {
-    response.code = static_cast<int>(ending.code);
-    response.message = ending.message;
+  const auto answer = [&](const Status& status) {
+    response.code = static_cast<int>(status.code);
+    response.message = status.message;
     return true;
   };
   const auto read = server_.read(asked);
@@ -285,7 +293,7 @@ bool ArmNode::on_solve_ik(extperfc::SolveArmIk::Request& request, extperfc::Solv
 bool ArmNode::on_stop(std_srvs::Trigger::Request&, std_srvs::Trigger::Response& response) {
   ++stops_;
   response.success = 1U;
-  response.message = "whatever moves stops";
+  response.message = "stopping all motions of the arms";
   return true;
 }
 
@@ -300,9 +308,10 @@ void ArmNode::report(diagnostic_updater::DiagnosticStatusWrapper& status) {
     const std::lock_guard lock(note_mutex_);
     status.add("last request", last_.empty() ? "none" : last_);
   }
-  if (const auto positions = watch_.positions(); !positions)
+  if (const auto positions = robot_state_.positions(); !positions)
     status.mergeSummary(DiagnosticStatus::WARN, positions.error().message);
-  if (const auto obstacle = watch_.obstacle()) status.mergeSummary(DiagnosticStatus::WARN, obstacle->message);
+  if (const auto not_ready = robot_state_.not_ready_reason())
+    status.mergeSummary(DiagnosticStatus::WARN, not_ready->message);
   status.add("changes of the scene", scene_.version());
 }
 

@@ -17,11 +17,11 @@
 
 #include "ros/arm/action_runner.hpp"
 #include "ros/arm/arms_lease.hpp"
-#include "ros/arm/commander.hpp"
-#include "ros/arm/depth_watch.hpp"
+#include "ros/arm/depth_obstacle_monitor.hpp"
 #include "ros/arm/grasper.hpp"
 #include "ros/arm/jog_server.hpp"
-#include "ros/arm/object_watch.hpp"
+#include "ros/arm/object_monitor.hpp"
+#include "ros/arm/plan_execution.hpp"
 #include "ros/health/reporter.hpp"
 #include "ros/params/arm_params.hpp"
 
@@ -30,42 +30,44 @@ namespace extperfc::arm_node {
 /// Plans and executes motions of the robot's arms.
 ///
 /// Actions (result codes: extperfc/ArmCode):
-///   plan        extperfc/PlanAction: a trajectory, nothing moves
+///   plan        extperfc/PlanAction: plans a trajectory without moving
 ///   move_arm    extperfc/MoveArmAction: plans and executes, or executes a trajectory. A newer goal, also of
 ///               another of the actions that move, stops the older one, which ends preempted
-///   pick        extperfc/PickAction: grasps a thing of the scene and lifts it
-///   place       extperfc/PlaceAction: puts it down
+///   pick        extperfc/PickAction: grasps an object of the scene and lifts it
+///   place       extperfc/PlaceAction: places the held object
 /// Services:
-///   arm/apply_scene   extperfc/ApplyScene: what arms must not touch; attached things
+///   arm/apply_scene   extperfc/ApplyScene: changes collision objects and attached objects
 ///   arm/get_scene     extperfc/GetScene
 ///   arm/check_state   extperfc/CheckArmState
 ///   arm/solve_ik      extperfc/SolveArmIk
-///   arm/stop          std_srvs/Trigger: whatever moves stops, its goal ends as cancelled
-///   arm/clear_depth   std_srvs/Empty: what the depth camera saw is forgotten, as when apply_scene removes
+///   arm/stop          std_srvs/Trigger: stops all motions; their goals end as cancelled
+///   arm/clear_depth   std_srvs/Empty: clears what the depth camera saw, as apply_scene does when it removes
 ///   all
 /// Subscribes:
 ///   robot/joint_states   sensor_msgs/JointState
 ///   robot/state          baxter_core_msgs/AssemblyState, with execution/robot_state
-///   /tf, /tf_static      for poses in frames that are no links of the robot
-///   a depth camera's pictures, with depth/enabled: see DepthWatch
-///   a detector's objects, with objects/enabled: see ObjectWatch
+///   /tf, /tf_static      for poses in frames that are not links of the robot
+///   a depth camera's images, with depth/enabled: see DepthObstacleMonitor
+///   a detector's objects, with objects/enabled: see ObjectMonitor
 /// Publishes:
-///   arm/display_trajectory   trajectory_msgs/JointTrajectory, latched: planned last
-///   arm/markers              visualization_msgs/MarkerArray, latched: the scene, when it changes
+///   arm/display_trajectory   trajectory_msgs/JointTrajectory, latched: the last plan
+///   arm/markers              visualization_msgs/MarkerArray, latched: the scene, after every change
 ///   diagnostics              diagnostic_msgs/DiagnosticArray
-/// Jogging: topics arm/<hand>/jog_joints, jog_twist and jog_status, see JogServer
+/// Jogging: topics arm/<gripper>/jog_joints, jog_twist and jog_status, see JogServer
 /// Uses the actions robot/limb/<side>/follow_joint_trajectory (control_msgs/FollowJointTrajectory) and
 ///   robot/end_effector/<side>_gripper/gripper_action (control_msgs/GripperCommand).
-/// Parameters (private; unknown keys are refused): config/arm.yaml has them with units and ranges. The robot
-///   is the parameter robot_description, its groups are those of an SRDF file.
-/// Frames: poses may be in any frame that tf joins to the robot's root link. Things of the scene stand still
-///   in world_frame.
-/// Diagnostics: WARN without joint states, while the robot is not enabled; what the last request came to.
+/// Parameters (private; unknown keys are errors): config/arm.yaml lists them with units and ranges. The robot
+/// is the
+///   parameter robot_description, its groups are those of an SRDF file.
+/// Frames: poses may be in any frame that tf connects to the robot's root link. Objects of the scene stand
+/// still in
+///   world_frame.
+/// Diagnostics: WARN without joint states and while the robot is not enabled; result of the last request.
 /// Threads: one for each action, services and callbacks in the node handle's queue, which needs more than
 ///   one thread.
 class ArmNode {
  public:
-  /// Errors: every bad parameter at once, a robot or SRDF that cannot be read or does not fit.
+  /// Errors: all invalid parameters at once, a robot or SRDF that cannot be read or does not match.
   [[nodiscard]] static Result<std::unique_ptr<ArmNode>> make(const ros::NodeHandle& handle,
                                                              const ros::NodeHandle& private_handle,
                                                              const std::string& name);
@@ -78,13 +80,15 @@ class ArmNode {
           const ros_params::ArmNodeParams& params, arm::RobotArms arms, const std::string& name);
   void advertise();
 
-  Ending plan(const extperfc::PlanGoal& goal, const Hooks& hooks, extperfc::PlanResult& result);
-  Ending move(const extperfc::MoveArmGoal& goal, const Hooks& hooks, extperfc::MoveArmResult& result);
-  Ending pick(const extperfc::PickGoal& goal, const Hooks& hooks, extperfc::PickResult& result);
-  Ending place(const extperfc::PlaceGoal& goal, const Hooks& hooks, extperfc::PlaceResult& result);
-  /// The hooks, and what else ends a motion: a newer one, and arm/stop.
-  [[nodiscard]] Hooks with_stops(const Hooks& hooks, const ArmsLease::Hold& hold);
-  void note(const char* what, const Ending& ending);
+  Status plan(const extperfc::PlanGoal& goal, const MotionCallbacks& callbacks, extperfc::PlanResult& result);
+  Status move(const extperfc::MoveArmGoal& goal, const MotionCallbacks& callbacks,
+              extperfc::MoveArmResult& result);
+  Status pick(const extperfc::PickGoal& goal, const MotionCallbacks& callbacks, extperfc::PickResult& result);
+  Status place(const extperfc::PlaceGoal& goal, const MotionCallbacks& callbacks,
+               extperfc::PlaceResult& result);
+  /// The callbacks, with a token that a newer motion and arm/stop cancel, too.
+  [[nodiscard]] MotionCallbacks with_stops(const MotionCallbacks& callbacks, const ArmsLease::Hold& hold);
+  void note(const char* what, const Status& status);
 
   bool on_apply_scene(extperfc::ApplyScene::Request& request, extperfc::ApplyScene::Response& response);
   bool on_get_scene(extperfc::GetScene::Request&, extperfc::GetScene::Response& response);
@@ -92,7 +96,7 @@ class ArmNode {
   bool on_solve_ik(extperfc::SolveArmIk::Request& request, extperfc::SolveArmIk::Response& response);
   bool on_clear_depth(std_srvs::Empty::Request&, std_srvs::Empty::Response&);
   bool on_stop(std_srvs::Trigger::Request&, std_srvs::Trigger::Response& response);
-  /// After every change but the grasper's own and the depth camera's.
+  /// Called after changes by services and detections, not by the grasper or the depth camera.
   void on_scene_changed();
   void publish_scene();
   void report(diagnostic_updater::DiagnosticStatusWrapper& status);
@@ -100,16 +104,16 @@ class ArmNode {
   ros::NodeHandle handle_;
   const ros_params::ArmNodeParams params_;
   const arm::RobotArms arms_;
-  RobotWatch watch_;
-  FrameFinder frames_;
-  SceneKeeper scene_;
+  RobotStateMonitor robot_state_;
+  TransformLookup transforms_;
+  PlanningScene scene_;
   Executor executor_;
   ArmsLease lease_;
   std::atomic<std::uint64_t> stops_{0};  ///< calls of arm/stop
-  Commander planner_;                    ///< of the action plan
-  Commander mover_;                      ///< of the actions that move, under the lease
+  PlanExecution planner_;                ///< of the action plan
+  PlanExecution mover_;                  ///< of the actions that move, under the lease
   std::mutex service_mutex_;
-  Commander server_;  ///< of services, under service_mutex_
+  PlanExecution server_;  ///< of services, under service_mutex_
 
   std::mutex note_mutex_;
   std::string last_;
@@ -117,8 +121,8 @@ class ArmNode {
 
   ros::Publisher trajectory_publisher_;
   ros::Publisher marker_publisher_;
-  std::unique_ptr<DepthWatch> depth_;     ///< nothing without depth/enabled
-  std::unique_ptr<ObjectWatch> objects_;  ///< nothing without objects/enabled
+  std::unique_ptr<DepthObstacleMonitor> depth_;  ///< nullptr without depth/enabled
+  std::unique_ptr<ObjectMonitor> objects_;       ///< nullptr without objects/enabled
   std::vector<ros::ServiceServer> services_;
   health::Reporter reporter_;
   std::unique_ptr<ActionRunner<extperfc::PlanAction>> plan_action_;

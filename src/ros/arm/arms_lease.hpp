@@ -6,10 +6,10 @@
 
 namespace extperfc::arm_node {
 
-/// Who may move the arms: one at a time, and the newest who asks. Thread-safe.
+/// Permission to move the arms: one holder at a time; the latest request supersedes older ones. Thread-safe.
 class ArmsLease {
  public:
-  /// The right to move, until it is destroyed.
+  /// The permission, until it is destroyed.
   class Hold {
    public:
     Hold(ArmsLease& lease, std::uint64_t ticket, bool holds)
@@ -19,7 +19,8 @@ class ArmsLease {
     ~Hold() {
       if (holds_) lease_.give_back();
     }
-    /// Somebody newer waits: stop soon. From the start on when it came while this one waited.
+    /// True when a newer request waits: the motion must stop. True from the start when it arrived while this
+    /// one waited.
     [[nodiscard]] bool superseded() const { return lease_.newest() != ticket_; }
 
    private:
@@ -28,7 +29,7 @@ class ArmsLease {
     const bool holds_;
   };
 
-  /// Waits until the holder before has let go, or until somebody newer comes.
+  /// Waits until the previous holder ends, or until a newer request arrives.
   [[nodiscard]] Hold take() {
     std::unique_lock lock(mutex_);
     const std::uint64_t ticket = ++newest_;

@@ -7,28 +7,29 @@
 
 #include "extperfc/arm/cartesian_path.hpp"
 
-#include "ros/arm/commander.hpp"
+#include "ros/arm/plan_execution.hpp"
 
 namespace extperfc::arm_node {
 
-constexpr double kLeastApproach = 0.5;  ///< share of approach and lowering where there is no room for all
+constexpr double kMinApproach = 0.5;  ///< fraction of approach and descent that is accepted in tight places
 
-/// The hooks of a part of a motion: its name is reported as the stage.
-inline Hooks with(const Hooks& hooks, const char* stage, std::function<void(arm::CollisionWorld&)> allow) {
-  Hooks changed = hooks;
+/// The callbacks of a part of a motion: its name is reported as the stage.
+inline MotionCallbacks with_stage(const MotionCallbacks& callbacks, const char* stage,
+                                  std::function<void(arm::CollisionWorld&)> allow) {
+  MotionCallbacks changed = callbacks;
   changed.allow = std::move(allow);
-  const auto report = hooks.progress;
+  const auto report = callbacks.progress;
   changed.progress = [report, stage](const std::string&, double executed) {
     if (report) report(stage, executed);
   };
   return changed;
 }
 
-/// The way that starts where another one ended; empty when there is none.
-inline std::vector<arm::JointVector> way_on(const std::vector<std::vector<arm::JointVector>>& ways,
-                                            const arm::JointVector& from) {
-  for (const auto& way : ways)
-    if (way.front().isApprox(from, 1e-9)) return way;
+/// The path that starts at `from`; empty if there is none.
+inline std::vector<arm::JointVector> path_from(const std::vector<std::vector<arm::JointVector>>& paths,
+                                               const arm::JointVector& from) {
+  for (const auto& path : paths)
+    if (path.front().isApprox(from, 1e-9)) return path;
   return {};
 }
 
@@ -39,7 +40,7 @@ inline arm::JointPositions by_name(const arm::ArmChain& chain, const arm::JointV
   return positions;
 }
 
-/// Many candidates are tried: none shall cost much.
+/// Parameters with a small time limit, because many candidates are tried.
 inline arm::CartesianParams quick() {
   arm::CartesianParams params;
   params.max_attempts = 4;
@@ -47,12 +48,12 @@ inline arm::CartesianParams quick() {
   return params;
 }
 
-inline Ending success() {
+inline Status success() {
   return {arm::ArmCode::kSuccess, ""};
 }
 
-inline bool failed(const Ending& ending) {
-  return ending.code != arm::ArmCode::kSuccess;
+inline bool failed(const Status& status) {
+  return status.code != arm::ArmCode::kSuccess;
 }
 
 inline double or_else(double value, double instead) {

@@ -7,7 +7,7 @@ using arm::ArmCode;
 namespace {
 
 constexpr double kOpen = 100.0, kClosed = 0.0;  // [%]
-/// Fingers that hold nothing come nearer to each other than this [%].
+/// Empty fingers close to less than this [%].
 constexpr double kNothing = 3.0;
 
 }  // namespace
@@ -18,26 +18,27 @@ Gripper::Gripper(const ros::NodeHandle& handle, const std::string& action, const
   client_ = std::make_unique<Client>(own, action, false);
 }
 
-tl::expected<void, Ending> Gripper::open(const Hooks& hooks) {
-  const auto result = move(kOpen, hooks);
+tl::expected<void, Status> Gripper::open(const MotionCallbacks& callbacks) {
+  const auto result = move(kOpen, callbacks);
   if (!result) return tl::unexpected(result.error());
   return {};
 }
 
-tl::expected<bool, Ending> Gripper::close(const Hooks& hooks) {
-  const auto result = move(kClosed, hooks);
+tl::expected<bool, Status> Gripper::close(const MotionCallbacks& callbacks) {
+  const auto result = move(kClosed, callbacks);
   if (!result) return tl::unexpected(result.error());
   return result->stalled != 0 && result->position > kNothing;
 }
 
-tl::expected<control_msgs::GripperCommandResult, Ending> Gripper::move(double percent, const Hooks& hooks) {
+tl::expected<control_msgs::GripperCommandResult, Status> Gripper::move(double percent,
+                                                                       const MotionCallbacks& callbacks) {
   const auto until = ros::WallTime::now() + ros::WallDuration(params_.timeout_s);
   const auto late = [&] { return ros::WallTime::now() > until || !ros::ok(); };
   const auto failed = [&](const std::string& why) {
-    return end(ArmCode::kGripperFailed, action_ + ": " + why);
+    return failure(ArmCode::kGripperFailed, action_ + ": " + why);
   };
   while (!client_->isServerConnected()) {
-    if (late()) return failed("nobody answers: is there an electric gripper?");
+    if (late()) return failed("no action server: is an electric gripper mounted and its driver running?");
     ros::WallDuration(0.02).sleep();
   }
   control_msgs::GripperCommandGoal goal;
@@ -45,12 +46,11 @@ tl::expected<control_msgs::GripperCommandResult, Ending> Gripper::move(double pe
   goal.command.max_effort = params_.effort_percent;
   client_->sendGoal(goal);
   while (!client_->getState().isDone()) {
-    std::optional<Ending> why;
-    if (hooks.interrupted) why = hooks.interrupted();
-    if (!why && late()) why = Ending{ArmCode::kGripperFailed, action_ + ": it does not come to an end"};
-    if (why) {
+    auto reason = callbacks.cancel.reason();
+    if (!reason && late()) reason = Status{ArmCode::kGripperFailed, action_ + ": the motion does not finish"};
+    if (reason) {
       client_->cancelGoal();
-      return tl::unexpected(*why);
+      return tl::unexpected(*reason);
     }
     ros::WallDuration(0.01).sleep();
   }

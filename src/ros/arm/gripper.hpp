@@ -7,8 +7,8 @@
 #include <control_msgs/GripperCommandAction.h>
 #include <ros/node_handle.h>
 
-#include "ros/arm/ending.hpp"
 #include "ros/arm/executor.hpp"
+#include "ros/arm/status.hpp"
 
 namespace extperfc::arm_node {
 
@@ -21,15 +21,15 @@ class Gripper {
   };
   Gripper(const ros::NodeHandle& handle, const std::string& action, const Params& params);
 
-  /// Ending: kGripperFailed, or what `hooks.interrupted` says.
-  [[nodiscard]] tl::expected<void, Ending> open(const Hooks& hooks);
-  /// Whether something is between the fingers.
-  [[nodiscard]] tl::expected<bool, Ending> close(const Hooks& hooks);
+  /// Errors: kGripperFailed, or the reason of `callbacks.cancel`.
+  [[nodiscard]] tl::expected<void, Status> open(const MotionCallbacks& callbacks);
+  /// True when an object is between the fingers. Errors as open().
+  [[nodiscard]] tl::expected<bool, Status> close(const MotionCallbacks& callbacks);
 
  private:
   using Client = actionlib::SimpleActionClient<control_msgs::GripperCommandAction>;
-  [[nodiscard]] tl::expected<control_msgs::GripperCommandResult, Ending> move(double percent,
-                                                                              const Hooks& hooks);
+  [[nodiscard]] tl::expected<control_msgs::GripperCommandResult, Status> move(
+      double percent, const MotionCallbacks& callbacks);
 
   const std::string action_;
   const Params params_;

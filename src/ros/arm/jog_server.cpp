@@ -15,8 +15,8 @@ using arm::JointVector;
 
 namespace {
 
-constexpr double kMoved = 0.005;     ///< of a joint of the rest of the robot: the checker is made anew [rad]
-constexpr double kCorrection = 4.0;  ///< velocity per distance from where the arm should be [1/s]
+constexpr double kMoved = 0.005;     ///< of another joint of the robot: the checker is rebuilt [rad]
+constexpr double kCorrection = 4.0;  ///< velocity per deviation from the wanted position [1/s]
 
 double now_s() {
   return ros::SteadyTime::now().toSec();
@@ -29,20 +29,20 @@ struct JogServer::Session {
   std::unique_ptr<arm::CollisionChecker> checker;
   std::optional<arm::Jogger> jogger;
   std::uint64_t scene{0};
-  arm::JointPositions looked_at;
+  arm::JointPositions checked_at;
 };
 
 JogServer::JogServer(ros::NodeHandle handle, const Shared& shared, ArmsLease& lease,
-                     const std::atomic<std::uint64_t>& stops, const ros_params::HandParams& hand)
+                     const std::atomic<std::uint64_t>& stops, const ros_params::GripperParams& gripper)
     : shared_(shared),
       lease_(lease),
       stops_(stops),
-      hand_(hand),
-      group_(**shared_.arms.group(hand_.group)),
+      gripper_(gripper),
+      group_(**shared_.arms.group(gripper_.group)),
       pipeline_(shared_.arms, shared_.params.pipeline) {
-  const std::string own = "arm/" + hand_.name + "/";
+  const std::string own = "arm/" + gripper_.name + "/";
   command_publisher_ =
-      handle.advertise<baxter_core_msgs::JointCommand>("robot/limb/" + hand_.name + "/joint_command", 1);
+      handle.advertise<baxter_core_msgs::JointCommand>("robot/limb/" + gripper_.name + "/joint_command", 1);
   status_publisher_ = handle.advertise<std_msgs::String>(own + "jog_status", 1, true);
   worker_ = std::thread([this] { work(); });
   joints_subscriber_ = handle.subscribe(own + "jog_joints", 1, &JogServer::on_joints, this);
@@ -65,11 +65,11 @@ void JogServer::on_joints(const control_msgs::JointJogConstPtr& message) {
   command.kind = JogCommand::Kind::kJoints;
   command.joint_velocity = JointVector::Zero(static_cast<Eigen::Index>(group_.joints.size()));
   if (message->joint_names.size() != message->velocities.size())
-    return tell("bad_input: jog_joints needs a velocity for each of its joints");
+    return report_status("bad_input: jog_joints needs a velocity for each of its joints");
   for (std::size_t i = 0; i < message->joint_names.size(); ++i) {
     const auto found = std::find(group_.joints.begin(), group_.joints.end(), message->joint_names[i]);
     if (found == group_.joints.end())
-      return tell("bad_input: " + message->joint_names[i] + " is no joint of " + group_.name);
+      return report_status("bad_input: " + message->joint_names[i] + " is not a joint of " + group_.name);
     command.joint_velocity[found - group_.joints.begin()] = message->velocities[i];
   }
   accept(command);
@@ -82,9 +82,9 @@ void JogServer::on_twist(const geometry_msgs::TwistStampedConstPtr& message) {
   command.twist << linear.x, linear.y, linear.z, angular.x, angular.y, angular.z;
   const auto& frame = message->header.frame_id;
   command.kind = JogCommand::Kind::kTwistTip;
-  if (!frame.empty() && frame != hand_.tip) {
-    const auto root_T_frame = shared_.frames.root_T_frame(frame, ros::Time());
-    if (!root_T_frame) return tell("bad_input: " + root_T_frame.error().message);
+  if (!frame.empty() && frame != gripper_.tip) {
+    const auto root_T_frame = shared_.transforms.root_T_frame(frame, ros::Time());
+    if (!root_T_frame) return report_status("bad_input: " + root_T_frame.error().message);
     command.kind = JogCommand::Kind::kTwistRoot;
     command.twist.head<3>() = root_T_frame->linear() * command.twist.head<3>().eval();
     command.twist.tail<3>() = root_T_frame->linear() * command.twist.tail<3>().eval();
@@ -115,7 +115,7 @@ void JogServer::work() {
   }
 }
 
-/// The jogger's world is the present one afterwards; false where that is not known.
+/// Updates the jogger's world; false on an error, which is reported.
 bool JogServer::refresh(Session& session, const arm::JointPositions& positions) {
   const auto moved = [&](const auto& joint) {
     const auto now = positions.find(joint.first);
@@ -125,28 +125,28 @@ bool JogServer::refresh(Session& session, const arm::JointPositions& positions) 
   };
   const auto version = shared_.scene.version();
   if (session.jogger && session.scene == version &&
-      std::none_of(session.looked_at.begin(), session.looked_at.end(), moved))
+      std::none_of(session.checked_at.begin(), session.checked_at.end(), moved))
     return true;
   const auto world = shared_.scene.world();
-  if (!world) return tell("bad_input: " + world.error().message), false;
+  if (!world) return report_status("bad_input: " + world.error().message), false;
   auto made = pipeline_.checker(group_.name, positions, *world, true);
-  if (!made) return tell("bad_input: " + made.error().message), false;
+  if (!made) return report_status("bad_input: " + made.error().message), false;
   auto checker = std::make_unique<arm::CollisionChecker>(std::move(*made));
   if (session.jogger) {
     session.jogger->use(*checker);
   } else {
-    const auto chain = arm::ArmChain::make(shared_.arms.robot(), shared_.arms.root_link(), hand_.tip);
-    if (!chain) return tell("bad_input: " + chain.error().message), false;
+    const auto chain = arm::ArmChain::make(shared_.arms.robot(), shared_.arms.root_link(), gripper_.tip);
+    if (!chain) return report_status("bad_input: " + chain.error().message), false;
     arm::JoggerParams params;
     params.command_timeout_s = shared_.params.jog.command_timeout_s;
     params.max_velocity = shared_.params.jog.velocity_scale * group_.max_velocity;
     auto jogger = arm::Jogger::make(*checker, *chain, params);
-    if (!jogger) return tell("bad_input: " + jogger.error().message), false;
+    if (!jogger) return report_status("bad_input: " + jogger.error().message), false;
     session.jogger.emplace(std::move(*jogger));
   }
   session.checker = std::move(checker);
   session.scene = version;
-  session.looked_at = positions;
+  session.checked_at = positions;
   return true;
 }
 
@@ -157,11 +157,12 @@ void JogServer::jog(const ArmsLease::Hold& hold) {
   std::uint64_t seen = 0;
   double next = now_s();
   for (;;) {
-    if (const auto obstacle = shared_.watch.obstacle()) return tell("stopped: " + obstacle->message);
-    const auto positions = shared_.watch.positions();
-    if (!positions) return tell("stopped: " + positions.error().message);
+    if (const auto not_ready = shared_.robot_state.not_ready_reason())
+      return report_status("stopped: " + not_ready->message);
+    const auto positions = shared_.robot_state.positions();
+    if (!positions) return report_status("stopped: " + positions.error().message);
     const auto measured = arm::RobotArms::select(group_, *positions);
-    if (!measured) return tell("stopped: " + measured.error().message);
+    if (!measured) return report_status("stopped: " + measured.error().message);
     if (!refresh(session, *positions)) return;
     {
       const std::lock_guard lock(mutex_);
@@ -172,9 +173,9 @@ void JogServer::jog(const ArmsLease::Hold& hold) {
     if (hold.superseded() || stops != stops_) session.jogger->command({});  // brakes
     const auto step = session.jogger->step(now_s(), *measured, period);
     if (step.positions.size() > 0) publish(step, *measured);
-    tell(step.moving && step.hindrance == arm::JogHindrance::kNone ? "moving" : describe(step));
+    report_status(step.moving && step.hindrance == arm::JogHindrance::kNone ? "moving" : describe(step));
     const bool ended = step.hindrance == arm::JogHindrance::kTimeout || hold.superseded() || stops != stops_;
-    if (!step.moving && ended) return tell("idle");
+    if (!step.moving && ended) return report_status("idle");
     next = std::max(next + period, now_s());
     std::unique_lock lock(mutex_);
     changed_.wait_for(lock, std::chrono::duration<double>(next - now_s()), [&] { return closing_; });
@@ -197,7 +198,7 @@ void JogServer::publish(const arm::JogStep& step, const JointVector& measured) {
   command_publisher_.publish(message);
 }
 
-void JogServer::tell(const std::string& status) {
+void JogServer::report_status(const std::string& status) {
   {
     const std::lock_guard lock(mutex_);
     if (status == status_) return;

@@ -16,24 +16,26 @@
 #include "extperfc/arm/motion_pipeline.hpp"
 
 #include "ros/arm/arms_lease.hpp"
-#include "ros/arm/commander.hpp"
+#include "ros/arm/plan_execution.hpp"
 
 namespace extperfc::arm_node {
 
-/// Moves one arm by velocities while commands come, and keeps it clear of what is around.
+/// Moves one arm by velocity commands and keeps it free of collisions.
 ///
 /// Subscribes:
-///   arm/<hand>/jog_joints   control_msgs/JointJog: velocities [rad/s]; displacements are not taken
-///   arm/<hand>/jog_twist    geometry_msgs/TwistStamped: of the tip, along the axes of the frame_id at that
-///                           moment (empty: the tip)
+///   arm/<gripper>/jog_joints   control_msgs/JointJog: velocities [rad/s]; displacements are ignored
+///   arm/<gripper>/jog_twist    geometry_msgs/TwistStamped: of the tip, along the present axes of frame_id
+///   (empty: the
+///                              tip)
 /// Publishes:
-///   robot/limb/<hand>/joint_command   baxter_core_msgs/JointCommand, velocities, while it moves
-///   arm/<hand>/jog_status             std_msgs/String, when it changes: moving, or what holds the arm back
-/// The first command takes the arms from whatever moves them; they are let go when commands end.
+///   robot/limb/<gripper>/joint_command   baxter_core_msgs/JointCommand, velocities, while it moves
+///   arm/<gripper>/jog_status             std_msgs/String, when it changes: moving, or why the arm is held
+///   back
+/// The first command preempts any other motion of the arms; the lease ends with the commands.
 class JogServer {
  public:
   JogServer(ros::NodeHandle handle, const Shared& shared, ArmsLease& lease,
-            const std::atomic<std::uint64_t>& stops, const ros_params::HandParams& hand);
+            const std::atomic<std::uint64_t>& stops, const ros_params::GripperParams& gripper);
   ~JogServer();
   JogServer(const JogServer&) = delete;
   JogServer& operator=(const JogServer&) = delete;
@@ -49,12 +51,12 @@ class JogServer {
   bool refresh(Session& session, const arm::JointPositions& positions);
   void publish(const arm::JogStep& step, const arm::JointVector& measured);
   [[nodiscard]] static std::string describe(const arm::JogStep& step);
-  void tell(const std::string& status);
+  void report_status(const std::string& status);
 
   const Shared shared_;
   ArmsLease& lease_;
   const std::atomic<std::uint64_t>& stops_;
-  const ros_params::HandParams hand_;
+  const ros_params::GripperParams gripper_;
   const arm::ArmGroup& group_;
   arm::MotionPipeline pipeline_;  ///< of the worker
   std::mutex mutex_;

@@ -9,9 +9,9 @@ namespace extperfc::arm_node {
 
 namespace {
 
-/// The request, and for a ball, which stands in any orientation, others in which the hand comes from straight
-/// down to nearly level.
-std::vector<arm::PlaceRequest> turned_requests(const SceneItem& item, arm::PlaceRequest request) {
+/// The request; for a ball, which may rest in any orientation, also requests with approaches from vertical to
+/// nearly horizontal.
+std::vector<arm::PlaceRequest> rotated_requests(const CollisionObject& item, arm::PlaceRequest request) {
   const bool ball = item.shapes.size() == 1 && std::holds_alternative<Sphere>(item.shapes.front().geometry) &&
                     item.shapes.front().body_T_shape.translation().norm() < 1e-6;
   if (!ball) return {request};
@@ -33,13 +33,13 @@ std::vector<arm::PlaceRequest> turned_requests(const SceneItem& item, arm::Place
 }  // namespace
 
 Result<std::vector<arm::PlaceCandidate>> place_candidates(const arm::ParallelHand& hand,
-                                                          const SceneItem& item,
+                                                          const CollisionObject& item,
                                                           const arm::PlaceRequest& request,
                                                           const arm::PlaceParams& params) {
   std::vector<arm::PlaceCandidate> all;
   std::optional<Error> first;
-  for (const auto& turned : turned_requests(item, request)) {
-    auto some = arm::place_poses(hand, turned, params);
+  for (const auto& rotated : rotated_requests(item, request)) {
+    auto some = arm::place_poses(hand, rotated, params);
     if (some)
       all.insert(all.end(), some->begin(), some->end());
     else if (!first)

@@ -4,14 +4,14 @@
 
 #include "extperfc/arm/grasp.hpp"
 
-#include "ros/arm/scene_keeper.hpp"
+#include "ros/arm/planning_scene.hpp"
 
 namespace extperfc::arm_node {
 
-/// Ways to put the thing down as the request wants it. A ball stands in any orientation: for it also ways on
-/// which the hand comes from straight down to nearly level. Errors: those of arm::place_poses().
+/// Poses that place the object as requested. A ball may rest in any orientation: for it also poses with
+/// approaches from vertical to nearly horizontal. Errors: those of arm::place_poses().
 [[nodiscard]] Result<std::vector<arm::PlaceCandidate>> place_candidates(const arm::ParallelHand& hand,
-                                                                        const SceneItem& item,
+                                                                        const CollisionObject& item,
                                                                         const arm::PlaceRequest& request,
                                                                         const arm::PlaceParams& params);
 

@@ -14,8 +14,8 @@ using arm::JointVector;
 namespace {
 
 constexpr double kSpan = 3.0;     ///< of the history [s]
-constexpr double kWait = 0.2;     ///< for joint states as new as the stamp [s of wall time]
-constexpr double kBeyond = 0.05;  ///< that joint states may be older than the stamp [s]
+constexpr double kWait = 0.2;     ///< maximum wait for joint states as new as the stamp [s of wall time]
+constexpr double kBeyond = 0.05;  ///< maximum age of joint states at the stamp [s]
 
 /// "both_arms", or else the group with the most joints.
 const arm::ArmGroup& widest_group(const arm::RobotArms& arms) {
@@ -31,7 +31,7 @@ bool carried_by(const RobotModel& robot, int joint, const std::vector<std::strin
   return false;
 }
 
-/// The arms' joints, and those of the hands as far as there is room.
+/// The arms' joints, and those of the grippers up to kMaxJoints.
 std::vector<std::string> watched_joints(const arm::RobotArms& arms) {
   const auto& own = widest_group(arms).joints;
   std::vector<std::string> joints = own;
@@ -45,7 +45,8 @@ std::vector<std::string> watched_joints(const arm::RobotArms& arms) {
   return joints;
 }
 
-/// Joints of the arms must be heard of; a hand's count as at 0, or their nearest limit, until they are.
+/// Initial positions: NaN for joints of the arms, which must be published; 0, or the nearest limit, for those
+/// of grippers.
 JointVector unheard(const arm::RobotArms& arms, const arm::CollisionModel& model) {
   const std::size_t own = widest_group(arms).joints.size();
   JointVector initial = JointVector::Constant(model.joint_count(), std::numeric_limits<double>::quiet_NaN());
@@ -94,9 +95,10 @@ Result<JointVector> StampedJoints::at(const ros::Time& stamp) {
                     [&] { return closing_ || history_.newest_s() >= time_s; });
   if (const auto positions = history_.at(time_s, kBeyond)) return *positions;
   if (!std::isfinite(history_.newest_s()))
-    return fail(ErrorCode::kNotFound, "robot/joint_states has not named all joints of the arms yet");
+    return fail(ErrorCode::kNotFound, "robot/joint_states has not contained all joints of the arms yet");
   return fail(ErrorCode::kNotFound,
-              "robot/joint_states has nothing of the picture's time: is it published, do the clocks agree?");
+              "no joint states at the stamp of the camera: is robot/joint_states published, and are the "
+              "clocks synchronized?");
 }
 
 double StampedJoints::newest_s() const {

@@ -14,8 +14,8 @@
 
 namespace extperfc::arm_node {
 
-/// The robot as it stood when a picture was taken: a collision model of all its joints that matter, and their
-/// positions in the last seconds.
+/// Posture of the robot when an image was taken: a collision model of the arms and grippers, and a history of
+/// their joint positions.
 ///
 /// Subscribes: robot/joint_states   sensor_msgs/JointState
 /// Thread-safe.
@@ -24,16 +24,16 @@ class StampedJoints {
   /// Errors: a robot without collision shapes that can be read.
   [[nodiscard]] static Result<std::unique_ptr<StampedJoints>> make(const arm::RobotArms& arms);
 
-  /// Once: subscribes.
+  /// Subscribes. Call once.
   void start(ros::NodeHandle handle);
-  /// Nobody is to wait any more.
+  /// Ends all waits.
   void close();
 
-  /// The arms' joints, and those of the hands as far as there is room.
+  /// Of the arms' joints, and those of the grippers up to kMaxJoints.
   [[nodiscard]] const arm::CollisionModel& model() const { return model_; }
-  /// Of the model's joints; waits for joint states as new as the stamp, 0.2 s of wall time at most. Joints of
-  /// hands that were not heard of count as at 0, or their nearest limit. Errors: an arm's joint was not heard
-  /// of, nothing is known of that time.
+  /// Positions of the model's joints; waits up to 0.2 s of wall time for joint states as new as the stamp.
+  /// Joints of grippers that were never published are at 0 or their nearest limit. Errors: a joint of an arm
+  /// was never published, no joint states at that time.
   [[nodiscard]] Result<arm::JointVector> at(const ros::Time& stamp);
   /// -infinity before the first one.
   [[nodiscard]] double newest_s() const;

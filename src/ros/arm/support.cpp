@@ -9,7 +9,7 @@ namespace extperfc::arm_node {
 
 namespace {
 
-constexpr double kBelow = 0.01;  ///< things whose top is at most so much above a thing's bottom carry it [m]
+constexpr double kBelow = 0.01;  ///< an object's support ends at most this far above its bottom [m]
 
 }  // namespace
 
@@ -47,13 +47,13 @@ std::pair<double, double> heights(const std::vector<Shape>& shapes, const Pose& 
   return all;
 }
 
-void allow_support(arm::CollisionWorld& world, const std::string& thing, double bottom_z_m) {
+void allow_support(arm::CollisionWorld& world, const std::string& object, double bottom_z_m) {
   std::vector<std::string> below;
   for (const auto& [name, placed] : world.objects())
-    if (name != thing &&
+    if (name != object &&
         heights(placed->object.shapes, placed->object.root_T_object).second <= bottom_z_m + kBelow)
       below.push_back(name);
-  for (const auto& name : below) world.allow(thing, name);
+  for (const auto& name : below) world.allow(object, name);
 }
 
 }  // namespace extperfc::arm_node

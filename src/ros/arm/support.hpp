@@ -11,10 +11,11 @@ namespace extperfc::arm_node {
 
 /// Lowest and highest z [m] of a shape at a pose, in the root's frame.
 [[nodiscard]] std::pair<double, double> heights(const Geometry& geometry, const Pose& root_T_shape);
-/// The same of a thing of several shapes; infinity and -infinity without any.
+/// The same for an object of several shapes; infinity and -infinity without shapes.
 [[nodiscard]] std::pair<double, double> heights(const std::vector<Shape>& shapes, const Pose& root_T_object);
 
-/// Lets the thing, whose lower side is at `bottom_z_m`, touch what ends there or below: what it stands on.
-void allow_support(arm::CollisionWorld& world, const std::string& thing, double bottom_z_m);
+/// Allows contact between the object, whose lower side is at `bottom_z_m`, and all objects that end there or
+/// below: its support.
+void allow_support(arm::CollisionWorld& world, const std::string& object, double bottom_z_m);
 
 }  // namespace extperfc::arm_node

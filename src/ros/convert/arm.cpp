@@ -17,7 +17,7 @@ namespace {
 
 using shape_msgs::SolidPrimitive;
 
-constexpr std::size_t kMostTriangles = 100'000;  ///< of one mesh
+constexpr std::size_t kMaxTriangles = 100'000;  ///< of one mesh
 
 Result<Geometry> to_geometry(const SolidPrimitive& primitive) {
   const auto& size = primitive.dimensions;
@@ -43,7 +43,7 @@ Result<Geometry> to_geometry(const SolidPrimitive& primitive) {
       return fail(ErrorCode::kInvalidArgument, "a cone needs a height and a radius above 0 m");
     default:
       return fail(ErrorCode::kInvalidArgument,
-                  "type " + std::to_string(primitive.type) + " is none of shape_msgs/SolidPrimitive");
+                  "unknown type " + std::to_string(primitive.type) + " of shape_msgs/SolidPrimitive");
   }
 }
 
@@ -68,8 +68,8 @@ std::optional<SolidPrimitive> to_primitive(const Geometry& geometry) {
 }
 
 Result<Geometry> to_geometry(const shape_msgs::Mesh& mesh) {
-  if (mesh.triangles.empty() || mesh.triangles.size() > kMostTriangles)
-    return fail(ErrorCode::kInvalidArgument, "a mesh has from 1 to " + std::to_string(kMostTriangles) +
+  if (mesh.triangles.empty() || mesh.triangles.size() > kMaxTriangles)
+    return fail(ErrorCode::kInvalidArgument, "a mesh has from 1 to " + std::to_string(kMaxTriangles) +
                                                  " triangles, not " + std::to_string(mesh.triangles.size()));
   auto triangles = std::make_shared<std::vector<Triangle>>();
   triangles->reserve(mesh.triangles.size());
@@ -78,7 +78,7 @@ Result<Geometry> to_geometry(const shape_msgs::Mesh& mesh) {
     for (std::size_t i = 0; i < triangle.size(); ++i) {
       const std::size_t index = corners.vertex_indices[i];
       if (index >= mesh.vertices.size())
-        return fail(ErrorCode::kInvalidArgument, "a triangle of a mesh has the vertex " +
+        return fail(ErrorCode::kInvalidArgument, "a triangle of a mesh has the vertex index " +
                                                      std::to_string(index) + ", of " +
                                                      std::to_string(mesh.vertices.size()));
       const auto& at = mesh.vertices[index];
@@ -136,16 +136,16 @@ arm::JointVector to_vector(const std::vector<double>& values) {
 
 Result<Pose> to_pose(const geometry_msgs::Pose& message) {
   const Eigen::Vector3d position(message.position.x, message.position.y, message.position.z);
-  const Eigen::Quaterniond turn(message.orientation.w, message.orientation.x, message.orientation.y,
-                                message.orientation.z);
-  if (!position.allFinite() || !turn.coeffs().allFinite())
+  const Eigen::Quaterniond rotation(message.orientation.w, message.orientation.x, message.orientation.y,
+                                    message.orientation.z);
+  if (!position.allFinite() || !rotation.coeffs().allFinite())
     return fail(ErrorCode::kInvalidArgument, "the pose has a value that is not finite");
-  if (std::abs(turn.norm() - 1.0) > 0.01)
-    return fail(ErrorCode::kInvalidArgument,
-                "the pose's quaternion has the norm " + std::to_string(turn.norm()) + " instead of 1");
+  if (std::abs(rotation.norm() - 1.0) > 0.01)
+    return fail(ErrorCode::kInvalidArgument, "the quaternion of the pose must be normalized: its norm is " +
+                                                 std::to_string(rotation.norm()));
   Pose pose = Pose::Identity();
   pose.translation() = position;
-  pose.linear() = turn.normalized().toRotationMatrix();
+  pose.linear() = rotation.normalized().toRotationMatrix();
   return pose;
 }
 

@@ -14,11 +14,11 @@
 #include "extperfc/world/pose.hpp"
 #include "extperfc/world/shape.hpp"
 
-/// Messages of arms <-> the words of the core.
+/// Messages of arms <-> types of the core.
 namespace extperfc::convert {
 
-/// Errors: a quaternion that is no rotation (its norm is not 1 to 1 %), a value that is not finite. A
-/// quaternion of zeros is one.
+/// Errors: a quaternion whose norm differs from 1 by more than 1 % (e.g. all zeros), a value that is not
+/// finite.
 [[nodiscard]] Result<Pose> to_pose(const geometry_msgs::Pose& message);
 
 /// Errors: counts of names and positions that differ, a name twice, a value that is not finite.
@@ -31,10 +31,10 @@ namespace extperfc::convert {
 [[nodiscard]] Result<arm::TimedPath> to_path(const trajectory_msgs::JointTrajectory& message);
 
 /// The primitives, then the meshes, in the object's frame. Errors: a primitive of an unknown type or with
-/// sizes that are not positive, a mesh of no or more than 100,000 triangles or of vertices that it lacks,
-/// counts of poses that do not fit.
+/// sizes that are not positive, a mesh without or with more than 100,000 triangles, an invalid vertex index,
+/// a wrong number of poses.
 [[nodiscard]] Result<std::vector<Shape>> to_shapes(const extperfc::SceneObject& message);
-/// Fills primitives, meshes and their poses; meshes of files are left out.
+/// Fills primitives, meshes and their poses; omits meshes of files.
 void fill_shapes(const std::vector<Shape>& shapes, extperfc::SceneObject& message);
 
 }  // namespace extperfc::convert

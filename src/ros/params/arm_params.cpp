@@ -30,8 +30,8 @@ void read_robot(ParamReader& reader, const ros::NodeHandle& handle, ArmNodeParam
     if (params.urdf.empty()) reader.complain(handle.resolveName("urdf") + ": cannot read " + file);
   } else if (std::string key;
              !handle.searchParam("robot_description", key) || !handle.getParam(key, params.urdf)) {
-    reader.complain("there is no robot: set the parameter robot_description, or " +
-                    handle.resolveName("urdf") + " to a file");
+    reader.complain("no robot: set the parameter robot_description, or " + handle.resolveName("urdf") +
+                    " to a file");
   }
   params.srdf_file = fs::path(package_folder()) / "config" / "robots" / "baxter" / "mobile_baxter.srdf";
   reader.read("srdf", params.srdf_file);
@@ -115,14 +115,14 @@ void read_grasp(ParamReader& reader, GraspNodeParams& params) {
   reader.read("support_clearance_m", params.grasp.support_clearance_m, {0.0, 0.1});
   reader.read("palm_clearance_m", params.grasp.palm_clearance_m, {0.0, 0.1});
   reader.read("prefer_top", params.grasp.prefer_top, {0.0, 0.99});
-  reader.read("most_tilt_rad", params.grasp.most_tilt_rad, {0.0, 3.14159});
+  reader.read("max_tilt_rad", params.grasp.max_tilt_rad, {0.0, 3.14159});
   reader.read("tilt_step_rad", params.grasp.tilt_step_rad, {0.05, 1.6});
   reader.read("effort_percent", params.effort_percent, {0.0, 100.0});
   reader.read("gripper_timeout_s", params.gripper_timeout_s, {0.5, 60.0});
   reader.read("slow", params.slow, {0.01, 1.0});
 }
 
-void read_depth(ParamReader& reader, const ros::NodeHandle& handle, DepthWatchParams& params) {
+void read_depth(ParamReader& reader, const ros::NodeHandle& handle, DepthObstacleMonitorParams& params) {
   auto& seen = params.obstacles;
   reader.read("enabled", params.enabled);
   reader.read("rate_hz", params.rate_hz, {0.1, 60.0});
@@ -134,24 +134,24 @@ void read_depth(ParamReader& reader, const ros::NodeHandle& handle, DepthWatchPa
   }
   reader.read("voxel_m", seen.voxel_m, {0.005, 0.2});
   reader.read("pixel_step", seen.pixel_step, {1, 16});
-  reader.read("least_depth_m", seen.least_depth_m, {0.01, 10.0});
-  reader.read("most_depth_m", seen.most_depth_m, {0.01, 20.0});
-  reader.read("least_points", seen.least_points, {1, 1000});
+  reader.read("min_depth_m", seen.min_depth_m, {0.01, 10.0});
+  reader.read("max_depth_m", seen.max_depth_m, {0.01, 20.0});
+  reader.read("min_points", seen.min_points, {1, 1000});
   reader.read("robot_padding_m", seen.robot_padding_m, {0.0, 0.3});
   reader.read("object_padding_m", seen.object_padding_m, {0.0, 0.3});
   reader.read("clear_margin_m", seen.clear_margin_m, {0.0, 0.5});
-  reader.read("most_age_s", seen.most_age_s, {0.05, 3600.0});
-  reader.read("most_boxes", seen.most_boxes, {8, 5000});
+  reader.read("max_age_s", seen.max_age_s, {0.05, 3600.0});
+  reader.read("max_boxes", seen.max_boxes, {8, 5000});
   if (const auto fits = seen.validate(); !fits)
     reader.complain(handle.getNamespace() + ": " + fits.error().message);
 }
 
 void read_shapes(ParamReader& reader, const ros::NodeHandle& handle,
-                 std::map<std::string, arm::StandingKind>& shapes) {
-  const Words<arm::StandingKind> words{{"box", arm::StandingKind::kBox},
-                                       {"sphere", arm::StandingKind::kSphere},
-                                       {"cylinder", arm::StandingKind::kCylinder},
-                                       {"cone", arm::StandingKind::kCone}};
+                 std::map<std::string, arm::UprightKind>& shapes) {
+  const Words<arm::UprightKind> words{{"box", arm::UprightKind::kBox},
+                                      {"sphere", arm::UprightKind::kSphere},
+                                      {"cylinder", arm::UprightKind::kCylinder},
+                                      {"cone", arm::UprightKind::kCone}};
   reader.accept("shapes");
   XmlRpc::XmlRpcValue given;
   if (!handle.getParam("shapes", given)) return;
@@ -169,28 +169,28 @@ void read_shapes(ParamReader& reader, const ros::NodeHandle& handle,
   }
 }
 
-void read_objects(ParamReader& reader, const ros::NodeHandle& handle, ObjectWatchParams& params) {
+void read_objects(ParamReader& reader, const ros::NodeHandle& handle, ObjectMonitorParams& params) {
   reader.read("enabled", params.enabled);
-  reader.read("least_score", params.least_score, {0.0, 1.0});
+  reader.read("min_score", params.min_score, {0.0, 1.0});
   reader.read("largest_m", params.largest_m, {0.001, 100.0});
   reader.read("timeout_s", params.timeout_s, {0.1, 3600.0});
   read_shapes(reader, handle, params.shapes);
   reader.read("confirm", params.list.confirm, {1, 100});
-  reader.read("most_age_s", params.list.most_age_s, {0.0, 1e6});
+  reader.read("max_age_s", params.list.max_age_s, {0.0, 1e6});
   reader.read("match_m", params.list.match_m, {0.001, 10.0});
-  reader.read("most_objects", params.list.most_objects, {1, 500});
-  reader.read("news_m", params.list.news_m, {0.0, 1.0});
-  reader.read("news_rad", params.list.news_rad, {0.0, 3.15});
+  reader.read("max_objects", params.list.max_objects, {1, 500});
+  reader.read("min_change_m", params.list.min_change_m, {0.0, 1.0});
+  reader.read("min_change_rad", params.list.min_change_rad, {0.0, 3.15});
   reader.read("average", params.list.average, {1, 1000});
 }
 
-void read_hands(ParamReader& reader, const ros::NodeHandle& handle, ArmNodeParams& params) {
-  const auto set = [](HandParams& hand, const std::string& key, const Entry& entry) -> Result<void> {
-    const Words<std::string*> fields{{"name", &hand.name},
-                                     {"group", &hand.group},
-                                     {"tip", &hand.tip},
-                                     {"finger_joint", &hand.finger_joint},
-                                     {"action", &hand.action}};
+void read_grippers(ParamReader& reader, const ros::NodeHandle& handle, ArmNodeParams& params) {
+  const auto set = [](GripperParams& gripper, const std::string& key, const Entry& entry) -> Result<void> {
+    const Words<std::string*> fields{{"name", &gripper.name},
+                                     {"group", &gripper.group},
+                                     {"tip", &gripper.tip},
+                                     {"finger_joint", &gripper.finger_joint},
+                                     {"action", &gripper.action}};
     const auto field = fields.find(key);
     if (field == fields.end())
       return fail(ErrorCode::kInvalidArgument,
@@ -198,11 +198,11 @@ void read_hands(ParamReader& reader, const ros::NodeHandle& handle, ArmNodeParam
     *field->second = entry.text();
     return {};
   };
-  params.hands = read_list<HandParams>(reader, handle, "hands", set);
-  for (const auto& hand : params.hands)
-    if (hand.name.empty() || hand.group.empty() || hand.tip.empty() || hand.finger_joint.empty() ||
-        hand.action.empty())
-      reader.complain(handle.resolveName("hands") +
+  params.grippers = read_list<GripperParams>(reader, handle, "grippers", set);
+  for (const auto& gripper : params.grippers)
+    if (gripper.name.empty() || gripper.group.empty() || gripper.tip.empty() ||
+        gripper.finger_joint.empty() || gripper.action.empty())
+      reader.complain(handle.resolveName("grippers") +
                       ": each needs a name, group, tip, finger_joint and action");
 }
 
@@ -221,7 +221,7 @@ Result<ArmNodeParams> load_arm_params(const ros::NodeHandle& private_handle) {
     read_robot(reader, handle, params);
     read_requests(reader, params);
     read_controllers(reader, handle, params);
-    read_hands(reader, handle, params);
+    read_grippers(reader, handle, params);
   });
   groups.group("planning", [&](ParamReader& reader, const ros::NodeHandle& handle) {
     read_planner(reader, handle, params.pipeline);

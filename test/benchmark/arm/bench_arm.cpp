@@ -72,7 +72,7 @@ constexpr char kHelp[] =
     "  planning    every file of problems in a folder by three seeds, the left arm alone and both, "
     "against OMPL's RRTConnect on Bullet; paths and trajectories are looked through for hidden collisions\n"
     "  constrained a level tool over a table with boxes, against OMPL's constrained spaces\n"
-    "  trajectory  time laws of random paths\n"
+    "  trajectory  time parameterizations of random paths\n"
     "  depth       a depth picture as obstacles, and collision checks among its boxes\n\n"
     "  --quick   parts of everything, in less than a minute\n"
     "  --only    one part (default: all)\n"

@@ -106,10 +106,10 @@ struct Bench {
   void motions(CollisionChecker& checker, const std::vector<JointVector>& free) {
     std::vector<std::pair<JointVector, JointVector>> proven;
     for (const auto& from : free) {
-      JointVector way =
+      JointVector delta =
           random_state({JointVector::Constant(from.size(), -1), JointVector::Constant(from.size(), 1)}, rng);
-      way *= 0.5 / way.norm();
-      if (checker.motion_free(from, from + way)) proven.emplace_back(from, from + way);
+      delta *= 0.5 / delta.norm();
+      if (checker.motion_free(from, from + delta)) proven.emplace_back(from, from + delta);
     }
     const double seconds = best_s([&] {
       for (const auto& [from, to] : proven) (void)checker.motion_free(from, to);

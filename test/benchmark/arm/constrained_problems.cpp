@@ -16,7 +16,7 @@ namespace {
 
 const std::filesystem::path kRoot = EXTPERFC_SOURCE_DIR;
 constexpr double kTableTopM = -0.05;  // in Baxter's `base`
-constexpr double kLeastWayM = 0.3;
+constexpr double kMinDistanceM = 0.3;
 
 struct LevelArm {
   arm::CollisionModel model;
@@ -114,7 +114,7 @@ Result<std::vector<LevelProblem>> level_problems(std::uint64_t seed, int count) 
     };
     while (ends.size() < 2) {
       const auto state = random_level_state(*arm, *exact, rng);
-      if (!state || (!ends.empty() && (place(*state) - place(ends[0])).norm() < kLeastWayM)) continue;
+      if (!state || (!ends.empty() && (place(*state) - place(ends[0])).norm() < kMinDistanceM)) continue;
       ends.push_back(*state);
     }
     problems.push_back({arm->model, *std::move(world), arm->constraint, ends[0], ends[1]});

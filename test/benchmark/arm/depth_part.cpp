@@ -45,7 +45,7 @@ struct Picture {
 };
 
 /// With noise that grows with the square of the depth: 2 mm at 1 m.
-Picture picture() {
+Picture image() {
   Picture made{arm::test::small_camera(640), arm::test::looking({0.32, 0, 1.55}, {0.95, 0, kTable}), {}};
   auto depth = scene().render(made.camera, made.root_T_camera, 6, 2);
   Rng rng(9);
@@ -61,25 +61,25 @@ DepthObstaclesParams params_of(int pixel_step) {
   return params;
 }
 
-Result<void> pictures(const Picture& picture, int runs, std::vector<Row>& rows) {
+Result<void> images(const Picture& image, int runs, std::vector<Row>& rows) {
   for (const int step : {1, 2}) {
     auto obstacles = DepthObstacles::make(both_arms(), params_of(step));
     if (!obstacles) return tl::unexpected<Error>(obstacles.error());
-    double most = 0, sum = 0;
+    double largest = 0, sum = 0;
     DepthUpdate last;
     for (int i = 0; i < runs + 1; ++i) {
       const CpuStopwatch watch;
-      const auto update = obstacles->update(arm::test::view_of(picture.depth, picture.camera), picture.camera,
-                                            picture.root_T_camera, arm::test::reaching(), {}, 0.03 * i);
+      const auto update = obstacles->update(arm::test::view_of(image.depth, image.camera), image.camera,
+                                            image.root_T_camera, arm::test::reaching(), {}, 0.03 * i);
       if (!update) return tl::unexpected<Error>(update.error());
       last = *update;
       if (i == 0) continue;  // the first one makes the rays
-      most = std::max(most, watch.seconds());
+      largest = std::max(largest, watch.seconds());
       sum += watch.seconds();
     }
     const std::string name = "depth picture, every " + std::string(step == 1 ? "" : "second ") + "pixel";
     rows.push_back(at_most({name, "time, mean", "ms", 1e3 * sum / runs}, 30));
-    rows.push_back({name, "time, longest", "ms", 1e3 * most});
+    rows.push_back({name, "time, longest", "ms", 1e3 * largest});
     rows.push_back({name, "voxels", "", static_cast<double>(last.voxels)});
     rows.push_back({name, "boxes", "", static_cast<double>(last.boxes)});
     rows.push_back({name, "points on the robot", "", static_cast<double>(last.robot_points)});
@@ -130,10 +130,10 @@ Result<void> checks(const std::string& name, const std::optional<WorldObject>& b
   double spent = 0;
   int proven = 0;
   for (const JointVector& from : free) {
-    JointVector way = random_state({JointVector::Constant(14, -1), JointVector::Constant(14, 1)}, rng);
-    way *= 0.5 / way.norm();
+    JointVector delta = random_state({JointVector::Constant(14, -1), JointVector::Constant(14, 1)}, rng);
+    delta *= 0.5 / delta.norm();
     const CpuStopwatch watch;
-    if (!checker->motion_free(from, from + way)) continue;
+    if (!checker->motion_free(from, from + delta)) continue;
     spent += watch.seconds();
     ++proven;
   }
@@ -145,14 +145,14 @@ Result<void> checks(const std::string& name, const std::optional<WorldObject>& b
 
 Result<std::vector<Row>> depth_rows(bool quick) {
   std::vector<Row> rows;
-  const Picture seen = picture();
-  if (auto ok = pictures(seen, quick ? 10 : 100, rows); !ok) return tl::unexpected<Error>(ok.error());
+  const Picture seen = image();
+  if (auto ok = images(seen, quick ? 10 : 100, rows); !ok) return tl::unexpected<Error>(ok.error());
   const int states = quick ? 500 : 4000;
   if (auto ok = checks("both arms, a table", {}, states, rows); !ok) return tl::unexpected<Error>(ok.error());
   for (const double voxel_m : {0.02, 0.01}) {
     DepthObstaclesParams params = params_of(1);
     params.voxel_m = voxel_m;
-    params.most_boxes = 5000;
+    params.max_boxes = 5000;
     auto obstacles = DepthObstacles::make(both_arms(), params);
     if (!obstacles) return tl::unexpected<Error>(obstacles.error());
     const auto update = obstacles->update(arm::test::view_of(seen.depth, seen.camera), seen.camera,

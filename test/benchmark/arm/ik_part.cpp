@@ -54,9 +54,9 @@ std::vector<Pose> reachable_poses(const ArmChain& chain, int count) {
 bool holds(const ArmChain& chain, const Pose& target, const JointVector& joints) {
   constexpr double kRounding = 1 + 1e-3;  // the orientation's error is a chord here
   const Pose tip = target.inverse() * chain.forward(joints);
-  const Eigen::AngleAxisd turn(tip.linear());
+  const Eigen::AngleAxisd rotation(tip.linear());
   return tip.translation().cwiseAbs().maxCoeff() <= kRounding * kTolerance &&
-         std::abs(turn.angle()) <= std::sqrt(3.0) * kRounding * kTolerance;
+         std::abs(rotation.angle()) <= std::sqrt(3.0) * kRounding * kTolerance;
 }
 
 struct Figures {

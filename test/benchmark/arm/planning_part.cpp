@@ -182,9 +182,9 @@ std::vector<Row> rows_of(const std::string& name, const Goals& goals, Outcome& o
   rows.push_back(at_most(
       {name, "trajectories with a hidden collision", "", static_cast<double>(outcome.trajectories.hidden)},
       0.0));
-  const auto time = [&](const char* metric, double share) {
-    rows.push_back({name, metric, "ms", percentile(outcome.ours.ms, share),
-                    percentile(outcome.peer.ms, share), peer_name});
+  const auto time = [&](const char* metric, double fraction) {
+    rows.push_back({name, metric, "ms", percentile(outcome.ours.ms, fraction),
+                    percentile(outcome.peer.ms, fraction), peer_name});
   };
   time("plan and simplify, median", 0.5);
   if (goals.median_ms) rows.back() = at_most(rows.back(), *goals.median_ms);

@@ -44,9 +44,9 @@ std::vector<JointVector> random_waypoints(Rng& rng, int count) {
 double stop_and_go_s(const std::vector<JointVector>& waypoints, const arm::TrajectoryLimits& limits) {
   double sum_s = 0;
   for (std::size_t i = 1; i < waypoints.size(); ++i) {
-    const auto way = (waypoints[i] - waypoints[i - 1]).array().abs().eval();
-    const double speed = 1 / (way / limits.velocity.array()).maxCoeff();  // in ways per second
-    const double gain = 1 / (way / limits.acceleration.array()).maxCoeff();
+    const auto delta = (waypoints[i] - waypoints[i - 1]).array().abs().eval();
+    const double speed = 1 / (delta / limits.velocity.array()).maxCoeff();  // in ways per second
+    const double gain = 1 / (delta / limits.acceleration.array()).maxCoeff();
     sum_s += gain <= speed * speed ? 2 / std::sqrt(gain) : 1 / speed + speed / gain;
   }
   return sum_s;
@@ -59,31 +59,31 @@ double use(const JointVector& values, const JointVector& limit) {
 /// Largest share of any limit at 1 kHz.
 double largest_use(const arm::JointTrajectory& trajectory) {
   const auto& limits = trajectory.limits();
-  double most = 0;
+  double largest = 0;
   for (double t = 0; t < trajectory.duration_s(); t += kCycleS) {
     const auto state = trajectory.sample(t);
-    most =
-        std::max({most, use(state.velocity, limits.velocity), use(state.acceleration, limits.acceleration)});
-    if (limits.jerk) most = std::max(most, use(*trajectory.jerk(t), *limits.jerk));
+    largest = std::max(
+        {largest, use(state.velocity, limits.velocity), use(state.acceleration, limits.acceleration)});
+    if (limits.jerk) largest = std::max(largest, use(*trajectory.jerk(t), *limits.jerk));
   }
-  return most;
+  return largest;
 }
 
 struct Sums {
-  double time_law_s{0};  ///< CPU
-  double points_s{0};    ///< CPU
+  double time_parameterization_s{0};  ///< CPU
+  double points_s{0};                 ///< CPU
   double duration_s{0};
   double stop_and_go_s{0};
   double points{0};
-  double most_use{0};
-  double most_stretch{0};  ///< duration of the points over the trajectory's
+  double max_use{0};
+  double max_stretch{0};  ///< duration of the points over the trajectory's
 };
 
 Result<void> add(const std::vector<JointVector>& waypoints, const arm::TrajectoryLimits& limits, Sums& sums) {
   const CpuStopwatch law;
   const auto trajectory = arm::parameterize(waypoints, kDeviationRad, limits);
   if (!trajectory) return tl::unexpected(trajectory.error());
-  sums.time_law_s += law.seconds();
+  sums.time_parameterization_s += law.seconds();
   const CpuStopwatch conversion;
   const auto points = arm::to_points(*trajectory);
   if (!points) return tl::unexpected(points.error());
@@ -91,8 +91,8 @@ Result<void> add(const std::vector<JointVector>& waypoints, const arm::Trajector
   sums.points += static_cast<double>(points->size());
   sums.duration_s += trajectory->duration_s();
   sums.stop_and_go_s += stop_and_go_s(waypoints, limits);
-  sums.most_use = std::max(sums.most_use, largest_use(*trajectory));
-  sums.most_stretch = std::max(sums.most_stretch, points->back().time_s / trajectory->duration_s());
+  sums.max_use = std::max(sums.max_use, largest_use(*trajectory));
+  sums.max_stretch = std::max(sums.max_stretch, points->back().time_s / trajectory->duration_s());
   return {};
 }
 
@@ -105,16 +105,16 @@ std::vector<Row> rows_of(int waypoints, bool with_jerk, int paths) {
     std::cerr << "trajectory: " << added.error().message << "\n";
     return {};
   }
-  const std::string name =
-      "time law, " + std::to_string(waypoints) + " waypoints" + (with_jerk ? ", jerk limits" : "");
+  const std::string name = "time parameterization, " + std::to_string(waypoints) + " waypoints" +
+                           (with_jerk ? ", jerk limits" : "");
   const double count = paths;
   const char* peer = "stop at every waypoint, no jerk limit";
-  return {{name, "CPU time of the time law", "ms", 1e3 * sums.time_law_s / count},
+  return {{name, "CPU time of the time parameterization", "ms", 1e3 * sums.time_parameterization_s / count},
           {name, "CPU time of its points", "ms", 1e3 * sums.points_s / count},
           {name, "points", "1", sums.points / count},
           {name, "duration", "s", sums.duration_s / count, sums.stop_and_go_s / count, peer},
-          at_most({name, "largest share of a limit at 1 kHz", "1", sums.most_use}, 1 + 1e-9),
-          at_most({name, "stretch that the points need", "1", sums.most_stretch}, 1.01)};
+          at_most({name, "largest share of a limit at 1 kHz", "1", sums.max_use}, 1 + 1e-9),
+          at_most({name, "stretch that the points need", "1", sums.max_stretch}, 1.01)};
 }
 
 }  // namespace

@@ -228,8 +228,8 @@ class Arms(unittest.TestCase):
         self.servers.answers["pick"] = (PickResult(object="cube_1", arm="right"),)
         self.assertEqual("cube_1", client.Arm("both").pick("cube", lift=0.1).object)
         self.assertEqual(("cube", "", 0.1), (lambda g: (g.object, g.arm, g.lift))(self.servers.asked[0][1]))
-        self.servers.answers["place"] = (types.SimpleNamespace(code=ArmCode.NOTHING_HELD, message="the hand is empty"),)
-        with self.assertRaisesRegex(ArmError, "NOTHING_HELD: the hand is empty"):
+        self.servers.answers["place"] = (types.SimpleNamespace(code=ArmCode.NOTHING_HELD, message="the gripper is empty"),)
+        with self.assertRaisesRegex(ArmError, "NOTHING_HELD: the gripper is empty"):
             client.Arm("right").place((0.7, -0.3, 0), frame="torso")
         goal = self.servers.asked[1][1]
         self.assertEqual(("right", "torso", True), (goal.arm, goal.pose.header.frame_id, goal.any_yaw))

@@ -80,14 +80,14 @@ class NewestOnly(unittest.TestCase):
     def test_what_came_meanwhile_is_left_out(self):
         done, go = [], threading.Event()
 
-        def work(thing):
-            done.append(thing)
+        def work(item):
+            done.append(item)
             go.wait(WAIT_S)
         newest = goal.Newest(work, 1000.0)
         newest.put(1)
         wait_until(lambda: done == [1])
-        for thing in (2, 3, 4):
-            newest.put(thing)
+        for item in (2, 3, 4):
+            newest.put(item)
         go.set()
         wait_until(lambda: len(done) == 2)
         newest.end()

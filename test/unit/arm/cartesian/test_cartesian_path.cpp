@@ -43,17 +43,17 @@ struct Deviation {
 Deviation deviation(const ArmChain& chain, const std::vector<JointVector>& path, const Pose& a,
                     const Pose& b) {
   Deviation worst;
-  const Eigen::Vector3d way = b.translation() - a.translation();
+  const Eigen::Vector3d delta = b.translation() - a.translation();
   const Eigen::Quaterniond from(a.linear()), to(b.linear());
   for (std::size_t i = 1; i < path.size(); ++i)
     for (int k = 0; k <= 20; ++k) {
       const Pose tip = chain.forward(path[i - 1] + k / 20.0 * (path[i] - path[i - 1]));
-      const double share =
-          std::clamp(way.dot(tip.translation() - a.translation()) / way.squaredNorm(), 0.0, 1.0);
+      const double ratio =
+          std::clamp(delta.dot(tip.translation() - a.translation()) / delta.squaredNorm(), 0.0, 1.0);
       worst.position_m =
-          std::max(worst.position_m, (a.translation() + share * way - tip.translation()).norm());
+          std::max(worst.position_m, (a.translation() + ratio * delta - tip.translation()).norm());
       Pose place = Pose::Identity();
-      place.linear() = from.slerp(share, to).toRotationMatrix();
+      place.linear() = from.slerp(ratio, to).toRotationMatrix();
       worst.angle_rad = std::max(worst.angle_rad, angle_between(tip, place));
     }
   return worst;
@@ -75,16 +75,16 @@ void judge(const CartesianResult& result, CollisionChecker& checker) {
   EXPECT_TRUE(free_all_along(checker, result.waypoints));
 }
 
-TEST(CartesianPath, KeepsTheLineAndTurnsEvenly) {
+TEST(CartesianPath, KeepsTheLineAndRotatesEvenly) {
   const ArmChain chain = left_chain();
   auto checker = CollisionChecker::make(test::group_model("both_arms"), {}).value();
   auto planner = CartesianPlanner::make(checker, chain).value();
   JointVector start(14);
   start << bent(), -bent()[0], bent().tail(6);
   const Pose a = chain.forward(bent());
-  for (const bool turned : {false, true}) {
+  for (const bool rotated : {false, true}) {
     Pose b = shifted(a, {-0.05, 0.1, -0.1});
-    if (turned)
+    if (rotated)
       b.linear() = b.linear() * Eigen::AngleAxisd(0.3, Eigen::Vector3d(1, 2, 3).normalized()).matrix();
     const auto result = planner.plan({start, {b}, {}});
     ASSERT_EQ(result.end, CartesianEnd::kComplete) << result.message;

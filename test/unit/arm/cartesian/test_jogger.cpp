@@ -76,9 +76,9 @@ class JoggerTest : public testing::Test {
     now_ += kDt;
     const JointVector moved = (step.positions - state_) / kDt;
     const auto& model = checker_->model();
-    const JointVector& most = chain_.max_velocity();
-    EXPECT_LE((moved.cwiseAbs().head(7) - most).maxCoeff(), 1e-9);
-    EXPECT_LE((step.velocities.cwiseAbs().head(7) - most).maxCoeff(), 1e-9);
+    const JointVector& limit = chain_.max_velocity();
+    EXPECT_LE((moved.cwiseAbs().head(7) - limit).maxCoeff(), 1e-9);
+    EXPECT_LE((step.velocities.cwiseAbs().head(7) - limit).maxCoeff(), 1e-9);
     EXPECT_LE((step.velocities - velocity_).cwiseAbs().maxCoeff(),
               params_.max_acceleration_rad_s2 * kDt * (1 + 1e-9));
     EXPECT_LE((step.positions - model.limits().upper).maxCoeff(), 1e-12);
@@ -114,8 +114,8 @@ TEST_F(JoggerTest, ATwistMovesTheToolAsAsked) {
     const Eigen::Matrix3d frame =
         kind == JogCommand::Kind::kTwistTip ? from.linear() : Eigen::Matrix3d(Eigen::Matrix3d::Identity());
     EXPECT_LT(((to.translation() - from.translation()) / kDt - frame * linear).norm(), 1e-3);
-    const Eigen::AngleAxisd turn(to.linear() * from.linear().transpose());
-    EXPECT_LT((turn.angle() / kDt * turn.axis() - frame * angular).norm(), 2e-3);
+    const Eigen::AngleAxisd rotation(to.linear() * from.linear().transpose());
+    EXPECT_LT((rotation.angle() / kDt * rotation.axis() - frame * angular).norm(), 2e-3);
     EXPECT_GT((to.translation() - before.translation()).norm(), 0.005);
   }
 }
@@ -185,7 +185,7 @@ TEST_F(JoggerTest, StopsBeforeAnObstacleNamesItAndLeavesIt) {
   EXPECT_LT(chain_.forward(state_).translation().x(), before - 0.05);
 }
 
-TEST_F(JoggerTest, MovesOutOfAThingThatWasPutIntoTheArm) {
+TEST_F(JoggerTest, MovesOutOfAnObjectThatWasPutIntoTheArm) {
   start({}, bent());
   go();
   CollisionWorld world;

@@ -45,10 +45,10 @@ inline JointVector random_state(const JointLimits& limits, Rng& rng) {
 }
 
 inline Pose random_pose(Rng& rng, const Eigen::Vector3d& low, const Eigen::Vector3d& high) {
-  Eigen::Vector3d position, turn;
+  Eigen::Vector3d position, rotation;
   for (int i = 0; i < 3; ++i) position[i] = rng.uniform(low[i], high[i]);
-  for (int i = 0; i < 3; ++i) turn[i] = rng.uniform(-3, 3);
-  return make_pose(position, turn);
+  for (int i = 0; i < 3; ++i) rotation[i] = rng.uniform(-3, 3);
+  return make_pose(position, rotation);
 }
 
 inline Geometry random_geometry(int kind, Rng& rng) {

@@ -43,16 +43,16 @@ class BulletOracle {
 
   [[nodiscard]] bool collides(const JointVector& positions) {
     place(positions);
-    for (std::size_t a = 0; a < things_.size(); ++a)
-      for (std::size_t b = a + 1; b < things_.size(); ++b)
-        if (things_[a].body != things_[b].body && boxes_meet(a, b) &&
-            !allowed_.allows(things_[a].name, things_[b].name) && touch(a, b))
+    for (std::size_t a = 0; a < entries_.size(); ++a)
+      for (std::size_t b = a + 1; b < entries_.size(); ++b)
+        if (entries_[a].body != entries_[b].body && boxes_meet(a, b) &&
+            !allowed_.allows(entries_[a].name, entries_[b].name) && touch(a, b))
           return true;
     return false;
   }
 
  private:
-  struct Thing {
+  struct Entry {
     std::string name;
     int link;  // -1: of the world
     int body;
@@ -114,9 +114,9 @@ class BulletOracle {
   }
 
   void add(const std::string& name, int link, const Pose& pose, const Shape& shape, int body) {
-    Thing thing{name, link, body, pose, bullet_shape(shape), std::make_unique<btCollisionObject>(), {}, {}};
-    thing.object->setCollisionShape(thing.shape.get());
-    things_.push_back(std::move(thing));
+    Entry entry{name, link, body, pose, bullet_shape(shape), std::make_unique<btCollisionObject>(), {}, {}};
+    entry.object->setCollisionShape(entry.shape.get());
+    entries_.push_back(std::move(entry));
   }
 
   void place(const JointVector& positions) {
@@ -125,19 +125,19 @@ class BulletOracle {
     for (std::size_t i = 0; i < params_.joints.size(); ++i)
       values[robot_.joint(params_.joints[i]).value()] = positions[static_cast<Eigen::Index>(i)];
     const std::vector<Pose> links = robot_.link_poses(values);
-    for (Thing& thing : things_) {
-      const Pose pose = thing.link < 0 ? thing.link_T_shape : links[thing.link] * thing.link_T_shape;
+    for (Entry& entry : entries_) {
+      const Pose pose = entry.link < 0 ? entry.link_T_shape : links[entry.link] * entry.link_T_shape;
       const auto& r = pose.linear();
       const btTransform transform(
           btMatrix3x3(r(0, 0), r(0, 1), r(0, 2), r(1, 0), r(1, 1), r(1, 2), r(2, 0), r(2, 1), r(2, 2)),
           bullet(pose.translation()));
-      thing.object->setWorldTransform(transform);
-      thing.shape->getAabb(transform, thing.low, thing.high);
+      entry.object->setWorldTransform(transform);
+      entry.shape->getAabb(transform, entry.low, entry.high);
     }
   }
 
   [[nodiscard]] bool boxes_meet(std::size_t a, std::size_t b) const {
-    const Thing &first = things_[a], &second = things_[b];
+    const Entry &first = entries_[a], &second = entries_[b];
     for (int axis = 0; axis < 3; ++axis)
       if (first.low[axis] > second.high[axis] || second.low[axis] > first.high[axis]) return false;
     return true;
@@ -145,14 +145,14 @@ class BulletOracle {
 
   bool touch(std::size_t a, std::size_t b) {
     Hit hit;
-    world_.contactPairTest(things_[a].object.get(), things_[b].object.get(), hit);
+    world_.contactPairTest(entries_[a].object.get(), entries_[b].object.get(), hit);
     return hit.hit;
   }
 
   const RobotModel& robot_;
   const CollisionModelParams params_;
   AllowedPairs allowed_;
-  std::vector<Thing> things_;
+  std::vector<Entry> entries_;
   btDefaultCollisionConfiguration configuration_;
   btCollisionDispatcher dispatcher_;
   btDbvtBroadphase broadphase_;

@@ -259,15 +259,15 @@ TEST(Checker, AStateThatIsNotFiniteIsNotFree) {
   EXPECT_THROW((void)checker.is_free(JointVector::Zero(3)), std::invalid_argument);
 }
 
-TEST(Checker, AngleOfManyTurnsIsTheSame) {
+TEST(Checker, AngleOfManyRevolutionsIsTheSame) {
   const CollisionModel model = test::group_model("left_arm");
   Rng rng(11);
   CollisionChecker checker = CollisionChecker::make(model, test::random_world(8, rng)).value();
   for (int i = 0; i < 100; ++i) {
     const JointVector state = test::random_state(model.limits(), rng);
-    JointVector turned = state;
-    turned[i % 7] += 2 * 3.14159265358979323846 * rng.integer(-1000, 1000);
-    EXPECT_EQ(checker.is_free(state), checker.is_free(turned));
+    JointVector rotated = state;
+    rotated[i % 7] += 2 * 3.14159265358979323846 * rng.integer(-1000, 1000);
+    EXPECT_EQ(checker.is_free(state), checker.is_free(rotated));
   }
 }
 

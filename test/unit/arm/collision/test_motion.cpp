@@ -42,14 +42,14 @@ Score score_of(const std::string& group, const CollisionWorld& world, int motion
     const JointVector from = test::random_state(model.limits(), rng);
     if (!checker.is_free(from)) continue;
     --motions;
-    JointVector way = JointVector::Zero(model.joint_count());
+    JointVector delta = JointVector::Zero(model.joint_count());
     double square = 0;
-    for (Eigen::Index k = 0; k < way.size(); ++k) {
-      way[k] = rng.normal(0, 1);
-      square += way[k] * way[k];
+    for (Eigen::Index k = 0; k < delta.size(); ++k) {
+      delta[k] = rng.normal(0, 1);
+      square += delta[k] * delta[k];
     }
     const double scale = rng.uniform(0.1, 2) / std::sqrt(square);
-    const JointVector to = from + scale * way;
+    const JointVector to = from + scale * delta;
     const bool proven = checker.motion_free(from, to);
     const bool free = oracle_free(oracle, from, to);
     score.proven += proven && free ? 1 : 0;
@@ -91,9 +91,9 @@ TEST(Motion, HoldsWithThingsInTheHandsAndPadding) {
 }
 
 /// Random motions, some of which are free, among cylinders and cones, where axes are hard to find.
-void for_motions_among_round_things(int motions, Rng& rng,
-                                    const std::function<void(const CollisionModel&, const CollisionWorld&,
-                                                             const JointVector&, const JointVector&)>& use) {
+void for_motions_among_round_objects(int motions, Rng& rng,
+                                     const std::function<void(const CollisionModel&, const CollisionWorld&,
+                                                              const JointVector&, const JointVector&)>& use) {
   const auto model = CollisionModel::make(test::baxter(), test::group_params("left_arm")).value();
   CollisionWorld world;
   for (int i = 0; i < 8; ++i) {
@@ -111,7 +111,7 @@ void for_motions_among_round_things(int motions, Rng& rng,
 TEST(Motion, NoStateOfAProvenMotionIsFoundInContact) {
   Rng rng(27);
   int proven = 0;
-  for_motions_among_round_things(
+  for_motions_among_round_objects(
       400, rng, [&](const auto& model, const auto& world, const auto& from, const auto& to) {
         if (!CollisionChecker::make(model, world).value().motion_free(from, to)) return;
         ++proven;
@@ -132,7 +132,7 @@ TEST(Motion, ADeviationIsProvenFreeToo) {
   constexpr double kDeviation = 0.02;  // [rad]
   Rng rng(28);
   int proven = 0, refused = 0;
-  for_motions_among_round_things(
+  for_motions_among_round_objects(
       400, rng, [&](const auto& model, const auto& world, const auto& from, const auto& to) {
         CollisionChecker checker = CollisionChecker::make(model, world).value();
         const bool straight = checker.motion_free(from, to);

@@ -70,10 +70,10 @@ TEST(Parts, TurnedBoxHoldsThePart) {
   Rng rng(3);
   for (const auto& part : samples())
     for (int i = 0; i < 100; ++i) {
-      const Eigen::Matrix3d turn = make_pose({0, 0, 0}, 3 * random_direction(rng)).linear();
-      const Eigen::Vector3d half = turned_half(*part, turn);
+      const Eigen::Matrix3d rotation = make_pose({0, 0, 0}, 3 * random_direction(rng)).linear();
+      const Eigen::Vector3d half = rotated_half(*part, rotation);
       for (int k = 0; k < 10; ++k)
-        EXPECT_LE(((turn * random_point(*part, rng)).cwiseAbs() - half).maxCoeff(), 1e-7);
+        EXPECT_LE(((rotation * random_point(*part, rng)).cwiseAbs() - half).maxCoeff(), 1e-7);
     }
 }
 

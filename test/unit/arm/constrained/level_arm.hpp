@@ -65,9 +65,10 @@ inline JointVector random_level_state(const PathConstraint& constraint, Collisio
 template <typename Look>
 void along(const std::vector<JointVector>& path, double step_rad, Look&& look) {
   for (std::size_t i = 1; i < path.size(); ++i) {
-    const JointVector way = path[i] - path[i - 1];
-    const int steps = 1 + static_cast<int>(way.norm() / step_rad);
-    for (int s = 0; s <= steps; ++s) look(JointVector(path[i - 1] + way * (static_cast<double>(s) / steps)));
+    const JointVector delta = path[i] - path[i - 1];
+    const int steps = 1 + static_cast<int>(delta.norm() / step_rad);
+    for (int s = 0; s <= steps; ++s)
+      look(JointVector(path[i - 1] + delta * (static_cast<double>(s) / steps)));
   }
 }
 

@@ -54,11 +54,11 @@ double worst_tilt(const JointTrajectory& trajectory) {
 }
 
 /// Cubic interpolation of two points [rad].
-JointVector between(const TrajectoryPoint& a, const TrajectoryPoint& b, double share) {
+JointVector between(const TrajectoryPoint& a, const TrajectoryPoint& b, double fraction) {
   const double step = b.time_s - a.time_s;
-  const double u = 1 - share;
-  return u * u * (1 + 2 * share) * a.position + share * share * (3 - 2 * share) * b.position +
-         step * share * u * (u * a.velocity - share * b.velocity);
+  const double u = 1 - fraction;
+  return u * u * (1 + 2 * fraction) * a.position + fraction * fraction * (3 - 2 * fraction) * b.position +
+         step * fraction * u * (u * a.velocity - fraction * b.velocity);
 }
 
 TEST(ConstrainedMotion, RoundedCornersKeepTheConstraint) {
@@ -87,8 +87,8 @@ TEST(ConstrainedMotion, PointsOfAControllerKeepTheConstraint) {
   for (std::size_t i = 1; i < points.size(); ++i) {
     const int steps = 1 + static_cast<int>((points[i].time_s - points[i - 1].time_s) / 1e-3);
     for (int s = 0; s <= steps; ++s) {
-      const double share = static_cast<double>(s) / steps;
-      worst = std::max(worst, test::tilt_rad(left_arm(), between(points[i - 1], points[i], share)));
+      const double fraction = static_cast<double>(s) / steps;
+      worst = std::max(worst, test::tilt_rad(left_arm(), between(points[i - 1], points[i], fraction)));
     }
   }
   EXPECT_LE(worst, kError);

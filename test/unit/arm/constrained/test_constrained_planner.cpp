@@ -306,7 +306,7 @@ TEST(ConstrainedPlanner, StopsWhenCancelled) {
 }
 
 // The level tool slides along a line across the robot, on which a plate stands between start and goal.
-TEST(ConstrainedPlanner, EndsInTimeWhereThereIsNoWay) {
+TEST(ConstrainedPlanner, EndsInTimeWhereThereIsNoPath) {
   Problem problem(1, 0);
   const ToolConstraint line{Kind::kKeepLine, "left_gripper", "", Eigen::Vector3d::UnitY(), {}};
   const auto constraint = constraint_on(left_arm(), {test::level(), line}, problem.start);

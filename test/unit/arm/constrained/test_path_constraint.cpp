@@ -100,20 +100,20 @@ TEST(PathConstraint, ErrorsAreDistancesAndAngles) {
     EXPECT_NEAR(line.error(at), away.cross(unit).norm(), 1e-9);
     const Eigen::Vector3d now = pose.linear() * unit, then = target.linear() * unit;
     EXPECT_NEAR(tool.error(at), std::atan2(now.cross(then).norm(), now.dot(then)), 1e-7);
-    const Eigen::AngleAxisd turn(target.linear().transpose() * pose.linear());
-    EXPECT_NEAR(orientation.error(at), turn.angle(), 1e-6);
+    const Eigen::AngleAxisd rotation(target.linear().transpose() * pose.linear());
+    EXPECT_NEAR(orientation.error(at), rotation.angle(), 1e-6);
     for (const auto* constraint : {&plane, &line, &tool, &orientation})
       EXPECT_NEAR(constraint->residual(at).norm(), constraint->error(at), 1e-6);
   }
 }
 
-TEST(PathConstraint, AnAxisTheWrongWayRoundIsAnErrorOfPi) {
+TEST(PathConstraint, AReversedAxisIsAnErrorOfPi) {
   const auto& model = left_arm();
   const auto down = constraint_on(model, {test::level()});
   const JointVector at = down.project(JointVector::Zero(7), model.limits()).value();
-  auto turned = test::level();
-  turned.target = Pose::Identity();
-  const auto up = constraint_on(model, {turned});
+  auto rotated = test::level();
+  rotated.target = Pose::Identity();
+  const auto up = constraint_on(model, {rotated});
   EXPECT_NEAR(up.error(at), kPi, 1e-3);
   EXPECT_NEAR(up.residual(at).norm(), kPi, 1e-3);
   EXPECT_TRUE(up.jacobian(at).allFinite());
@@ -125,10 +125,12 @@ TEST(PathConstraint, TheBoundOfASegmentHolds) {
     for (const auto& [name, constraint] : cases(seed))
       for (int i = 0; i < 30; ++i) {
         const JointVector from = random_state(both_arms().limits(), rng);
-        const JointVector way = random_state(both_arms().limits(), rng).normalized() * rng.uniform(0.01, 0.5);
-        const double bound = constraint.segment_error(from, from + way);
+        const JointVector delta =
+            random_state(both_arms().limits(), rng).normalized() * rng.uniform(0.01, 0.5);
+        const double bound = constraint.segment_error(from, from + delta);
         for (int s = 0; s <= 40; ++s)
-          EXPECT_LE(constraint.error(from + way * (s / 40.0)), bound + 1e-12) << name << " " << way.norm();
+          EXPECT_LE(constraint.error(from + delta * (s / 40.0)), bound + 1e-12)
+              << name << " " << delta.norm();
       }
 }
 
@@ -148,8 +150,9 @@ TEST(PathConstraint, TheBoundOfAShortSegmentIsTight) {
       double worst = 0;
       for (int s = 0; s <= 50; ++s)
         worst = std::max(worst, constraint.error(*from + (*to - *from) * (s / 50.0)));
-      const double turning = (*to - *from).cwiseAbs().sum();
-      EXPECT_LT(constraint.segment_error(*from, *to), 1.01 * worst + 0.0081 * 6 * std::pow(turning, 3) + 1e-7)
+      const double rotating = (*to - *from).cwiseAbs().sum();
+      EXPECT_LT(constraint.segment_error(*from, *to),
+                1.01 * worst + 0.0081 * 6 * std::pow(rotating, 3) + 1e-7)
           << name;
       EXPECT_GE(constraint.segment_error(*from, *to, 2e-8) + 1e-12, worst) << name;
       ++looked;
@@ -174,13 +177,13 @@ TEST(PathConstraint, TheBoundHoldsWithAJointThatSlides) {
   const auto constraint = PathConstraint::make(robot, params).value();
   Rng rng(5);
   for (int i = 0; i < 200; ++i) {
-    JointVector from(3), way(3);
+    JointVector from(3), delta(3);
     for (int j = 0; j < 3; ++j) {
       from[j] = rng.uniform(0, 2);
-      way[j] = rng.uniform(-0.7, 0.7);
+      delta[j] = rng.uniform(-0.7, 0.7);
     }
-    const double bound = constraint.segment_error(from, from + way);
-    for (int s = 0; s <= 20; ++s) EXPECT_LE(constraint.error(from + way * (s / 20.0)), bound + 1e-12);
+    const double bound = constraint.segment_error(from, from + delta);
+    for (int s = 0; s <= 20; ++s) EXPECT_LE(constraint.error(from + delta * (s / 20.0)), bound + 1e-12);
   }
 }
 

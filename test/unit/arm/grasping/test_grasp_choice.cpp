@@ -128,7 +128,7 @@ TEST(GraspChoice, AStartThatLeadsNowhereChangesNothing) {
   EXPECT_THROW((void)choose_grasp(scene.grasps(), arms), std::invalid_argument);
 }
 
-TEST(GraspChoice, TheArmOnTheThingsSideTakesIt) {
+TEST(GraspChoice, TheArmOnTheObjectsSideTakesIt) {
   for (const double side : {1.0, -1.0}) {
     Scene scene(cube_at({0.8, 0.35 * side, kTable}));
     const auto arms = scene.arms();
@@ -140,14 +140,14 @@ TEST(GraspChoice, TheArmOnTheThingsSideTakesIt) {
     const ArmChain& chain = arms[choice->arm].kinematics->chain();
     EXPECT_TRUE(chain.forward(choice->grasp).isApprox(grasp.root_T_tip, 1e-4));
     EXPECT_TRUE(chain.forward(choice->pregrasp).isApprox(grasp.root_T_pregrasp, 1e-4));
-    EXPECT_TRUE(choice->way.front() == choice->pregrasp && choice->way.back() == choice->grasp);
+    EXPECT_TRUE(choice->path.front() == choice->pregrasp && choice->path.back() == choice->grasp);
     // Straight: no point of the tip is off the line, ends and middles looked at, and all of it is free.
-    for (std::size_t i = 1; i < choice->way.size(); ++i) {
-      const JointVector middle = (choice->way[i - 1] + choice->way[i]) / 2;
+    for (std::size_t i = 1; i < choice->path.size(); ++i) {
+      const JointVector middle = (choice->path[i - 1] + choice->path[i]) / 2;
       const Eigen::Vector3d off = chain.forward(middle).translation() - grasp.root_T_tip.translation();
       EXPECT_LT((off - off.dot(grasp.approach) * grasp.approach).norm(), 1e-3);
     }
-    for (const JointVector& point : choice->way) {
+    for (const JointVector& point : choice->path) {
       JointVector state = arms[0].state;
       state.segment(7 * choice->arm, 7) = point;
       EXPECT_FALSE(scene.checker().contact(state));
@@ -165,7 +165,7 @@ TEST(GraspChoice, SaysThatItIsOutOfReach) {
   EXPECT_NE(choice.error().message.find("out of reach"), std::string::npos);
 }
 
-TEST(GraspChoice, SaysThatSomethingIsInTheWay) {
+TEST(GraspChoice, SaysThatSomethingIsInThePath) {
   Scene scene(cube_at({0.8, 0.35, kTable}));
   must(scene.world().add({"lid", {shape_of(Box{{0.5, 0.5, 0.02}})}, make_pose({0.8, 0.35, kTable + 0.07})}));
   for (const double side : {-1.0, 1.0}) {
@@ -189,7 +189,7 @@ TEST(GraspChoice, SaysThatSomethingIsInTheWay) {
   EXPECT_NE(choice.error().message.find(" touches "), std::string::npos) << choice.error().message;
 }
 
-TEST(GraspChoice, TheCallersStraightWayIsAsked) {
+TEST(GraspChoice, TheCallersStraightMotionIsAsked) {
   Scene scene(cube_at({0.8, 0.35, kTable}));
   auto arms = scene.arms();
   arms.resize(1);
@@ -203,7 +203,7 @@ TEST(GraspChoice, TheCallersStraightWayIsAsked) {
   const auto choice = choose_grasp(grasps, arms);
   ASSERT_FALSE(choice);
   EXPECT_GT(asked, 0);
-  EXPECT_GT(choice.error().refusals[0][static_cast<int>(GraspRefusal::kNoWay)], 0);
+  EXPECT_GT(choice.error().refusals[0][static_cast<int>(GraspRefusal::kNoPath)], 0);
 }
 
 TEST(GraspChoice, EveryArmHasItsHandsGrasps) {

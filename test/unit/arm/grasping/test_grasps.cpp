@@ -32,9 +32,9 @@ void for_points(const Eigen::Vector3d& low, const Eigen::Vector3d& high,
   for (int i = 0; i <= kSteps; ++i)
     for (int j = 0; j <= 2; ++j)
       for (int k = 0; k <= kSteps; ++k) {
-        const Eigen::Vector3d share(static_cast<double>(i) / kSteps, j / 2.0,
-                                    static_cast<double>(k) / kSteps);
-        visit(low + share.cwiseProduct(high - low));
+        const Eigen::Vector3d fraction(static_cast<double>(i) / kSteps, j / 2.0,
+                                       static_cast<double>(k) / kSteps);
+        visit(low + fraction.cwiseProduct(high - low));
       }
 }
 
@@ -88,7 +88,7 @@ TEST(Hand, SaysWhatIsWrong) {
             ErrorCode::kInvalidArgument);
 }
 
-TEST(Grasps, ThousandRandomThingsAreBetweenThePadsAndNothingIsInTheWay) {
+TEST(Grasps, ThousandRandomObjectsAreBetweenThePadsAndNothingIsInThePath) {
   Rng rng(11);
   int found = 0, asked = 0, failures = 0;
   while (asked < 1000) {
@@ -171,17 +171,17 @@ TEST(Grasps, InvariantsOfEveryCandidate) {
   }
 }
 
-TEST(Grasps, TurnWithTheThing) {
+TEST(Grasps, RotateWithTheObject) {
   const GraspObject one = cube_on_table(0.035, 0.2);
   GraspObject two = one;
-  const Pose turn = make_pose({0.1, -0.5, 0}, {0, 0, 0.9});
-  two.root_T_object = turn * one.root_T_object;
+  const Pose rotation = make_pose({0.1, -0.5, 0}, {0, 0, 0.9});
+  two.root_T_object = rotation * one.root_T_object;
   const auto first = generate_grasps(left_hand(), one), second = generate_grasps(left_hand(), two);
   ASSERT_TRUE(first && second);
   ASSERT_EQ(first->size(), second->size());
   for (const GraspCandidate& grasp : *first)
     EXPECT_TRUE(std::any_of(second->begin(), second->end(), [&](const GraspCandidate& other) {
-      return other.root_T_tip.isApprox(turn * grasp.root_T_tip, 1e-9) &&
+      return other.root_T_tip.isApprox(rotation * grasp.root_T_tip, 1e-9) &&
              std::abs(other.score - grasp.score) < 1e-9;
     }));
 }
@@ -197,7 +197,7 @@ TEST(Grasps, Deterministic) {
 
 TEST(Grasps, BoundedCount) {
   GraspParams params;
-  params.most_candidates = 7;
+  params.max_candidates = 7;
   const auto grasps = generate_grasps(left_hand(), on_table(Sphere{0.02}, 0.04), params);
   ASSERT_TRUE(grasps);
   EXPECT_EQ(grasps->size(), 7U);
@@ -229,7 +229,7 @@ TEST(Grasps, UncertaintyWidensTheOpeningUntilItIsTooMuch) {
   EXPECT_NE(none.error().message.find("uncertain"), std::string::npos) << none.error().message;
 }
 
-TEST(Grasps, UncertaintyInOneDirectionTurnsTheHand) {
+TEST(Grasps, UncertaintyInOneDirectionRotatesTheGripper) {
   GraspObject cube = cube_on_table(0.04);
   cube.covariance = Eigen::Vector3d(1e-4, 1e-8, 1e-8).asDiagonal();  // 1 cm along x
   const auto grasps = generate_grasps(left_hand(), cube);
@@ -240,7 +240,7 @@ TEST(Grasps, UncertaintyInOneDirectionTurnsTheHand) {
 TEST(Grasps, ConeHoldsOnlyWhereFrictionDoes) {
   // tan of the half-angle is 0.25; the lean is the half-angle.
   GraspParams params;
-  params.friction_share = 1;
+  params.friction_ratio = 1;
   params.friction = 0.26;
   const GraspObject cone = on_table(Cone{0.025, 0.1}, 0.1);
   const auto grasps = generate_grasps(left_hand(), cone, params);
@@ -270,7 +270,7 @@ TEST(Grasps, ConeOnNothingIsHeldAtItsRim) {
   EXPECT_NEAR(grasps->front().closed_m, 0.05, 1e-9);
 }
 
-TEST(Grasps, TallThingsAreHeldBelowThePalm) {
+TEST(Grasps, TallObjectsAreHeldBelowThePalm) {
   const GraspObject tall = on_table(Box{{0.04, 0.04, 0.3}}, 0.3);
   const auto grasps = generate_grasps(left_hand(), tall);
   ASSERT_TRUE(grasps) << grasps.error().message;
@@ -325,7 +325,7 @@ TEST(Places, InverseOfPicking) {
   }
 }
 
-TEST(Places, AnyYawKeepsTheThingStandingWhereItShall) {
+TEST(Places, AnyYawKeepsTheObjectStandingWhereItShall) {
   const GraspCandidate grasp = generate_grasps(left_hand(), cube_on_table(0.04))->front();
   PlaceRequest request{grasp.tip_T_object, make_pose({0.5, -0.2, 0.42}, {0, 0, 1}), true, 0.05, 0.4};
   const auto places = place_poses(left_hand(), request);

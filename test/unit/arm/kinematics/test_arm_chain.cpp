@@ -64,9 +64,9 @@ TEST(ArmChain, HandlesSlidingAndEndlessJoints) {
   EXPECT_DOUBLE_EQ(chain.clamp(q)[1], 100);
   JointVector from(2);
   from << 0.5, 100 - 2 * 6.283185307179586 - 0.25;
-  const JointVector way = chain.difference(q, from);
-  EXPECT_DOUBLE_EQ(way[0], 0.5);
-  EXPECT_NEAR(way[1], 0.25, 1e-12);
+  const JointVector delta = chain.difference(q, from);
+  EXPECT_DOUBLE_EQ(delta[0], 0.5);
+  EXPECT_NEAR(delta[1], 0.25, 1e-12);
 }
 
 TEST(ArmChain, NamesWhatIsWrong) {

@@ -166,7 +166,7 @@ TEST(InverseKinematics, KeepsEndlessJointsWithinHalfATurnOfTheSeed) {
   }
 }
 
-TEST(Tolerance, FreesTheTurnAboutTheToolAxis) {
+TEST(Tolerance, FreesTheRotationAboutTheToolAxis) {
   const InverseKinematics kinematics(baxter_arm("left"));
   const ArmChain& chain = kinematics.chain();
   IkOptions options = patient();
@@ -197,8 +197,8 @@ TEST(Tolerance, UsesItsRoomAndNoMore) {
     const auto result = kinematics.solve(target, random_joints(chain, rng), options);
     ASSERT_TRUE(result) << i;
     const Pose tip = target.inverse() * chain.forward(result->joints);
-    const Eigen::AngleAxisd turn(tip.linear());
-    const Eigen::Vector3d vector = turn.axis() * turn.angle();
+    const Eigen::AngleAxisd rotation(tip.linear());
+    const Eigen::Vector3d vector = rotation.axis() * rotation.angle();
     EXPECT_LE(std::abs(tip.translation().x()), 0.05);
     EXPECT_LE(tip.translation().tail<2>().cwiseAbs().maxCoeff(), 1.001e-5);
     EXPECT_LE(std::abs(vector.x()), 0.1);

@@ -17,11 +17,11 @@ IkSearchOptions patient() {
 }
 
 double distance_to(const IkSolutionSet& set, const ArmChain& chain, const JointVector& q) {
-  double least = kInf;
+  double smallest = kInf;
   for (const IkBranch& branch : set.branches)
     for (const JointVector& joints : branch.joints)
-      least = std::min(least, chain.difference(joints, q).norm());
-  return least;
+      smallest = std::min(smallest, chain.difference(joints, q).norm());
+  return smallest;
 }
 
 /// Links of 0.4 m in a plane, every joint turns about z without end: three positions for two coordinates.

@@ -150,7 +150,7 @@ TEST_F(Pipeline, SameSeedSameTrajectory) {
   }
 }
 
-TEST_F(Pipeline, SaysWhyThereIsNoWay) {
+TEST_F(Pipeline, SaysWhyThereIsNoPath) {
   const auto code = [&](MotionRequest asked) {
     asked.planning_time_s = 1.0;
     const auto outcome = pipeline_.plan(asked, world_);
@@ -207,7 +207,7 @@ TEST_F(Pipeline, StartInCollisionIsNamed) {
 }
 
 /// 1 mm beside a finger: nearer than plans keep. The arm gets away all the same, and hits nothing.
-TEST_F(Pipeline, StartsBesideAThing) {
+TEST_F(Pipeline, StartsBesideAnObject) {
   auto asked = request("left_arm");
   asked.start = test::standing("neutral");
   asked.goal = NamedState{"untuck"};

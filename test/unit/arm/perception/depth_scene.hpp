@@ -65,14 +65,14 @@ class DepthScene {
   [[nodiscard]] float trace(const Eigen::Vector3d& ray, const Pose& root_T_camera, double far_m) const {
     constexpr double kHit = 1e-4;
     const Eigen::Vector3d direction = root_T_camera.linear() * ray.normalized();
-    double way = 0;
-    for (int i = 0; i < 300 && way < far_m; ++i) {
-      const Eigen::Vector3d point = root_T_camera.translation() + way * direction;
-      double least = far_m;
+    double distance = 0;
+    for (int i = 0; i < 300 && distance < far_m; ++i) {
+      const Eigen::Vector3d point = root_T_camera.translation() + distance * direction;
+      double smallest = far_m;
       for (const Solid& solid : solids_)
-        least = std::min(least, collision::distance_bound(*solid.part, solid.part_T_root * point));
-      if (least < kHit) return static_cast<float>(way / ray.norm());
-      way += least;
+        smallest = std::min(smallest, collision::distance_bound(*solid.part, solid.part_T_root * point));
+      if (smallest < kHit) return static_cast<float>(distance / ray.norm());
+      distance += smallest;
     }
     return 0;
   }

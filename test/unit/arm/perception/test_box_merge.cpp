@@ -14,18 +14,18 @@ namespace {
 
 const VoxelGrid kGrid{{0, 0, 0}, 0.02, {9, 7, 5}};
 
-std::vector<int> random_cells(Rng& rng, double share) {
+std::vector<int> random_cells(Rng& rng, double fraction) {
   std::vector<int> cells;
   for (int i = 0; i < static_cast<int>(kGrid.size()); ++i)
-    if (rng.chance(share)) cells.push_back(i);
+    if (rng.chance(fraction)) cells.push_back(i);
   return cells;
 }
 
 TEST(BoxMerge, EveryCellIsInOneBoxAndNothingElseIs) {
   Rng rng(1);
   std::vector<unsigned char> scratch(kGrid.size(), 0);
-  for (const double share : {0.05, 0.5, 0.95, 1.0}) {
-    const std::vector<int> cells = random_cells(rng, share);
+  for (const double fraction : {0.05, 0.5, 0.95, 1.0}) {
+    const std::vector<int> cells = random_cells(rng, fraction);
     std::vector<int> covered;
     for (const CellBox& box : merge_boxes(kGrid, cells, scratch))
       for (int z = box.first.z(); z <= box.last.z(); ++z)

@@ -22,12 +22,12 @@ Pose camera_pose() {
   return looking(kEye, {0.95, 0, kTable});
 }
 
-DepthObstaclesParams params_for_small_pictures() {
+DepthObstaclesParams params_for_small_images() {
   DepthObstaclesParams params;
   params.low_m = {0.4, -0.7, 0.7};
   params.high_m = {1.6, 0.7, 1.4};
   params.pixel_step = 1;
-  params.least_points = 2;
+  params.min_points = 2;
   return params;
 }
 
@@ -45,7 +45,7 @@ DepthScene table_with_cube(const Eigen::Vector3d& place = kCube) {
 
 class Eyes {
  public:
-  explicit Eyes(const DepthObstaclesParams& params = params_for_small_pictures())
+  explicit Eyes(const DepthObstaclesParams& params = params_for_small_images())
       : obstacles(DepthObstacles::make(both_arms(), params).value()) {}
 
   DepthUpdate see(const std::vector<float>& depth, double time_s, const CollisionWorld& known = {}) {
@@ -105,8 +105,8 @@ TEST(DepthObstacles, BoxesHoldEveryVoxelAndNothingElse) {
 }
 
 TEST(DepthObstacles, FewerBoxesMeanACoarserGridAndStillHoldEveryVoxel) {
-  DepthObstaclesParams params = params_for_small_pictures();
-  params.most_boxes = 8;
+  DepthObstaclesParams params = params_for_small_images();
+  params.max_boxes = 8;
   Eyes eyes(params);
   const DepthUpdate update = eyes.see(table_with_cube(), 0);
   EXPECT_LE(update.boxes, 8);
@@ -134,7 +134,7 @@ TEST(DepthObstacles, MillimetresAndMetresAgree) {
 }
 
 TEST(DepthObstacles, TheRobotIsNotAnObstacle) {
-  DepthObstaclesParams params = params_for_small_pictures();
+  DepthObstaclesParams params = params_for_small_images();
   params.low_m = {-0.5, -1.3, 0.1};
   params.high_m = {1.6, 1.3, 1.9};
   Eyes eyes(params);
@@ -156,7 +156,7 @@ TEST(DepthObstacles, TheRobotIsNotAnObstacle) {
 }
 
 TEST(DepthObstacles, TheRobotIsFreeAmongWhatItSeesOfItself) {
-  DepthObstaclesParams params = params_for_small_pictures();
+  DepthObstaclesParams params = params_for_small_images();
   params.low_m = {-0.5, -1.3, 0.1};
   params.high_m = {1.6, 1.3, 1.9};
   Eyes eyes(params);
@@ -175,19 +175,19 @@ double distance_to_robot(const Eigen::Vector3d& point) {
   std::vector<Pose> poses;
   const auto& bodies = both_arms().bodies();
   collision::body_poses(bodies, reaching().data(), poses);
-  double least = 1e9;
+  double smallest = 1e9;
   for (const auto& own : bodies.parts)
-    least = std::min(
-        least, collision::distance_bound(*own.part, (poses[own.body] * own.body_T_part).inverse() * point));
-  return least;
+    smallest = std::min(smallest, collision::distance_bound(
+                                      *own.part, (poses[own.body] * own.body_T_part).inverse() * point));
+  return smallest;
 }
 
 // Points beyond the padding may lie in voxels that reach up to their diagonal nearer.
 TEST(DepthObstacles, TheRobotIsFreeBesideWhatIsNear) {
-  DepthObstaclesParams params = params_for_small_pictures();
+  DepthObstaclesParams params = params_for_small_images();
   params.low_m = {-0.5, -1.3, 0.1};
   params.high_m = {1.6, 1.3, 1.9};
-  params.least_points = 1;
+  params.min_points = 1;
   params.voxel_m = 0.04;
   Eyes eyes(params);
   eyes.tucked = reaching();
@@ -256,7 +256,7 @@ TEST(DepthObstacles, KnownObjectsAreCutOut) {
 }
 
 // A thing is seen before a detector names it; from then on it is one to hold, without waiting for a picture.
-TEST(DepthObstacles, AThingThatBecomesKnownIsForgotten) {
+TEST(DepthObstacles, AnObjectThatBecomesKnownIsForgotten) {
   Shape cube;
   cube.geometry = Box{{0.1, 0.1, 0.1}};
   CollisionWorld known;
@@ -281,7 +281,7 @@ TEST(DepthObstacles, AThingThatBecomesKnownIsForgotten) {
   EXPECT_EQ(eyes.near(kCube, 0.06), 0);
 }
 
-TEST(DepthObstacles, ForgettingWithoutPicturesOrThingsDoesNothing) {
+TEST(DepthObstacles, ForgettingWithoutImagesOrObjectsDoesNothing) {
   CollisionWorld known;
   Eyes eyes;
   EXPECT_FALSE(eyes.obstacles.forget(known));
@@ -293,7 +293,7 @@ TEST(DepthObstacles, ForgettingWithoutPicturesOrThingsDoesNothing) {
   EXPECT_EQ(eyes.obstacles.voxels().size(), all);
 }
 
-TEST(DepthObstacles, AThingThatMovedIsCleared) {
+TEST(DepthObstacles, AnObjectThatMovedIsCleared) {
   Eyes eyes;
   eyes.see(table_with_cube(), 0);
   const Eigen::Vector3d upper = kCube + Eigen::Vector3d(0, 0, 0.02), elsewhere(1.1, -0.3, kTable + 0.07);
@@ -307,7 +307,7 @@ TEST(DepthObstacles, AThingThatMovedIsCleared) {
 }
 
 // A known table behind it: nothing is left over, down to the table's padding.
-TEST(DepthObstacles, AThingThatLeftAKnownTableIsCleared) {
+TEST(DepthObstacles, AnObjectThatLeftAKnownTableIsCleared) {
   Shape top;
   top.geometry = Box{{1.0, 1.2, 0.04}};
   CollisionWorld known;
@@ -320,8 +320,8 @@ TEST(DepthObstacles, AThingThatLeftAKnownTableIsCleared) {
 }
 
 TEST(DepthObstacles, WhatIsHiddenStaysUntilItIsTooOld) {
-  DepthObstaclesParams params = params_for_small_pictures();
-  params.most_age_s = 2;
+  DepthObstaclesParams params = params_for_small_images();
+  params.max_age_s = 2;
   Eyes eyes(params);
   eyes.see(table_with_cube(), 0);
   const int before = eyes.near(kCube, 0.07);
@@ -351,8 +351,8 @@ TEST(DepthObstacles, PixelsWithoutDepthShowNothingAndClearNothing) {
 }
 
 TEST(DepthObstacles, SinglePointsAreNoise) {
-  DepthObstaclesParams params = params_for_small_pictures();
-  params.least_points = 3;
+  DepthObstaclesParams params = params_for_small_images();
+  params.min_points = 3;
   Eyes eyes(params);
   Rng rng(3);
   std::vector<float> depth(
@@ -374,7 +374,7 @@ TEST(DepthObstacles, TheObjectServesTheCollisionChecker) {
   DepthScene scene;
   const Pose hand = both_arms().link_pose(state, "left_gripper").value();
   scene.add(Box{{0.1, 0.1, 0.1}}, hand);  // while the robot is elsewhere
-  DepthObstaclesParams params = params_for_small_pictures();
+  DepthObstaclesParams params = params_for_small_images();
   params.low_m = {-0.5, -1.3, 0.1};
   params.high_m = {1.6, 1.3, 1.9};
   Eyes wide(params);

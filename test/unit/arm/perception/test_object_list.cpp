@@ -15,8 +15,8 @@ namespace {
 
 constexpr double kPeriod = 0.1;  // [s] between pictures
 
-ObjectSighting seen(const std::string& label, double x, double y = 0.0, double yaw = 0.0,
-                    const Eigen::Vector3d& size = {0.05, 0.05, 0.05}) {
+ObjectDetection seen(const std::string& label, double x, double y = 0.0, double yaw = 0.0,
+                     const Eigen::Vector3d& size = {0.05, 0.05, 0.05}) {
   return {label, {{x, y, 0.7}, yaw, size}};
 }
 
@@ -25,27 +25,27 @@ class Listing {
  public:
   explicit Listing(const ObjectListParams& params = {}) : list_(ObjectList::make(params).value()) {}
 
-  ObjectListUpdate update(const std::vector<ObjectSighting>& sightings) {
+  ObjectListUpdate update(const std::vector<ObjectDetection>& detections) {
     time_s += kPeriod;
-    const auto done = list_.update(sightings, scene, time_s);
-    std::vector<SceneThing> next;
-    for (const auto& thing : scene)
-      if (!thing.listed) next.push_back(thing);
+    const auto done = list_.update(detections, scene, time_s);
+    std::vector<KnownObject> next;
+    for (const auto& known : scene)
+      if (!known.listed) next.push_back(known);
     for (const auto& object : list_.objects()) {
-      SceneThing thing{object.name, object.label, object.world_T_object, true, false, {}};
+      KnownObject known{object.name, object.label, object.world_T_object, true, false, {}};
       for (const auto& old : scene)
-        if (old.name == thing.name) thing.still = old.still;
-      next.push_back(thing);
+        if (old.name == known.name) known.still = old.still;
+      next.push_back(known);
     }
     scene = next;
     return done;
   }
-  ObjectListUpdate repeat(int times, const std::vector<ObjectSighting>& sightings) {
+  ObjectListUpdate repeat(int times, const std::vector<ObjectDetection>& detections) {
     ObjectListUpdate done;
-    for (int i = 0; i < times; ++i) done = update(sightings);
+    for (int i = 0; i < times; ++i) done = update(detections);
     return done;
   }
-  SceneThing& thing(const std::string& name) {
+  KnownObject& known(const std::string& name) {
     for (auto& one : scene)
       if (one.name == name) return one;
     throw std::out_of_range(name + " is not in the scene");
@@ -60,7 +60,7 @@ class Listing {
   }
   [[nodiscard]] ListedObject object(std::size_t i = 0) const { return list_.objects().at(i); }
 
-  std::vector<SceneThing> scene;
+  std::vector<KnownObject> scene;
   double time_s{100.0};
 
  private:
@@ -73,25 +73,25 @@ TEST(ObjectList, RefusesParametersOutOfRange) {
   const double nan = std::numeric_limits<double>::quiet_NaN();
   std::vector<ObjectListParams> wrong(8);
   wrong[0].confirm = 0;
-  wrong[1].most_age_s = -1;
+  wrong[1].max_age_s = -1;
   wrong[2].match_m = nan;
-  wrong[3].most_objects = 0;
-  wrong[4].news_m = nan;
-  wrong[5].news_rad = -0.1;
+  wrong[3].max_objects = 0;
+  wrong[4].min_change_m = nan;
+  wrong[5].min_change_rad = -0.1;
   wrong[6].average = 0;
   wrong[7].match_m = 0;
   for (const auto& params : wrong) EXPECT_FALSE(ObjectList::make(params));
 }
 
-TEST(ObjectList, JoinsAfterAsManySightingsAsAreWanted) {
+TEST(ObjectList, JoinsAfterAsManyDetectionsAsAreWanted) {
   Listing list;
   EXPECT_EQ(1, list.update({seen("cube", 0.7)}).waiting);
-  EXPECT_FALSE(list.update({seen("cube", 0.7)}).news);
+  EXPECT_FALSE(list.update({seen("cube", 0.7)}).changed);
   EXPECT_EQ(Names{}, list.names());
-  EXPECT_TRUE(list.update({seen("cube", 0.7)}).news);
+  EXPECT_TRUE(list.update({seen("cube", 0.7)}).changed);
   EXPECT_EQ(Names{"cube_1"}, list.names());
   EXPECT_EQ("cube", list.object().label);
-  EXPECT_FALSE(list.update({seen("cube", 0.7)}).news);
+  EXPECT_FALSE(list.update({seen("cube", 0.7)}).changed);
 }
 
 TEST(ObjectList, WhatFlickersRarelyIsNone) {
@@ -113,11 +113,11 @@ TEST(ObjectList, OneObjectForEach) {
   EXPECT_LT(list.position(0).x(), list.position(1).x());
 }
 
-TEST(ObjectList, OneThingThatIsDetectedTwiceIsOne) {
+TEST(ObjectList, OneObjectThatIsDetectedTwiceIsOne) {
   Listing list;
   const auto done = list.repeat(10, {seen("cube", 0.7), seen("cube", 0.71), seen("sphere", 0.705)});
   EXPECT_EQ(Names{"cube_1"}, list.names());
-  EXPECT_EQ(2, done.doubled);
+  EXPECT_EQ(2, done.duplicate);
 }
 
 TEST(ObjectList, WhatReplacesAnotherTakesItsPlace) {
@@ -127,10 +127,10 @@ TEST(ObjectList, WhatReplacesAnotherTakesItsPlace) {
   EXPECT_EQ(Names{"sphere_1"}, list.names());
 }
 
-TEST(ObjectList, ThePoseIsTheMeanOfTheLatestSightings) {
+TEST(ObjectList, ThePoseIsTheMeanOfTheLatestDetections) {
   ObjectListParams params;
-  params.news_m = 0;
-  params.news_rad = 0;
+  params.min_change_m = 0;
+  params.min_change_rad = 0;
   Listing list(params);
   Rng rng(3);
   double squares = 0;
@@ -145,16 +145,16 @@ TEST(ObjectList, ThePoseIsTheMeanOfTheLatestSightings) {
   EXPECT_LT(std::sqrt(squares / (kRounds - 20)), 0.35 * kSigma);
 }
 
-TEST(ObjectList, TellsNoNewsOfSmallMotions) {
+TEST(ObjectList, ReportsNoChangeForSmallMotions) {
   Listing list;
   list.repeat(20, {seen("cube", 0.7)});
   for (int i = 0; i < 50; ++i)
-    EXPECT_FALSE(list.update({seen("cube", 0.7 + (i % 2 == 0 ? 0.004 : -0.004))}).news);
+    EXPECT_FALSE(list.update({seen("cube", 0.7 + (i % 2 == 0 ? 0.004 : -0.004))}).changed);
   EXPECT_NEAR(0.7, list.position().x(), 1e-12);
-  int news = 0;
-  for (int i = 0; i < 50; ++i) news += list.update({seen("cube", 0.72)}).news ? 1 : 0;
-  EXPECT_GE(news, 1);
-  EXPECT_LE(news, 4);
+  int changed = 0;
+  for (int i = 0; i < 50; ++i) changed += list.update({seen("cube", 0.72)}).changed ? 1 : 0;
+  EXPECT_GE(changed, 1);
+  EXPECT_LE(changed, 4);
   EXPECT_NEAR(0.72, list.position().x(), 0.005);
 }
 
@@ -164,15 +164,15 @@ TEST(ObjectList, ABoxLooksTheSameFromFourSides) {
   const Eigen::Vector3d crosswise(0.08, 0.04, 0.05);
   list.repeat(3, {seen("box", 0.7, 0.0, 0.75, lengthwise)});
   for (int i = 0; i < 30; ++i) {
-    const double turn = i % 3 * M_PI_2;
+    const double yaw = i % 3 * M_PI_2;
     const auto& size = i % 3 == 1 ? crosswise : lengthwise;
-    EXPECT_FALSE(list.update({seen("box", 0.7, 0.0, 0.75 + turn, size)}).news) << i;
+    EXPECT_FALSE(list.update({seen("box", 0.7, 0.0, 0.75 + yaw, size)}).changed) << i;
   }
   EXPECT_TRUE(list.object().size_m.isApprox(lengthwise, 1e-9));
   EXPECT_TRUE(list.object().world_T_object.isApprox(make_pose({0.7, 0, 0.7}, {0, 0, 0.75}), 1e-9));
 }
 
-TEST(ObjectList, FollowsATurn) {
+TEST(ObjectList, FollowsARotation) {
   Listing list;
   list.repeat(10, {seen("cube", 0.7, 0.0, 3.1)});
   list.repeat(60, {seen("cube", 0.7, 0.0, -2.9)});  // by 0.28 rad, across the cut
@@ -183,11 +183,11 @@ TEST(ObjectList, FollowsATurn) {
 TEST(ObjectList, AJumpCountsWhenItLasts) {
   Listing list;
   list.repeat(10, {seen("cube", 0.7)});
-  EXPECT_FALSE(list.update({seen("cube", 0.76)}).news);  // beyond half of match_m: one wrong estimate
+  EXPECT_FALSE(list.update({seen("cube", 0.76)}).changed);  // beyond half of match_m: one wrong estimate
   list.update({seen("cube", 0.7)});
   EXPECT_NEAR(0.7, list.position().x(), 1e-9);
-  EXPECT_FALSE(list.repeat(2, {seen("cube", 0.76)}).news);
-  EXPECT_TRUE(list.update({seen("cube", 0.76)}).news);
+  EXPECT_FALSE(list.repeat(2, {seen("cube", 0.76)}).changed);
+  EXPECT_TRUE(list.update({seen("cube", 0.76)}).changed);
   EXPECT_NEAR(0.76, list.position().x(), 1e-9);  // at once, not by and by
   EXPECT_EQ(Names{"cube_1"}, list.names());
 }
@@ -201,7 +201,7 @@ TEST(ObjectList, FartherThanTheMatchIsAnotherObject) {
 
 TEST(ObjectList, AgesOut) {
   ObjectListParams params;
-  params.most_age_s = 1.0;
+  params.max_age_s = 1.0;
   Listing list(params);
   list.repeat(3, {seen("cube", 0.7), seen("sphere", 0.9)});
   list.repeat(9, {seen("sphere", 0.9)});
@@ -214,7 +214,7 @@ TEST(ObjectList, AgesOut) {
 
 TEST(ObjectList, WithoutAnAgeItStays) {
   ObjectListParams params;
-  params.most_age_s = 0.0;
+  params.max_age_s = 0.0;
   Listing list(params);
   list.repeat(3, {seen("cube", 0.7)});
   list.time_s += 1e5;
@@ -224,7 +224,7 @@ TEST(ObjectList, WithoutAnAgeItStays) {
 
 TEST(ObjectList, AClockThatWentBackStartsTheAgeAnew) {
   ObjectListParams params;
-  params.most_age_s = 1.0;
+  params.max_age_s = 1.0;
   Listing list(params);
   list.repeat(3, {seen("cube", 0.7)});
   list.time_s = 5.0;
@@ -238,18 +238,18 @@ TEST(ObjectList, WhatIsRemovedComesBackWhenSeenAgain) {
   Listing list;
   list.repeat(3, {seen("cube", 0.7)});
   list.scene.clear();
-  EXPECT_TRUE(list.update({}).news);
+  EXPECT_TRUE(list.update({}).changed);
   EXPECT_EQ(Names{}, list.names());
   list.repeat(3, {seen("cube", 0.7)});
   EXPECT_EQ(Names{"cube_1"}, list.names());
 }
 
-TEST(ObjectList, SomebodyElsesThingIsNeitherDoubledNorMoved) {
+TEST(ObjectList, AnObjectOfAnotherOwnerIsNeitherDoubledNorMoved) {
   Listing list;
   list.repeat(3, {seen("cube", 0.7)});
   // Somebody puts a thing of his own there, under the same name.
-  list.thing("cube_1").listed = false;
-  list.thing("cube_1").still = true;
+  list.known("cube_1").listed = false;
+  list.known("cube_1").still = true;
   const auto done = list.repeat(10, {seen("cube", 0.71), seen("cube", 0.9)});
   EXPECT_EQ(1, done.claimed);
   EXPECT_EQ(Names{"cube_2"}, list.names());
@@ -258,21 +258,21 @@ TEST(ObjectList, SomebodyElsesThingIsNeitherDoubledNorMoved) {
 
 TEST(ObjectList, WhatAHandHoldsIsLeftAlone) {
   ObjectListParams params;
-  params.most_age_s = 1.0;
+  params.max_age_s = 1.0;
   Listing list(params);
   list.repeat(3, {seen("cube", 0.7)});
-  auto& held = list.thing("cube_1");
+  auto& held = list.known("cube_1");
   held.still = true;
   // The hand carries it away, farther in a picture than a match; what is seen lags behind, and is seen in the
   // hand.
   for (int i = 0; i < 30; ++i) {
-    auto& thing = list.thing("cube_1");
-    thing.world_T_object.translation().x() += 0.05;
-    const double x = thing.world_T_object.translation().x();
-    thing.places = {{x + 0.06, 0.0, 0.7}};
+    auto& known = list.known("cube_1");
+    known.world_T_object.translation().x() += 0.05;
+    const double x = known.world_T_object.translation().x();
+    known.places = {{x + 0.06, 0.0, 0.7}};
     const auto done = list.update({seen("cube", i % 2 == 0 ? x - 0.07 : x + 0.13)});
     EXPECT_EQ(1, done.claimed) << i;
-    EXPECT_FALSE(done.news);
+    EXPECT_FALSE(done.changed);
     EXPECT_EQ(Names{"cube_1"}, list.names());
     EXPECT_DOUBLE_EQ(x, list.position().x());
   }
@@ -280,22 +280,22 @@ TEST(ObjectList, WhatAHandHoldsIsLeftAlone) {
   for (int i = 0; i < 30; ++i) list.update({});
   EXPECT_EQ(Names{"cube_1"}, list.names());
   // Put down it is where it was put, and moves from there.
-  list.thing("cube_1").still = false;
-  list.thing("cube_1").places.clear();
-  list.thing("cube_1").world_T_object.translation().x() = 1.0;
+  list.known("cube_1").still = false;
+  list.known("cube_1").places.clear();
+  list.known("cube_1").world_T_object.translation().x() = 1.0;
   list.repeat(3, {seen("cube", 1.02)});
   EXPECT_EQ(Names{"cube_1"}, list.names());
   EXPECT_NEAR(1.02, list.position().x(), 0.005);
 }
 
-TEST(ObjectList, ANeighbourOfAHeldThingIsSeenButNotMoved) {
+TEST(ObjectList, ANeighbourOfAHeldObjectIsSeenButNotMoved) {
   ObjectListParams params;
-  params.most_age_s = 1.0;
+  params.max_age_s = 1.0;
   Listing list(params);
   list.repeat(3, {seen("cube", 0.7), seen("cube", 0.77)});
-  list.thing("cube_1").still = true;
+  list.known("cube_1").still = true;
   const auto done = list.repeat(30, {seen("cube", 0.76)});
-  EXPECT_FALSE(done.news);
+  EXPECT_FALSE(done.changed);
   EXPECT_EQ(2u, list.names().size());
   EXPECT_NEAR(0.77, list.position(1).x(), 1e-9);
 }
@@ -303,49 +303,49 @@ TEST(ObjectList, ANeighbourOfAHeldThingIsSeenButNotMoved) {
 TEST(ObjectList, WhatAHandHoldsMaySeemToBeOfAnotherClass) {
   Listing list;
   list.repeat(3, {seen("cone", 0.7)});
-  list.thing("cone_1").still = true;
+  list.known("cone_1").still = true;
   EXPECT_EQ(0, list.update({seen("sphere", 0.74)}).claimed) << "a thing that stands is of one class";
-  list.thing("cone_1").places = {{0.7, 0.0, 0.75}};
+  list.known("cone_1").places = {{0.7, 0.0, 0.75}};
   EXPECT_EQ(1, list.repeat(1, {seen("sphere", 0.65)}).claimed);
   list.repeat(10, {seen("cube", 0.9)});
   EXPECT_EQ((Names{"cone_1", "cube_1"}), list.names()) << "far from the hand it is another thing";
 }
 
-ObjectSighting vague(ObjectSighting sighting) {
-  sighting.vague = true;
-  return sighting;
+ObjectDetection ambiguous(ObjectDetection detection) {
+  detection.ambiguous = true;
+  return detection;
 }
 
-TEST(ObjectList, VagueSightingsMakeNoObjectAndMoveNone) {
+TEST(ObjectList, AmbiguousDetectionsMakeNoObjectAndMoveNone) {
   ObjectListParams params;
-  params.most_age_s = 1.0;
+  params.max_age_s = 1.0;
   Listing list(params);
-  EXPECT_EQ(1, list.repeat(10, {vague(seen("cube", 0.7))}).vague);
+  EXPECT_EQ(1, list.repeat(10, {ambiguous(seen("cube", 0.7))}).ambiguous);
   EXPECT_TRUE(list.names().empty());
   list.repeat(3, {seen("cube", 0.7)});
-  const auto done = list.repeat(30, {vague(seen("cube", 0.76))});
-  EXPECT_FALSE(done.news);
-  EXPECT_EQ(0, done.vague);
+  const auto done = list.repeat(30, {ambiguous(seen("cube", 0.76))});
+  EXPECT_FALSE(done.changed);
+  EXPECT_EQ(0, done.ambiguous);
   EXPECT_EQ(Names{"cube_1"}, list.names()) << "it is there, who knows where";
   EXPECT_NEAR(0.7, list.position().x(), 1e-9);
-  list.repeat(20, {vague(seen("cube", 0.9))});
+  list.repeat(20, {ambiguous(seen("cube", 0.9))});
   EXPECT_TRUE(list.names().empty()) << "that was too far to be it";
 }
 
-TEST(ObjectList, AVagueSightingTakesNoPlainOnesObject) {
+TEST(ObjectList, AAmbiguousDetectionTakesNoPlainOnesObject) {
   Listing list;
   list.repeat(3, {seen("cube", 0.7)});
-  const auto done = list.repeat(20, {vague(seen("cube", 0.7)), seen("cube", 0.72)});
+  const auto done = list.repeat(20, {ambiguous(seen("cube", 0.7)), seen("cube", 0.72)});
   EXPECT_EQ(Names{"cube_1"}, list.names());
   EXPECT_NEAR(0.72, list.position().x(), 0.005);
-  EXPECT_EQ(1, done.vague);
+  EXPECT_EQ(1, done.ambiguous);
 }
 
 TEST(ObjectList, MovedBySomebodyItIsLookedForThere) {
   Listing list;
   list.repeat(3, {seen("cube", 0.7)});
-  list.thing("cube_1").world_T_object = make_pose({0.9, 0, 0.7}, {0.1, 0, 0});
-  EXPECT_FALSE(list.update({}).news);
+  list.known("cube_1").world_T_object = make_pose({0.9, 0, 0.7}, {0.1, 0, 0});
+  EXPECT_FALSE(list.update({}).changed);
   EXPECT_TRUE(list.object().world_T_object.isApprox(make_pose({0.9, 0, 0.7}, {0.1, 0, 0})));  // tilt and all
   list.repeat(2, {seen("cube", 0.92)});
   EXPECT_EQ(Names{"cube_1"}, list.names());
@@ -354,9 +354,9 @@ TEST(ObjectList, MovedBySomebodyItIsLookedForThere) {
 
 TEST(ObjectList, IsBounded) {
   ObjectListParams params;
-  params.most_objects = 4;
+  params.max_objects = 4;
   Listing list(params);
-  std::vector<ObjectSighting> many;
+  std::vector<ObjectDetection> many;
   for (int i = 0; i < 40; ++i) many.push_back(seen("cube", 0.2 * i));
   EXPECT_EQ(36, list.update(many).no_room);
   const auto done = list.repeat(10, many);
@@ -365,17 +365,17 @@ TEST(ObjectList, IsBounded) {
   EXPECT_EQ(32, done.no_room);
 }
 
-TEST(ObjectList, TheSameSightingsGiveTheSameObjects) {
+TEST(ObjectList, TheSameDetectionsGiveTheSameObjects) {
   const auto run = [] {
     Listing list;
     Rng rng(11);
     for (int i = 0; i < 200; ++i) {
-      std::vector<ObjectSighting> sightings;
+      std::vector<ObjectDetection> detections;
       for (int k = 0; k < 8; ++k)
         if (rng.uniform(0.0, 1.0) < 0.7)
-          sightings.push_back(seen(k % 2 == 0 ? "cube" : "cone", 0.1 * k + rng.normal(0.0, 0.02),
-                                   rng.normal(0.0, 0.02), rng.uniform(-3.0, 3.0)));
-      list.update(sightings);
+          detections.push_back(seen(k % 2 == 0 ? "cube" : "cone", 0.1 * k + rng.normal(0.0, 0.02),
+                                    rng.normal(0.0, 0.02), rng.uniform(-3.0, 3.0)));
+      list.update(detections);
     }
     std::string text;
     for (std::size_t i = 0; i < list.names().size(); ++i) {

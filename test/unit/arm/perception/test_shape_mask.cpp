@@ -44,11 +44,11 @@ std::vector<MaskPart> random_parts(Rng& rng) {
 
 /// Distance bound less padding of the nearest shape.
 double nearest(const std::vector<MaskPart>& parts, const Eigen::Vector3d& point) {
-  double least = 1e9;
+  double smallest = 1e9;
   for (const MaskPart& own : parts)
-    least = std::min(least,
-                     collision::distance_bound(*own.part, own.root_T_part.inverse() * point) - own.padding_m);
-  return least;
+    smallest = std::min(
+        smallest, collision::distance_bound(*own.part, own.root_T_part.inverse() * point) - own.padding_m);
+  return smallest;
 }
 
 TEST(ShapeMask, KnowsEveryPointWithinThePaddingAndNoOther) {

@@ -53,10 +53,10 @@ inline JointVector joints(double a, double b, double c) {
 /// Whether Bullet finds every state of the polyline free, one every 0.002 rad.
 inline bool free_all_along(CollisionChecker& checker, const std::vector<JointVector>& path) {
   for (std::size_t i = 1; i < path.size(); ++i) {
-    const JointVector way = path[i] - path[i - 1];
-    const int steps = 1 + static_cast<int>(way.norm() / 0.002);
+    const JointVector delta = path[i] - path[i - 1];
+    const int steps = 1 + static_cast<int>(delta.norm() / 0.002);
     for (int s = 0; s <= steps; ++s)
-      if (checker.contact(path[i - 1] + way * (static_cast<double>(s) / steps))) return false;
+      if (checker.contact(path[i - 1] + delta * (static_cast<double>(s) / steps))) return false;
   }
   return true;
 }

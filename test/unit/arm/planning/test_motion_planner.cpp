@@ -44,7 +44,7 @@ TEST(MotionPlanner, GoesStraightWhereNothingStands) {
   EXPECT_NEAR(result.length_rad, (kRight - kLeft).norm(), 1e-12);
 }
 
-TEST(MotionPlanner, EveryStateOfTheWayAroundIsFree) {
+TEST(MotionPlanner, EveryStateOfThePathAroundIsFree) {
   auto checker = checker_of(posts());
   ASSERT_FALSE(free_all_along(checker, {kLeft, kRight})) << "the straight way should be blocked";
   for (std::uint64_t seed = 1; seed <= 10; ++seed) {
@@ -236,7 +236,7 @@ TEST(MotionPlanner, RefusesWhatIsNoRequest) {
 }
 
 // The goal is inside a ring of posts that no arm can enter.
-TEST(MotionPlanner, EndsInTimeWhereThereIsNoWay) {
+TEST(MotionPlanner, EndsInTimeWhereThereIsNoPath) {
   auto checker =
       checker_of(world_of({post("a", 0.8, 0.28, 0.3), post("b", 0.8, -0.28, 0.3), post("c", 0.25, 0.35, 0.3),
                            post("d", 0.25, -0.35, 0.3), post("e", -0.35, 0.0, 0.3)}));

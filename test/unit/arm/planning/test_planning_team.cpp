@@ -116,7 +116,7 @@ TEST(PlanningTeam, ImprovementUsesTheTimeAndTheCostAsked) {
   EXPECT_GT(result.attempts, 1);
 }
 
-TEST(PlanningTeam, EndsInTimeWhereThereIsNoWay) {
+TEST(PlanningTeam, EndsInTimeWhereThereIsNoPath) {
   auto checker = walled_in();
   for (const bool improve : {false, true}) {
     const Stopwatch watch;

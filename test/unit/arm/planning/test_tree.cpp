@@ -19,10 +19,10 @@ TEST(Tree, NearestIsTheNearest) {
   for (int i = 0; i < 1000; ++i) tree.add(random_state(rng), i - 1);
   for (int i = 0; i < 200; ++i) {
     const JointVector target = random_state(rng);
-    double least = 1e9;
-    for (int k = 0; k < tree.size(); ++k) least = std::min(least, (tree.state(k) - target).norm());
+    double smallest = 1e9;
+    for (int k = 0; k < tree.size(); ++k) smallest = std::min(smallest, (tree.state(k) - target).norm());
     // Single precision: of two that are equally near to 1e-5 rad, either may be named.
-    EXPECT_NEAR(tree.nearest(target).distance_rad, least, 1e-5);
+    EXPECT_NEAR(tree.nearest(target).distance_rad, smallest, 1e-5);
   }
 }
 

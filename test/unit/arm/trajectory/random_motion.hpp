@@ -32,17 +32,17 @@ inline TrajectoryLimits random_limits(Rng& rng, int joints, bool with_jerk) {
 }
 
 inline double distance_to_line(const JointVector& point, const JointVector& a, const JointVector& b) {
-  const JointVector way = b - a;
-  const double length = way.squaredNorm();
-  const double share = length > 0 ? std::clamp((point - a).dot(way) / length, 0.0, 1.0) : 0.0;
-  return (point - a - share * way).norm();
+  const JointVector delta = b - a;
+  const double length = delta.squaredNorm();
+  const double fraction = length > 0 ? std::clamp((point - a).dot(delta) / length, 0.0, 1.0) : 0.0;
+  return (point - a - fraction * delta).norm();
 }
 
 inline double distance_to_polyline(const JointVector& point, const std::vector<JointVector>& waypoints) {
-  double least = (point - waypoints.front()).norm();
+  double smallest = (point - waypoints.front()).norm();
   for (std::size_t i = 1; i < waypoints.size(); ++i)
-    least = std::min(least, distance_to_line(point, waypoints[i - 1], waypoints[i]));
-  return least;
+    smallest = std::min(smallest, distance_to_line(point, waypoints[i - 1], waypoints[i]));
+  return smallest;
 }
 
 /// Largest |value| / limit.

@@ -169,14 +169,15 @@ TEST(JerkLimits, LongPaths) {
   const auto waypoints = random_waypoints(rng, 7, 300, 0.3);
   const auto limits = random_limits(rng, 7, true);
   const auto trajectory = make(waypoints, 0.05, limits);
-  double most = 0;
+  double largest = 0;
   for (double t = 0; t < trajectory.duration_s(); t += kCycleS) {
     const auto state = trajectory.sample(t);
-    most = std::max({most, use(state.velocity, limits.velocity), use(state.acceleration, limits.acceleration),
-                     use(*trajectory.jerk(t), *limits.jerk)});
+    largest =
+        std::max({largest, use(state.velocity, limits.velocity), use(state.acceleration, limits.acceleration),
+                  use(*trajectory.jerk(t), *limits.jerk)});
   }
-  EXPECT_LE(most, 1 + kRounding);
-  EXPECT_GT(most, 0.99);
+  EXPECT_LE(largest, 1 + kRounding);
+  EXPECT_GT(largest, 0.99);
 }
 
 }  // namespace

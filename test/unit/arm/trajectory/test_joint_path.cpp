@@ -120,7 +120,7 @@ TEST(JointPath, AWaypointOnTheLineIsNoCorner) {
   EXPECT_LT(path.deviation_rad(), 1e-9);
 }
 
-TEST(JointPath, TurningBackStopsAtTheWaypointWhateverIsPermitted) {
+TEST(JointPath, TurningBackStopsAtTheWaypointRegardlessOfDeviation) {
   const auto path = make({pair_of(0, 0), pair_of(1, 0), pair_of(0, 0.01)}, 0.2);
   EXPECT_EQ(stops(path), 1U);
   EXPECT_EQ(path.deviation_rad(), 0);

@@ -113,11 +113,11 @@ TEST(TimeParameterization, RandomPathsKeepEveryBound) {
     // The grid may cost more than rounding gains where a sharp corner has a millirad of room: 0.12 % was the
     // most in 20,000 random corners.
     EXPECT_LE(trajectory.duration_s(), stop_and_go_s(waypoints, limits) * 1.002) << what;
-    double least = 0;  // each joint alone, end to end
+    double smallest = 0;  // each joint alone, end to end
     for (int j = 0; j < joints; ++j)
-      least = std::max(least, trapezoid_s(std::abs(waypoints.back()[j] - waypoints.front()[j]),
-                                          limits.velocity[j], limits.acceleration[j]));
-    EXPECT_GE(trajectory.duration_s(), least * (1 - 1e-9)) << what;
+      smallest = std::max(smallest, trapezoid_s(std::abs(waypoints.back()[j] - waypoints.front()[j]),
+                                                limits.velocity[j], limits.acceleration[j]));
+    EXPECT_GE(trajectory.duration_s(), smallest * (1 - 1e-9)) << what;
   }
 }
 
@@ -147,9 +147,9 @@ TEST(TimeParameterization, SomeLimitIsActiveAllTheTime) {
     const auto trajectory = make(random_waypoints(rng, 7, 5, 0.8), 0.05, limits, params);
     for (double t = 0; t < trajectory.duration_s(); t += kCycleS, ++samples) {
       const auto state = trajectory.sample(t);
-      const double most =
+      const double largest =
           std::max(use(state.velocity, limits.velocity), use(state.acceleration, limits.acceleration));
-      active += most > 0.97 ? 1 : 0;
+      active += largest > 0.97 ? 1 : 0;
     }
   }
   EXPECT_GT(active, 0.95 * samples) << active << " of " << samples;
@@ -168,7 +168,7 @@ TEST(TimeParameterization, TheDefaultGridIsNearAFineOne) {
 }
 
 // Joints that turn around inside a corner have no say on acceleration along the path there (zero inertia):
-// time laws from values at grid points oscillate or stall at such places.
+// time parameterizations from values at grid points oscillate or stall at such places.
 TEST(TimeParameterization, TurningJointsNeitherStallNorOscillate) {
   for (const double tilt : {0.0, 1e-9, 1e-4, 0.3}) {
     std::vector<JointVector> waypoints;
@@ -216,14 +216,14 @@ TEST(TimeParameterization, TinyMotionsWithCorners) {
     const auto limits = random_limits(rng, 7, false);
     const auto trajectory = make(waypoints, 0.05, limits);
     EXPECT_LE(trajectory.duration_s(), stop_and_go_s(waypoints, limits));
-    double most = 0;
+    double largest = 0;
     for (int i = 0; i <= 1000; ++i) {
       const auto state = trajectory.sample(trajectory.duration_s() * i / 1000);
-      most = std::max(
-          {most, use(state.velocity, limits.velocity), use(state.acceleration, limits.acceleration)});
+      largest = std::max(
+          {largest, use(state.velocity, limits.velocity), use(state.acceleration, limits.acceleration)});
     }
-    EXPECT_LE(most, 1 + kRounding) << size;
-    EXPECT_GT(most, 0.99) << size;
+    EXPECT_LE(largest, 1 + kRounding) << size;
+    EXPECT_GT(largest, 0.99) << size;
   }
 }
 
@@ -244,13 +244,13 @@ TEST(TimeParameterization, AThousandWaypoints) {
   const auto trajectory = make(waypoints, 0.05, limits);
   EXPECT_LE(trajectory.phases().size(), 1000U * (16 + 3));
   EXPECT_LE(trajectory.duration_s(), stop_and_go_s(waypoints, limits));
-  double most = 0;
+  double largest = 0;
   for (double t = 0; t < trajectory.duration_s(); t += kCycleS) {
     const auto state = trajectory.sample(t);
-    most =
-        std::max({most, use(state.velocity, limits.velocity), use(state.acceleration, limits.acceleration)});
+    largest = std::max(
+        {largest, use(state.velocity, limits.velocity), use(state.acceleration, limits.acceleration)});
   }
-  EXPECT_LE(most, 1 + kRounding);
+  EXPECT_LE(largest, 1 + kRounding);
 }
 
 TEST(TimeParameterization, TheSameInputGivesTheSameMotion) {
@@ -279,9 +279,9 @@ TEST(TimeParameterization, OneWaypointIsAMotionOfNoTime) {
 
 TEST(TimeParameterization, BadInputIsNamed) {
   const double nan = std::numeric_limits<double>::quiet_NaN();
-  const std::vector<JointVector> way{one(0), one(1)};
+  const std::vector<JointVector> waypoints{one(0), one(1)};
   const auto message = [&](const TrajectoryLimits& limits, const TimeParams& params = {}) {
-    const auto result = parameterize(way, 0.05, limits, params);
+    const auto result = parameterize(waypoints, 0.05, limits, params);
     if (result) return std::string("none");
     EXPECT_EQ(result.error().code, ErrorCode::kInvalidArgument);
     return result.error().message;

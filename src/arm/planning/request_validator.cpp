@@ -1,4 +1,4 @@
-#include "arm/planning/request_gate.hpp"
+#include "arm/planning/request_validator.hpp"
 
 #include <cmath>
 #include <sstream>
@@ -36,9 +36,9 @@ std::string text(const char* what, const Contact& contact) {
 }
 
 /// Looks at the states of a request; says what is wrong with them.
-class Gate {
+class RequestValidator {
  public:
-  Gate(CollisionChecker& checker, const JointLimits& limits, const PlannerParams& params)
+  RequestValidator(CollisionChecker& checker, const JointLimits& limits, const PlannerParams& params)
       : checker_(checker), limits_(limits), params_(params) {}
 
   std::optional<PlanResult> shape(const PlanRequest& request) const {
@@ -129,7 +129,7 @@ void demand_ranges(const PlannerParams& params) {
 std::optional<PlanResult> check_request(CollisionChecker& checker, const JointLimits& limits,
                                         const PlannerParams& params, const PlanRequest& request,
                                         Checked& checked) {
-  const Gate gate(checker, limits, params);
+  const RequestValidator gate(checker, limits, params);
   if (auto refusal = gate.shape(request)) return refusal;
   if (auto refusal = gate.start(request, &checked)) return refusal;
   return gate.goals(request, &checked);

@@ -1,4 +1,4 @@
-#include "ros/arm/scene_keeper.hpp"
+#include "ros/arm/planning_scene.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -14,10 +14,11 @@ using extperfc::SceneObject;
 
 namespace {
 
-tl::expected<SceneItem*, Ending> known(std::map<std::string, SceneItem>& items, const std::string& name) {
+tl::expected<CollisionObject*, Status> known(std::map<std::string, CollisionObject>& items,
+                                             const std::string& name) {
   const auto found = items.find(name);
   if (found == items.end())
-    return end(ArmCode::kUnknownObject, "there is no object '" + name + "' in the scene");
+    return failure(ArmCode::kUnknownObject, "there is no object '" + name + "' in the scene");
   return &found->second;
 }
 
@@ -71,15 +72,15 @@ visualization_msgs::Marker marker_of(const Shape& shape) {
 
 }  // namespace
 
-tl::expected<void, Ending> SceneKeeper::apply(const std::vector<SceneObject>& objects) {
+tl::expected<void, Status> PlanningScene::apply(const std::vector<SceneObject>& objects) {
   const std::lock_guard lock(mutex_);
   Items items = items_;
   for (const auto& object : objects)
     if (auto done = change(object, items); !done)
-      return end(done.error().code, "object '" + object.name + "': " + done.error().message);
-  if (items.size() > kMostObjects)
-    return end(ArmCode::kInvalidRequest,
-               "the scene would have more than " + std::to_string(kMostObjects) + " objects: remove some");
+      return failure(done.error().code, "object '" + object.name + "': " + done.error().message);
+  if (items.size() > kMaxObjects)
+    return failure(ArmCode::kInvalidRequest,
+                   "the scene would have more than " + std::to_string(kMaxObjects) + " objects: remove some");
   if (auto world = world_of(items); !world) return tl::unexpected(world.error());
   items_ = std::move(items);
   if (std::any_of(objects.begin(), objects.end(), removes_all)) seen_.clear();
@@ -87,22 +88,22 @@ tl::expected<void, Ending> SceneKeeper::apply(const std::vector<SceneObject>& ob
   return {};
 }
 
-tl::expected<void, Ending> SceneKeeper::change(const SceneObject& message, Items& items) const {
+tl::expected<void, Status> PlanningScene::change(const SceneObject& message, Items& items) const {
   if (removes_all(message)) {
     items.clear();
     return {};
   }
-  if (message.name.empty()) return end(ArmCode::kInvalidRequest, "an object needs a name");
+  if (message.name.empty()) return failure(ArmCode::kInvalidRequest, "an object needs a name");
   switch (message.operation) {
     case SceneObject::ADD:
       return add(message, items);
     case SceneObject::REMOVE:
       if (items.erase(message.name) > 0) return {};
-      return end(ArmCode::kUnknownObject, "it is not in the scene");
+      return failure(ArmCode::kUnknownObject, "it is not in the scene");
     case SceneObject::MOVE: {
       auto item = known(items, message.name);
       if (!item) return tl::unexpected(item.error());
-      const auto pose = frames_.root_T_pose(message.pose);
+      const auto pose = transforms_.root_T_pose(message.pose);
       if (!pose) return tl::unexpected(pose.error());
       (*item)->held = false;
       return place(*pose, **item);
@@ -112,29 +113,30 @@ tl::expected<void, Ending> SceneKeeper::change(const SceneObject& message, Items
     case SceneObject::DETACH:
       return detach(message.name, items);
     default:
-      return end(ArmCode::kInvalidRequest, "operation " + std::to_string(message.operation) + " is unknown");
+      return failure(ArmCode::kInvalidRequest,
+                     "operation " + std::to_string(message.operation) + " is unknown");
   }
 }
 
-/// Where a thing that stands still is remembered.
-tl::expected<void, Ending> SceneKeeper::place(const Pose& root_T_object, SceneItem& item) const {
-  const auto root_T_world = frames_.root_T_frame(world_frame_, ros::Time());
-  item.frame = root_T_world ? world_frame_ : "";  // a robot without such a frame does not drive
+/// Stores the pose of an object that stands still.
+tl::expected<void, Status> PlanningScene::place(const Pose& root_T_object, CollisionObject& item) const {
+  const auto root_T_world = transforms_.root_T_frame(world_frame_, ros::Time());
+  item.frame = root_T_world ? world_frame_ : "";  // without such a frame the robot is assumed not to drive
   item.frame_T_object = root_T_world ? root_T_world->inverse() * root_T_object : root_T_object;
   return {};
 }
 
-tl::expected<void, Ending> SceneKeeper::add(const SceneObject& message, Items& items) const {
-  if (frames_.is_link(message.name))
-    return end(ArmCode::kInvalidRequest, "a link of the robot has that name");
+tl::expected<void, Status> PlanningScene::add(const SceneObject& message, Items& items) const {
+  if (transforms_.is_link(message.name))
+    return failure(ArmCode::kInvalidRequest, "a link of the robot has this name");
   if (message.name == kSeenName)
-    return end(ArmCode::kInvalidRequest, "what the depth camera sees has that name");
+    return failure(ArmCode::kInvalidRequest, "this name is reserved for what the depth camera sees");
   auto shapes = convert::to_shapes(message);
-  if (!shapes) return end(ArmCode::kInvalidRequest, shapes.error().message);
-  if (shapes->empty()) return end(ArmCode::kInvalidRequest, "it has no shapes");
-  const auto pose = frames_.root_T_pose(message.pose);
+  if (!shapes) return failure(ArmCode::kInvalidRequest, shapes.error().message);
+  if (shapes->empty()) return failure(ArmCode::kInvalidRequest, "it has no shapes");
+  const auto pose = transforms_.root_T_pose(message.pose);
   if (!pose) return tl::unexpected(pose.error());
-  SceneItem item;
+  CollisionObject item;
   item.name = message.name;
   item.label = message.label;
   item.shapes = std::move(*shapes);
@@ -143,16 +145,16 @@ tl::expected<void, Ending> SceneKeeper::add(const SceneObject& message, Items& i
   return {};
 }
 
-tl::expected<void, Ending> SceneKeeper::attach(const SceneObject& message, Items& items) const {
-  if (!frames_.is_link(message.link))
-    return end(ArmCode::kInvalidRequest, "'" + message.link + "' is no link of the robot");
+tl::expected<void, Status> PlanningScene::attach(const SceneObject& message, Items& items) const {
+  if (!transforms_.is_link(message.link))
+    return failure(ArmCode::kInvalidRequest, "'" + message.link + "' is not a link of the robot");
   if (!message.primitives.empty() || !message.meshes.empty())
     if (auto added = add(message, items); !added) return added;
   auto item = known(items, message.name);
   if (!item) return tl::unexpected(item.error());
-  const auto root_T_link = frames_.root_T_frame(message.link, ros::Time());
+  const auto root_T_link = transforms_.root_T_frame(message.link, ros::Time());
   if (!root_T_link) return tl::unexpected(root_T_link.error());
-  const auto root_T_frame = frames_.root_T_frame((*item)->frame, ros::Time());
+  const auto root_T_frame = transforms_.root_T_frame((*item)->frame, ros::Time());
   if (!root_T_frame) return tl::unexpected(root_T_frame.error());
   (*item)->frame_T_object = root_T_link->inverse() * *root_T_frame * (*item)->frame_T_object;
   (*item)->frame = message.link;
@@ -161,18 +163,18 @@ tl::expected<void, Ending> SceneKeeper::attach(const SceneObject& message, Items
   return {};
 }
 
-tl::expected<void, Ending> SceneKeeper::detach(const std::string& name, Items& items) const {
+tl::expected<void, Status> PlanningScene::detach(const std::string& name, Items& items) const {
   auto item = known(items, name);
   if (!item) return tl::unexpected(item.error());
-  if (!(*item)->held) return end(ArmCode::kNothingHeld, "no hand holds it");
-  const auto root_T_link = frames_.root_T_frame((*item)->frame, ros::Time());
+  if (!(*item)->held) return failure(ArmCode::kNothingHeld, "no gripper holds it");
+  const auto root_T_link = transforms_.root_T_frame((*item)->frame, ros::Time());
   if (!root_T_link) return tl::unexpected(root_T_link.error());
   (*item)->held = false;
   (*item)->touch_links.clear();
   return place(*root_T_link * (*item)->frame_T_object, **item);
 }
 
-Result<void> SceneKeeper::set_seen(std::optional<arm::WorldObject> object, bool noticeable) {
+Result<void> PlanningScene::set_seen(std::optional<arm::WorldObject> object, bool noticeable) {
   arm::CollisionWorld seen;
   if (object) {
     object->name = kSeenName;
@@ -184,17 +186,17 @@ Result<void> SceneKeeper::set_seen(std::optional<arm::WorldObject> object, bool 
   return {};
 }
 
-std::uint64_t SceneKeeper::version() const {
+std::uint64_t PlanningScene::version() const {
   const std::lock_guard lock(mutex_);
   return version_;
 }
 
-tl::expected<arm::CollisionWorld, Ending> SceneKeeper::world() const {
+tl::expected<arm::CollisionWorld, Status> PlanningScene::world() const {
   const std::lock_guard lock(mutex_);
   return world_of(items_);
 }
 
-tl::expected<arm::CollisionWorld, Ending> SceneKeeper::world_of(const Items& items) const {
+tl::expected<arm::CollisionWorld, Status> PlanningScene::world_of(const Items& items) const {
   arm::CollisionWorld world = seen_;
   std::map<std::string, Pose> frames;
   for (const auto& [name, item] : items) {
@@ -204,44 +206,45 @@ tl::expected<arm::CollisionWorld, Ending> SceneKeeper::world_of(const Items& ite
     } else {
       auto frame = frames.find(item.frame);
       if (frame == frames.end()) {
-        const auto pose = frames_.root_T_frame(item.frame, ros::Time());
+        const auto pose = transforms_.root_T_frame(item.frame, ros::Time());
         if (!pose) return tl::unexpected(pose.error());
         frame = frames.emplace(item.frame, *pose).first;
       }
       done = world.add({name, item.shapes, frame->second * item.frame_T_object});
     }
-    if (!done) return end(ArmCode::kInvalidRequest, done.error().message);
+    if (!done) return failure(ArmCode::kInvalidRequest, done.error().message);
   }
   return world;
 }
 
-tl::expected<std::vector<SceneItem>, Ending> SceneKeeper::find(const std::string& name_or_label) const {
+tl::expected<std::vector<CollisionObject>, Status> PlanningScene::find(
+    const std::string& name_or_label) const {
   const std::lock_guard lock(mutex_);
-  std::vector<SceneItem> found;
+  std::vector<CollisionObject> found;
   for (const auto& [name, item] : items_)
     if (name == name_or_label) found = {item};
   if (found.empty())
     for (const auto& [name, item] : items_)
       if (item.label == name_or_label) found.push_back(item);
   if (found.empty())
-    return end(ArmCode::kUnknownObject,
-               "nothing in the scene has the name or the label '" + name_or_label + "'");
+    return failure(ArmCode::kUnknownObject,
+                   "no object in the scene has the name or the label '" + name_or_label + "'");
   for (auto& item : found) {
-    const auto root_T_frame = frames_.root_T_frame(item.frame, ros::Time());
+    const auto root_T_frame = transforms_.root_T_frame(item.frame, ros::Time());
     if (!root_T_frame) return tl::unexpected(root_T_frame.error());
     item.frame_T_object = *root_T_frame * item.frame_T_object;
   }
   return found;
 }
 
-std::optional<SceneItem> SceneKeeper::held_by(const std::string& link) const {
+std::optional<CollisionObject> PlanningScene::held_by(const std::string& link) const {
   const std::lock_guard lock(mutex_);
   for (const auto& [name, item] : items_)
     if (item.held && item.frame == link) return item;
   return std::nullopt;
 }
 
-tl::expected<std::vector<SceneObject>, Ending> SceneKeeper::messages() const {
+tl::expected<std::vector<SceneObject>, Status> PlanningScene::messages() const {
   const std::lock_guard lock(mutex_);
   std::vector<SceneObject> messages;
   for (const auto& [name, item] : items_) {
@@ -259,7 +262,7 @@ tl::expected<std::vector<SceneObject>, Ending> SceneKeeper::messages() const {
   return messages;
 }
 
-visualization_msgs::MarkerArray SceneKeeper::markers(const std::string& root_link) const {
+visualization_msgs::MarkerArray PlanningScene::markers(const std::string& root_link) const {
   const std::lock_guard lock(mutex_);
   visualization_msgs::MarkerArray array;
   visualization_msgs::Marker clear;

@@ -1,4 +1,4 @@
-#include "ros/arm/robot_watch.hpp"
+#include "ros/arm/robot_state_monitor.hpp"
 
 #include <cmath>
 
@@ -13,14 +13,14 @@ constexpr double kClockWindow_s = 1.0;  // of the samples that the robot's clock
 
 }  // namespace
 
-RobotWatch::RobotWatch(ros::NodeHandle handle, const Params& params) : params_(params) {
-  joints_subscriber_ = handle.subscribe("robot/joint_states", 1, &RobotWatch::on_joints, this,
+RobotStateMonitor::RobotStateMonitor(ros::NodeHandle handle, const Params& params) : params_(params) {
+  joints_subscriber_ = handle.subscribe("robot/joint_states", 1, &RobotStateMonitor::on_joints, this,
                                         ros::TransportHints().tcpNoDelay());
   if (params_.robot_state)
-    state_subscriber_ = handle.subscribe("robot/state", 1, &RobotWatch::on_state, this);
+    state_subscriber_ = handle.subscribe("robot/state", 1, &RobotStateMonitor::on_state, this);
 }
 
-void RobotWatch::on_joints(const sensor_msgs::JointStateConstPtr& message) {
+void RobotStateMonitor::on_joints(const sensor_msgs::JointStateConstPtr& message) {
   const std::lock_guard lock(mutex_);
   const std::size_t count = std::min(message->name.size(), message->position.size());
   for (std::size_t i = 0; i < count; ++i)
@@ -29,47 +29,49 @@ void RobotWatch::on_joints(const sensor_msgs::JointStateConstPtr& message) {
   if (!message->header.stamp.isZero()) note_clock(message->header.stamp);
 }
 
-void RobotWatch::note_clock(const ros::Time& stamp) {
+void RobotStateMonitor::note_clock(const ros::Time& stamp) {
   const ros::Duration ahead = stamp - ros::Time::now();
   while (!clock_samples_.empty() && clock_samples_.back().robot_ahead <= ahead) clock_samples_.pop_back();
   clock_samples_.push_back({heard_, ahead});
   while ((heard_ - clock_samples_.front().heard).toSec() > kClockWindow_s) clock_samples_.pop_front();
 }
 
-ros::Time RobotWatch::robot_time() const {
+ros::Time RobotStateMonitor::robot_time() const {
   const std::lock_guard lock(mutex_);
   const ros::Time now = ros::Time::now();
   return clock_samples_.empty() ? now : now + clock_samples_.front().robot_ahead;
 }
 
-void RobotWatch::on_state(const baxter_core_msgs::AssemblyStateConstPtr& message) {
+void RobotStateMonitor::on_state(const baxter_core_msgs::AssemblyStateConstPtr& message) {
   const std::lock_guard lock(mutex_);
   state_ = *message;
 }
 
-tl::expected<arm::JointPositions, Ending> RobotWatch::positions() const {
+tl::expected<arm::JointPositions, Status> RobotStateMonitor::positions() const {
   const std::lock_guard lock(mutex_);
   if (heard_.isZero())
-    return end(ArmCode::kNoJointStates, "nothing came on robot/joint_states yet: is the robot on?");
+    return failure(ArmCode::kNoJointStates,
+                   "no message on robot/joint_states yet: is the robot switched on?");
   const double age = (ros::WallTime::now() - heard_).toSec();
   if (age > params_.joint_state_timeout_s)
-    return end(ArmCode::kNoJointStates,
-               "robot/joint_states has been silent for " + std::to_string(age) + " s");
+    return failure(ArmCode::kNoJointStates,
+                   "no message on robot/joint_states for " + std::to_string(age) + " s");
   return positions_;
 }
 
-std::optional<Ending> RobotWatch::obstacle() const {
+std::optional<Status> RobotStateMonitor::not_ready_reason() const {
   if (!params_.robot_state) return std::nullopt;
   const std::lock_guard lock(mutex_);
-  if (!state_) return Ending{ArmCode::kRobotNotEnabled, "nothing came on robot/state yet: is the robot on?"};
+  if (!state_)
+    return Status{ArmCode::kRobotNotEnabled, "no message on robot/state yet: is the robot switched on?"};
   if (state_->stopped)
-    return Ending{ArmCode::kRobotStopped,
+    return Status{ArmCode::kRobotStopped,
                   state_->estop_button == AssemblyState::ESTOP_BUTTON_PRESSED
                       ? "the emergency stop is pressed: release it, reset and enable the robot"
                       : "the robot is stopped: reset it (robot/set_super_reset) and enable it"};
-  if (state_->error) return Ending{ArmCode::kRobotStopped, "the robot reports an error: see robot/state"};
+  if (state_->error) return Status{ArmCode::kRobotStopped, "the robot reports an error: see robot/state"};
   if (!state_->enabled)
-    return Ending{ArmCode::kRobotNotEnabled,
+    return Status{ArmCode::kRobotNotEnabled,
                   "the robot is not enabled: publish true on robot/set_super_enable"};
   return std::nullopt;
 }

@@ -1,4 +1,4 @@
-#include "arm/constrained/gate.hpp"
+#include "arm/constrained/request_validator.hpp"
 
 #include <algorithm>
 #include <array>
@@ -13,7 +13,7 @@ namespace {
 constexpr std::array<const char*, 5> kKinds{"axis", "plane", "line", "orientation", "relative pose"};
 
 /// A direct way is no detour.
-constexpr double kMostDetour = 2.0;
+constexpr double kMaxDetour = 2.0;
 
 }  // namespace
 
@@ -24,7 +24,7 @@ ConstrainedPlanResult refused(PlanCode code, std::string message) {
   return result;
 }
 
-std::optional<ConstrainedPlanResult> Gate::shape(const PlanRequest& request) const {
+std::optional<ConstrainedPlanResult> RequestValidator::shape(const PlanRequest& request) const {
   const auto fits = [this](const JointVector& state) {
     return state.size() == limits_.lower.size() && state.allFinite();
   };
@@ -37,8 +37,8 @@ std::optional<ConstrainedPlanResult> Gate::shape(const PlanRequest& request) con
   return std::nullopt;
 }
 
-std::optional<ConstrainedPlanResult> Gate::off_limits(const JointVector& state, double slack_rad,
-                                                      const char* what, PlanCode code) const {
+std::optional<ConstrainedPlanResult> RequestValidator::off_limits(const JointVector& state, double slack_rad,
+                                                                  const char* what, PlanCode code) const {
   Eigen::Index worst = 0;
   const double excess = (state - limits_.upper).cwiseMax(limits_.lower - state).maxCoeff(&worst);
   if (excess <= slack_rad) return std::nullopt;
@@ -50,7 +50,8 @@ std::optional<ConstrainedPlanResult> Gate::off_limits(const JointVector& state, 
   return refused(code, message.str());
 }
 
-std::optional<ConstrainedPlanResult> Gate::violated(const JointVector& state, const char* what) const {
+std::optional<ConstrainedPlanResult> RequestValidator::violated(const JointVector& state,
+                                                                const char* what) const {
   for (int c = 0; c < static_cast<int>(constraint_.constraints().size()); ++c) {
     const double error = constraint_.error(state, c);
     if (error <= params_.tolerance) continue;
@@ -66,8 +67,8 @@ std::optional<ConstrainedPlanResult> Gate::violated(const JointVector& state, co
   return std::nullopt;
 }
 
-std::optional<ConstrainedPlanResult> Gate::collision(const JointVector& state, const char* what,
-                                                     PlanCode code) const {
+std::optional<ConstrainedPlanResult> RequestValidator::collision(const JointVector& state, const char* what,
+                                                                 PlanCode code) const {
   if (checker_.is_free(state)) return std::nullopt;
   const auto contact = checker_.contact(state);
   return refused(
@@ -75,7 +76,8 @@ std::optional<ConstrainedPlanResult> Gate::collision(const JointVector& state, c
                     : std::string(what) + " in collision: a gap too small to prove");
 }
 
-std::optional<ConstrainedPlanResult> Gate::start(const PlanRequest& request, Checked* checked) const {
+std::optional<ConstrainedPlanResult> RequestValidator::start(const PlanRequest& request,
+                                                             Checked* checked) const {
   if (auto refusal =
           off_limits(request.start, params_.limit_repair_rad, "start", PlanCode::kStartOutsideLimits))
     return refusal;
@@ -84,7 +86,8 @@ std::optional<ConstrainedPlanResult> Gate::start(const PlanRequest& request, Che
   return collision(checked->start, "start", PlanCode::kStartInCollision);
 }
 
-std::optional<ConstrainedPlanResult> Gate::goals(const PlanRequest& request, Checked* checked) const {
+std::optional<ConstrainedPlanResult> RequestValidator::goals(const PlanRequest& request,
+                                                             Checked* checked) const {
   std::optional<ConstrainedPlanResult> refusal;
   for (std::size_t g = 0; g < request.goals.size(); ++g) {
     const auto& goal = request.goals[g];
@@ -110,8 +113,8 @@ std::optional<Found> direct(Manifold& manifold, const JointVector& start, const 
     return (goals[a] - start).squaredNorm() < (goals[b] - start).squaredNorm();
   });
   for (const int goal : order) {
-    const double most = kMostDetour * (goals[goal] - start).norm();
-    auto pieces = manifold.connect(start, goals[goal], most, stop);
+    const double largest = kMaxDetour * (goals[goal] - start).norm();
+    auto pieces = manifold.connect(start, goals[goal], largest, stop);
     if (!pieces) continue;
     pieces->insert(pieces->begin(), start);
     return Found{*std::move(pieces), goal};

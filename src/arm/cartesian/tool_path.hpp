@@ -16,9 +16,9 @@ using Vector6 = Eigen::Matrix<double, 6, 1>;
 
 /// Poses joined by lines; a place on it is a length [m] from its start, a radian counting as
 /// CartesianPlanner::kMetresPerRad.
-class ToolWay {
+class ToolPath {
  public:
-  explicit ToolWay(const std::vector<Pose>& poses);
+  explicit ToolPath(const std::vector<Pose>& poses);
 
   [[nodiscard]] double length() const { return ends_.empty() ? 0.0 : ends_.back(); }
   /// The end of the line that goes on at `place`, which is below length().

@@ -1,4 +1,4 @@
-#include "ros/arm/depth_watch.hpp"
+#include "ros/arm/depth_obstacle_monitor.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -16,26 +16,26 @@ namespace extperfc::arm_node {
 
 namespace {
 
-constexpr double kPatience = 0.5;    ///< see arm::VoxelNews [s]
-constexpr double kWorldRetry = 5.0;  ///< before a frame that tf lacks is looked for again [s of wall time]
-constexpr double kEarly = 0.9;       ///< of the period: stamps of cameras jitter
+constexpr double kPatience = 0.5;    ///< see arm::VoxelChangeDetector [s]
+constexpr double kWorldRetry = 5.0;  ///< until a frame that tf lacks is looked up again [s of wall time]
+constexpr double kEarly = 0.9;       ///< of the period, because stamps of cameras jitter
 
-/// The farthest that a corner of the watched box moves.
+/// Largest displacement of a corner of the observed box.
 double farthest(const Pose& motion, const arm::DepthObstaclesParams& box) {
-  double most = 0;
+  double largest = 0;
   for (int corner = 0; corner < 8; ++corner) {
     Eigen::Vector3d at;
     for (int axis = 0; axis < 3; ++axis)
       at[axis] = (corner >> axis & 1) != 0 ? box.high_m[axis] : box.low_m[axis];
-    most = std::max(most, (motion * at - at).norm());
+    largest = std::max(largest, (motion * at - at).norm());
   }
-  return most;
+  return largest;
 }
 
 /// Blue at 0, over green to red at 1.
-std_msgs::ColorRGBA rainbow(double share) {
+std_msgs::ColorRGBA rainbow(double ratio) {
   const auto part = [&](double middle) {
-    return static_cast<float>(std::clamp(1.5 - std::abs(4.0 * share - middle), 0.0, 1.0));
+    return static_cast<float>(std::clamp(1.5 - std::abs(4.0 * ratio - middle), 0.0, 1.0));
   };
   std_msgs::ColorRGBA color;
   color.r = part(3.0);
@@ -45,11 +45,11 @@ std_msgs::ColorRGBA rainbow(double share) {
   return color;
 }
 
-/// Cubes of the voxels' size with these middles, in the root's frame.
+/// Cubes of the voxels' size at these centres, in the root's frame.
 visualization_msgs::Marker voxel_marker(const std::vector<Eigen::Vector3d>& middles,
                                         const arm::DepthObstaclesParams& box) {
   visualization_msgs::Marker marker;
-  marker.ns = SceneKeeper::kSeenName;
+  marker.ns = PlanningScene::kSeenName;
   marker.type = visualization_msgs::Marker::CUBE_LIST;
   // An empty list would be an error to rviz.
   marker.action = middles.empty() ? visualization_msgs::Marker::DELETE : visualization_msgs::Marker::ADD;
@@ -66,90 +66,92 @@ visualization_msgs::Marker voxel_marker(const std::vector<Eigen::Vector3d>& midd
 
 }  // namespace
 
-Result<std::unique_ptr<DepthWatch>> DepthWatch::make(Uses uses, const ros_params::DepthWatchParams& params) {
+Result<std::unique_ptr<DepthObstacleMonitor>> DepthObstacleMonitor::make(
+    Uses uses, const ros_params::DepthObstacleMonitorParams& params) {
   auto joints = StampedJoints::make(uses.arms);
   if (!joints) return fail(joints.error().code, "depth: " + joints.error().message);
   auto own = params;
-  own.obstacles.name = SceneKeeper::kSeenName;
+  own.obstacles.name = PlanningScene::kSeenName;
   auto obstacles = arm::DepthObstacles::make((*joints)->model(), own.obstacles);
   if (!obstacles) return fail(obstacles.error().code, "depth: " + obstacles.error().message);
-  return std::unique_ptr<DepthWatch>(
-      new DepthWatch(std::move(uses), own, std::move(*joints), std::move(*obstacles)));
+  return std::unique_ptr<DepthObstacleMonitor>(
+      new DepthObstacleMonitor(std::move(uses), own, std::move(*joints), std::move(*obstacles)));
 }
 
-DepthWatch::DepthWatch(Uses uses, const ros_params::DepthWatchParams& params,
-                       std::unique_ptr<StampedJoints> joints, arm::DepthObstacles obstacles)
+DepthObstacleMonitor::DepthObstacleMonitor(Uses uses, const ros_params::DepthObstacleMonitorParams& params,
+                                           std::unique_ptr<StampedJoints> joints,
+                                           arm::DepthObstacles obstacles)
     : uses_(std::move(uses)),
       params_(params),
       joints_(std::move(joints)),
       obstacles_(std::move(obstacles)),
-      news_(params.obstacles.low_m, params.obstacles.voxel_m, kPatience) {}
+      change_detector_(params.obstacles.low_m, params.obstacles.voxel_m, kPatience) {}
 
-void DepthWatch::start(ros::NodeHandle handle) {
+void DepthObstacleMonitor::start(ros::NodeHandle handle) {
   voxels_publisher_ = handle.advertise<visualization_msgs::Marker>(kVoxelsTopic, 1);
   worker_ = std::thread([this] {
-    while (const auto picture = pictures_.take()) process(*picture);
+    while (const auto message = images_.take()) process(*message);
   });
-  for (auto* input : {&picture_health_, &info_health_}) input->listening(true);
+  for (auto* input : {&image_health_, &info_health_}) input->listening(true);
   joints_->start(handle);
-  subscribers_.push_back(handle.subscribe(kInfoTopic, 1, &DepthWatch::on_info, this));
-  subscribers_.push_back(handle.subscribe(kPictureTopic, 1, &DepthWatch::on_picture, this));
+  subscribers_.push_back(handle.subscribe(kInfoTopic, 1, &DepthObstacleMonitor::on_info, this));
+  subscribers_.push_back(handle.subscribe(kImageTopic, 1, &DepthObstacleMonitor::on_image, this));
 }
 
-DepthWatch::~DepthWatch() {
+DepthObstacleMonitor::~DepthObstacleMonitor() {
   for (auto& subscriber : subscribers_) subscriber.shutdown();
   joints_->close();
-  pictures_.close();
+  images_.close();
   if (worker_.joinable()) worker_.join();
 }
 
-void DepthWatch::on_picture(const PictureEvent& event) {
+void DepthObstacleMonitor::on_image(const ImageEvent& event) {
   const auto& message = event.getConstMessage();
   const ros::Time& stamp = message->header.stamp;
-  picture_health_.received(stamp, message->data.data(), health::came_by_pointer(event));
+  image_health_.received(stamp, message->data.data(), health::came_by_pointer(event));
   {
     const std::lock_guard lock(input_mutex_);
     const double since = stamp.toSec() - taken_.toSec();
     if (since >= 0 && since < kEarly / params_.rate_hz) {
-      ++passed_over_;
+      ++skipped_;
       return;
     }
     taken_ = stamp;
   }
-  pictures_.put(message);
+  images_.put(message);
 }
 
-void DepthWatch::on_info(const InfoEvent& event) {
+void DepthObstacleMonitor::on_info(const InfoEvent& event) {
   const auto& message = event.getConstMessage();
   info_health_.received(message->header.stamp, message.get(), health::came_by_pointer(event));
   const std::lock_guard lock(input_mutex_);
   info_ = message;
 }
 
-void DepthWatch::process(const sensor_msgs::ImageConstPtr& picture) {
-  const auto fail_with = [&](const std::string& message) {
-    // Messages of tf have times in them, so that each is new.
-    if (work_health_.failed(message)) ROS_ERROR_STREAM_THROTTLE(5.0, "depth: " << message);
+void DepthObstacleMonitor::process(const sensor_msgs::ImageConstPtr& message) {
+  const auto fail_with = [&](const std::string& text) {
+    // Errors of tf contain times, so that each text is new.
+    if (work_health_.failed(text)) ROS_ERROR_STREAM_THROTTLE(5.0, "depth: " << text);
   };
-  const auto image = convert::share_image(picture);
+  const auto image = convert::share_image(message);
   if (!image) return fail_with(image.error().message);
-  const auto view = view_of(picture->header);
+  const auto view = view_of(message->header);
   if (!view) return fail_with(view.error().message);
   const Stopwatch watch;
   Result<bool> changed = false;
   {
     const std::lock_guard lock(mutex_);
-    changed = update(image->view, *view, picture->header.stamp.toSec());
+    changed = update(image->view, *view, message->header.stamp.toSec());
   }
   if (!changed) return fail_with(changed.error().message);
-  work_health_.done(watch.milliseconds(), health::age_ms(picture->header.stamp));
+  work_health_.done(watch.milliseconds(), health::age_ms(message->header.stamp));
   if (*changed) uses_.changed();
-  show_voxels();
+  publish_voxels();
 }
 
-Result<DepthWatch::View> DepthWatch::view_of(const std_msgs::Header& header) {
+Result<DepthObstacleMonitor::View> DepthObstacleMonitor::view_of(const std_msgs::Header& header) {
   if (header.frame_id.empty() || header.stamp.isZero())
-    return fail(ErrorCode::kInvalidArgument, "the picture has no frame or no stamp in its header");
+    return fail(ErrorCode::kInvalidArgument, "the depth image has no frame_id or no stamp in its header");
   sensor_msgs::CameraInfoConstPtr info;
   {
     const std::lock_guard lock(input_mutex_);
@@ -157,25 +159,25 @@ Result<DepthWatch::View> DepthWatch::view_of(const std_msgs::Header& header) {
   }
   if (!info)
     return fail(ErrorCode::kNotFound,
-                std::string("no camera info on ") + kInfoTopic + " yet: is it published?");
+                std::string("no camera info received on ") + kInfoTopic + " yet: is it published?");
   const auto camera = convert::to_camera_model(*info);
   if (!camera) return tl::unexpected(camera.error());
-  const auto root_T_camera = uses_.frames.root_T_frame(header.frame_id, header.stamp);
+  const auto root_T_camera = uses_.transforms.root_T_frame(header.frame_id, header.stamp);
   if (!root_T_camera) return fail(ErrorCode::kNotFound, root_T_camera.error().message);
   auto positions = joints_->at(header.stamp);
   if (!positions) return tl::unexpected(positions.error());
   return View{*camera, *root_T_camera, *positions, world_T_root(header.stamp)};
 }
 
-std::optional<Pose> DepthWatch::world_T_root(const ros::Time& stamp) {
+std::optional<Pose> DepthObstacleMonitor::world_T_root(const ros::Time& stamp) {
   if (!no_world_.isZero() && (ros::WallTime::now() - no_world_).toSec() < kWorldRetry) return std::nullopt;
-  const auto root_T_world = uses_.frames.root_T_frame(uses_.world_frame, stamp);
+  const auto root_T_world = uses_.transforms.root_T_frame(uses_.world_frame, stamp);
   no_world_ = root_T_world ? ros::WallTime() : ros::WallTime::now();
   if (!root_T_world) return std::nullopt;
   return root_T_world->inverse();
 }
 
-void DepthWatch::begin(const View& view, double time_s) {
+void DepthObstacleMonitor::begin(const View& view, double time_s) {
   const auto& box = params_.obstacles;
   if (time_s_ && time_s < *time_s_) obstacles_.clear();
   time_s_ = time_s;
@@ -188,21 +190,20 @@ void DepthWatch::begin(const View& view, double time_s) {
   origin_T_root_ = view.world_T_root;
 }
 
-Result<bool> DepthWatch::update(const ImageView& picture, const View& view, double time_s) {
+Result<bool> DepthObstacleMonitor::update(const ImageView& image, const View& view, double time_s) {
   begin(view, time_s);
   const auto known = uses_.scene.world();
   if (!known) return fail(ErrorCode::kNotFound, known.error().message);
-  const auto done =
-      obstacles_.update(picture, view.camera, view.root_T_camera, view.positions, *known, time_s);
+  const auto done = obstacles_.update(image, view.camera, view.root_T_camera, view.positions, *known, time_s);
   if (!done) return tl::unexpected(done.error());
   latest_ = *done;
-  const bool noticeable = news_.news(obstacles_.voxels(), time_s);
+  const bool noticeable = change_detector_.changed(obstacles_.voxels(), time_s);
   if (auto set = uses_.scene.set_seen(obstacles_.object(), noticeable); !set)
     return tl::unexpected(set.error());
   return noticeable;
 }
 
-void DepthWatch::show_voxels() {
+void DepthObstacleMonitor::publish_voxels() {
   if (voxels_publisher_.getNumSubscribers() == 0) return;
   std::vector<Eigen::Vector3d> middles;
   {
@@ -214,40 +215,41 @@ void DepthWatch::show_voxels() {
   voxels_publisher_.publish(marker);
 }
 
-void DepthWatch::clear() {
+void DepthObstacleMonitor::clear() {
   {
     const std::lock_guard lock(mutex_);
     obstacles_.clear();
     latest_ = {};
-    if (!news_.news({}, time_s_.value_or(0.0))) return;
-    [[maybe_unused]] const auto set = uses_.scene.set_seen(std::nullopt, true);  // nothing cannot be wrong
+    if (!change_detector_.changed({}, time_s_.value_or(0.0))) return;
+    [[maybe_unused]] const auto set =
+        uses_.scene.set_seen(std::nullopt, true);  // an empty object is always valid
   }
   uses_.changed();
-  show_voxels();
+  publish_voxels();
 }
 
-void DepthWatch::scene_changed() {
+void DepthObstacleMonitor::scene_changed() {
   {
     const std::lock_guard lock(mutex_);
-    const auto known = uses_.scene.world();  // the next picture finds out what is wrong with it
+    const auto known = uses_.scene.world();  // the next image reports the error
     if (!known || !time_s_ || !obstacles_.forget(*known)) return;
-    const bool noticeable = news_.news(obstacles_.voxels(), *time_s_);
+    const bool noticeable = change_detector_.changed(obstacles_.voxels(), *time_s_);
     [[maybe_unused]] const auto set =
         uses_.scene.set_seen(obstacles_.object(), noticeable);  // less than before
   }
-  show_voxels();
+  publish_voxels();
 }
 
-void DepthWatch::report(diagnostic_updater::DiagnosticStatusWrapper& status) {
-  status.summary(diagnostic_msgs::DiagnosticStatus::OK, "watching");
-  picture_health_.report(status, kPictureTopic, params_.timeout_s);
+void DepthObstacleMonitor::report(diagnostic_updater::DiagnosticStatusWrapper& status) {
+  status.summary(diagnostic_msgs::DiagnosticStatus::OK, "running");
+  image_health_.report(status, kImageTopic, params_.timeout_s);
   info_health_.report(status, kInfoTopic, params_.timeout_s);
   work_health_.report(status);
-  status.add("dropped", pictures_.dropped());
+  status.add("dropped", images_.dropped());
   {
     const std::lock_guard lock(input_mutex_);
-    status.add("passed over for depth/rate_hz", passed_over_);
-    status.add("newest joint states before the newest picture [s]", taken_.toSec() - joints_->newest_s());
+    status.add("skipped for depth/rate_hz", skipped_);
+    status.add("age of the joint states at the latest image [s]", taken_.toSec() - joints_->newest_s());
   }
   const std::lock_guard lock(mutex_);
   status.add("points", latest_.points);
@@ -256,7 +258,7 @@ void DepthWatch::report(diagnostic_updater::DiagnosticStatusWrapper& status) {
   status.add("voxels", latest_.voxels);
   status.add("boxes", latest_.boxes);
   status.add("grid of the boxes [m]", latest_.box_grid_m);
-  status.add("forgotten because the robot moved", moves_);
+  status.add("cleared because the robot moved", moves_);
 }
 
 }  // namespace extperfc::arm_node

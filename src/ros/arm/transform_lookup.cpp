@@ -1,4 +1,4 @@
-#include "ros/arm/frame_finder.hpp"
+#include "ros/arm/transform_lookup.hpp"
 
 #include <tf2_eigen/tf2_eigen.h>
 
@@ -8,30 +8,31 @@ namespace extperfc::arm_node {
 
 using arm::ArmCode;
 
-tl::expected<Pose, Ending> FrameFinder::root_T_frame(const std::string& given, const ros::Time& stamp) const {
+tl::expected<Pose, Status> TransformLookup::root_T_frame(const std::string& given,
+                                                         const ros::Time& stamp) const {
   const std::string frame = !given.empty() && given.front() == '/' ? given.substr(1) : given;
   const auto& root = arms_.root_link();
   if (frame.empty() || frame == root) return Pose::Identity();
   if (stamp.isZero() && is_link(frame)) {
-    const auto positions = watch_.positions();
+    const auto positions = robot_state_.positions();
     if (!positions) return tl::unexpected(positions.error());
     return arms_.link_pose(frame, *positions).value();
   }
   try {
-    // Waits on the wall's clock: with simulated time standing still tf's own wait would not end.
+    // Waits by wall time: tf's own wait would not end while simulated time is paused.
     const auto until = ros::WallTime::now() + ros::WallDuration(timeout_s_);
     while (!buffer_.canTransform(root, frame, stamp) && ros::WallTime::now() < until && ros::ok())
       ros::WallDuration(0.01).sleep();
     return Pose(tf2::transformToEigen(buffer_.lookupTransform(root, frame, stamp)).matrix());
   } catch (const tf2::TransformException& error) {
-    return end(ArmCode::kUnknownFrame,
-               "no transform from " + root + " to the frame '" + frame + "': " + error.what());
+    return failure(ArmCode::kUnknownFrame,
+                   "no transform from " + root + " to the frame '" + frame + "': " + error.what());
   }
 }
 
-tl::expected<Pose, Ending> FrameFinder::root_T_pose(const geometry_msgs::PoseStamped& pose) const {
+tl::expected<Pose, Status> TransformLookup::root_T_pose(const geometry_msgs::PoseStamped& pose) const {
   const auto frame_T_pose = convert::to_pose(pose.pose);
-  if (!frame_T_pose) return end(ArmCode::kInvalidRequest, frame_T_pose.error().message);
+  if (!frame_T_pose) return failure(ArmCode::kInvalidRequest, frame_T_pose.error().message);
   auto root_T_frame = this->root_T_frame(pose.header.frame_id, pose.header.stamp);
   if (!root_T_frame) return root_T_frame;
   return *root_T_frame * *frame_T_pose;

@@ -1,4 +1,4 @@
-#include "ros/arm/commander.hpp"
+#include "ros/arm/plan_execution.hpp"
 
 #include <cmath>
 #include <limits>
@@ -16,23 +16,23 @@ using extperfc::ToolGoal;
 
 namespace {
 
-constexpr double kExact = 1e-4;  // [m] or [rad], what 0 stands for
+constexpr double kExact = 1e-4;  // [m] or [rad], used for a tolerance of 0
 
-tl::expected<Eigen::Vector3d, Ending> tolerance(const geometry_msgs::Vector3& message, double free_from) {
+tl::expected<Eigen::Vector3d, Status> tolerance(const geometry_msgs::Vector3& message, double free_from) {
   Eigen::Vector3d tolerance(message.x, message.y, message.z);
   for (auto& value : tolerance) {
     if (!(value >= 0.0))
-      return end(ArmCode::kInvalidRequest, "a tolerance of the goal is negative or not a number");
+      return failure(ArmCode::kInvalidRequest, "tolerances of the goal must not be negative or NaN");
     if (value == 0.0) value = kExact;
     if (value >= free_from) value = std::numeric_limits<double>::infinity();
   }
   return tolerance;
 }
 
-tl::expected<arm::ToolTarget, Ending> to_target(const ToolGoal& message, const FrameFinder& frames) {
+tl::expected<arm::ToolTarget, Status> to_target(const ToolGoal& message, const TransformLookup& transforms) {
   arm::ToolTarget target;
   target.link = message.link;
-  const auto pose = frames.root_T_pose(message.pose);
+  const auto pose = transforms.root_T_pose(message.pose);
   if (!pose) return tl::unexpected(pose.error());
   target.root_T_tool = *pose;
   const auto position = tolerance(message.position_tolerance, std::numeric_limits<double>::infinity());
@@ -47,23 +47,24 @@ double or_else(double value, double instead) {
   return value == 0.0 ? instead : value;
 }
 
-tl::expected<void, Ending> read_goal(const ArmRequest& message, const FrameFinder& frames,
+tl::expected<void, Status> read_goal(const ArmRequest& message, const TransformLookup& transforms,
                                      MotionRequest* request) {
   const int goals = (message.named_state.empty() ? 0 : 1) + (message.joint_goal.name.empty() ? 0 : 1) +
                     (message.tool_goals.empty() ? 0 : 1);
   if (goals != 1)
-    return end(ArmCode::kInvalidRequest, "the request has " + std::to_string(goals) +
-                                             " goals: give one of named_state, joint_goal and tool_goals");
+    return failure(ArmCode::kInvalidRequest,
+                   "the request has " + std::to_string(goals) +
+                       " goals: give exactly one of named_state, joint_goal and tool_goals");
   if (!message.named_state.empty()) {
     request->goal = arm::NamedState{message.named_state};
   } else if (!message.joint_goal.name.empty()) {
     const auto positions = convert::to_positions(message.joint_goal);
-    if (!positions) return end(ArmCode::kInvalidRequest, "joint_goal: " + positions.error().message);
+    if (!positions) return failure(ArmCode::kInvalidRequest, "joint_goal: " + positions.error().message);
     request->goal = *positions;
   } else {
     std::vector<arm::ToolTarget> targets;
     for (const auto& goal : message.tool_goals) {
-      auto target = to_target(goal, frames);
+      auto target = to_target(goal, transforms);
       if (!target) return tl::unexpected(target.error());
       targets.push_back(std::move(*target));
     }
@@ -72,13 +73,12 @@ tl::expected<void, Ending> read_goal(const ArmRequest& message, const FrameFinde
   return {};
 }
 
-tl::expected<arm::ToolConstraint, Ending> to_constraint(const extperfc::ToolConstraint& message,
+tl::expected<arm::ToolConstraint, Status> to_constraint(const extperfc::ToolConstraint& message,
                                                         const arm::ArmGroup& group,
-                                                        const FrameFinder& frames) {
+                                                        const TransformLookup& transforms) {
   arm::ToolConstraint constraint;
   if (message.kind > extperfc::ToolConstraint::KEEP_RELATIVE)
-    return end(ArmCode::kInvalidRequest,
-               "a constraint of kind " + std::to_string(message.kind) + " is unknown");
+    return failure(ArmCode::kInvalidRequest, "unknown kind of constraint " + std::to_string(message.kind));
   constraint.kind = static_cast<arm::ToolConstraintKind>(message.kind);
   constraint.link = message.link.empty() && group.tips.size() == 1 ? group.tips.front() : message.link;
   constraint.other_link = message.other_link;
@@ -86,7 +86,7 @@ tl::expected<arm::ToolConstraint, Ending> to_constraint(const extperfc::ToolCons
   if (message.kind != extperfc::ToolConstraint::KEEP_PLANE &&
       message.kind != extperfc::ToolConstraint::KEEP_LINE)
     return constraint;
-  const auto root_T_frame = frames.root_T_frame(message.frame_id, ros::Time());
+  const auto root_T_frame = transforms.root_T_frame(message.frame_id, ros::Time());
   if (!root_T_frame) return tl::unexpected(root_T_frame.error());
   constraint.axis = root_T_frame->linear() * constraint.axis;
   return constraint;
@@ -94,28 +94,29 @@ tl::expected<arm::ToolConstraint, Ending> to_constraint(const extperfc::ToolCons
 
 }  // namespace
 
-tl::expected<MotionRequest, Ending> Commander::read(const ArmRequest& message) const {
+tl::expected<MotionRequest, Status> PlanExecution::read(const ArmRequest& message) const {
   MotionRequest request;
   request.group = message.group;
-  const auto positions = shared_.watch.positions();
+  const auto positions = shared_.robot_state.positions();
   if (!positions) return tl::unexpected(positions.error());
   request.start = *positions;
   if (!message.start.name.empty()) {
     const auto start = convert::to_positions(message.start);
-    if (!start) return end(ArmCode::kInvalidRequest, "start: " + start.error().message);
+    if (!start) return failure(ArmCode::kInvalidRequest, "start: " + start.error().message);
     for (const auto& [name, value] : *start) {
       if (!shared_.arms.robot().joint(name))
-        return end(ArmCode::kInvalidRequest, "start: the robot has no joint '" + name + "'");
+        return failure(ArmCode::kInvalidRequest, "start: the robot has no joint '" + name + "'");
       request.start[name] = value;
     }
   }
-  if (auto done = read_goal(message, shared_.frames, &request); !done) return tl::unexpected(done.error());
+  if (auto done = read_goal(message, shared_.transforms, &request); !done)
+    return tl::unexpected(done.error());
   if (message.motion > ArmRequest::LINEAR)
-    return end(ArmCode::kInvalidRequest, "motion " + std::to_string(message.motion) + " is unknown");
+    return failure(ArmCode::kInvalidRequest, "unknown motion " + std::to_string(message.motion));
   request.kind = message.motion == ArmRequest::LINEAR ? arm::MotionKind::kLinear : arm::MotionKind::kFree;
   if (const auto group = shared_.arms.group(message.group))
     for (const auto& one : message.constraints) {
-      auto constraint = to_constraint(one, **group, shared_.frames);
+      auto constraint = to_constraint(one, **group, shared_.transforms);
       if (!constraint) return tl::unexpected(constraint.error());
       request.constraints.push_back(std::move(*constraint));
     }
@@ -130,54 +131,56 @@ tl::expected<MotionRequest, Ending> Commander::read(const ArmRequest& message) c
   return request;
 }
 
-MotionOutcome Commander::plan(const MotionRequest& request, const Hooks& hooks) {
+MotionOutcome PlanExecution::plan(const MotionRequest& request, const MotionCallbacks& callbacks) {
   MotionOutcome outcome;
   auto world = shared_.scene.world();
-  if (world && hooks.allow) hooks.allow(*world);
+  if (world && callbacks.allow) callbacks.allow(*world);
   if (world) return pipeline_.plan(request, *world);
   outcome.code = world.error().code;
   outcome.message = world.error().message;
   return outcome;
 }
 
-Moved Commander::move(MotionRequest request, std::uint32_t replans, const Hooks& hooks) {
+Moved PlanExecution::move(MotionRequest request, std::uint32_t replans, const MotionCallbacks& callbacks) {
   Moved moved;
-  std::optional<Ending> stopped;
+  std::optional<Status> stopped;
   request.cancelled = [&] {
-    if (!stopped && hooks.interrupted) stopped = hooks.interrupted();
+    if (!stopped) stopped = callbacks.cancel.reason();
     return stopped.has_value();
   };
   for (;; ++moved.replans) {
-    if (hooks.progress) hooks.progress("planning", 0.0);
-    if (const auto obstacle = shared_.watch.obstacle()) return moved.ending = *obstacle, moved;
-    const auto outcome = plan(request, hooks);
-    moved.ending = stopped ? *stopped : Ending{outcome.code, outcome.message};
+    if (callbacks.progress) callbacks.progress("planning", 0.0);
+    if (const auto not_ready = shared_.robot_state.not_ready_reason())
+      return moved.status = *not_ready, moved;
+    const auto outcome = plan(request, callbacks);
+    moved.status = stopped ? *stopped : Status{outcome.code, outcome.message};
     moved.fraction = outcome.fraction;
     if (outcome.code != ArmCode::kSuccess) return moved;
     moved.trajectory = convert::to_message(outcome.joints, outcome.points);
     const auto path = arm::TimedPath::make(outcome.joints, outcome.points);
-    if (!path) return moved.ending = {ArmCode::kInternal, path.error().message}, moved;
-    if (hooks.planned) hooks.planned(moved.trajectory);
-    const auto execution = shared_.executor.run(*path, pipeline_, hooks);
+    if (!path) return moved.status = {ArmCode::kInternal, path.error().message}, moved;
+    if (callbacks.planned) callbacks.planned(moved.trajectory);
+    const auto execution = shared_.executor.run(*path, pipeline_, callbacks);
     moved.executed = execution.executed;
-    if (execution.ending.code == ArmCode::kSuccess) return moved;
-    moved.ending = execution.ending;
-    if (execution.ending.code != ArmCode::kPathBlocked || moved.replans == replans) return moved;
-    const auto positions = shared_.watch.positions();
-    if (!positions) return moved.ending = positions.error(), moved;
+    if (execution.status.code == ArmCode::kSuccess) return moved;
+    moved.status = execution.status;
+    if (execution.status.code != ArmCode::kPathBlocked || moved.replans == replans) return moved;
+    const auto positions = shared_.robot_state.positions();
+    if (!positions) return moved.status = positions.error(), moved;
     request.start = *positions;
   }
 }
 
-Moved Commander::execute(const trajectory_msgs::JointTrajectory& trajectory, const Hooks& hooks) {
+Moved PlanExecution::execute(const trajectory_msgs::JointTrajectory& trajectory,
+                             const MotionCallbacks& callbacks) {
   Moved moved;
   moved.trajectory = trajectory;
   moved.fraction = 1.0;
   const auto path = convert::to_path(trajectory);
-  if (!path) return moved.ending = {ArmCode::kInvalidRequest, path.error().message}, moved;
-  if (hooks.planned) hooks.planned(moved.trajectory);
-  const auto execution = shared_.executor.run(*path, pipeline_, hooks);
-  moved.ending = execution.ending;
+  if (!path) return moved.status = {ArmCode::kInvalidRequest, path.error().message}, moved;
+  if (callbacks.planned) callbacks.planned(moved.trajectory);
+  const auto execution = shared_.executor.run(*path, pipeline_, callbacks);
+  moved.status = execution.status;
   moved.executed = execution.executed;
   return moved;
 }

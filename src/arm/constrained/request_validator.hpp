@@ -21,11 +21,11 @@ struct Checked {
 [[nodiscard]] ConstrainedPlanResult refused(PlanCode code, std::string message);
 
 /// Looks at the states of a request; says what is wrong with them.
-class Gate {
+class RequestValidator {
  public:
   /// All of them must outlive it.
-  Gate(CollisionChecker& checker, const PathConstraint& constraint, const JointLimits& limits,
-       const ConstrainedPlannerParams& params)
+  RequestValidator(CollisionChecker& checker, const PathConstraint& constraint, const JointLimits& limits,
+                   const ConstrainedPlannerParams& params)
       : checker_(checker), constraint_(constraint), limits_(limits), params_(params) {}
 
   [[nodiscard]] std::optional<ConstrainedPlanResult> shape(const PlanRequest& request) const;

@@ -1,4 +1,4 @@
-#include "extperfc/arm/voxel_news.hpp"
+#include "extperfc/arm/voxel_change_detector.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -25,7 +25,7 @@ bool all_near(const std::unordered_set<std::int64_t>& keys, const std::unordered
 
 }  // namespace
 
-bool VoxelNews::news(const std::vector<Eigen::Vector3d>& middles, double time_s) {
+bool VoxelChangeDetector::changed(const std::vector<Eigen::Vector3d>& middles, double time_s) {
   Keys now;
   now.reserve(middles.size());
   for (const auto& middle : middles) {
@@ -34,11 +34,11 @@ bool VoxelNews::news(const std::vector<Eigen::Vector3d>& middles, double time_s)
     now.insert(static_cast<std::int64_t>(cell.x()) + kRow * static_cast<std::int64_t>(cell.y()) +
                kLayer * static_cast<std::int64_t>(cell.z()));
   }
-  if (now == told_) return false;
-  const bool waited = !(time_s - told_s_ < patience_s_) || time_s < told_s_;
-  if (!waited && all_near(now, told_) && all_near(told_, now)) return false;
-  told_ = std::move(now);
-  told_s_ = time_s;
+  if (now == reported_) return false;
+  const bool waited = !(time_s - reported_s_ < patience_s_) || time_s < reported_s_;
+  if (!waited && all_near(now, reported_) && all_near(reported_, now)) return false;
+  reported_ = std::move(now);
+  reported_s_ = time_s;
   return true;
 }
 

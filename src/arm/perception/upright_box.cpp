@@ -1,15 +1,15 @@
-#include "extperfc/arm/standing_box.hpp"
+#include "extperfc/arm/upright_box.hpp"
 
 #include <algorithm>
 #include <cmath>
 
 namespace extperfc::arm {
 
-Pose pose_of(const StandingBox& box) {
+Pose pose_of(const UprightBox& box) {
   return make_pose(box.position_m, {0.0, 0.0, box.yaw_rad});
 }
 
-StandingBox stand_up(const Pose& world_T_box, const Eigen::Vector3d& size_m) {
+UprightBox make_upright(const Pose& world_T_box, const Eigen::Vector3d& size_m) {
   const Eigen::Matrix3d axes = world_T_box.linear();
   Eigen::Index up = 0;
   axes.row(2).cwiseAbs().maxCoeff(&up);
@@ -21,16 +21,16 @@ StandingBox stand_up(const Pose& world_T_box, const Eigen::Vector3d& size_m) {
   return {world_T_box.translation(), std::atan2(axes(1, x), axes(0, x)), {size_m[x], size_m[y], size_m[up]}};
 }
 
-Geometry shape_in(StandingKind kind, const Eigen::Vector3d& size_m) {
+Geometry shape_in(UprightKind kind, const Eigen::Vector3d& size_m) {
   const double radius_m = 0.5 * std::max(size_m.x(), size_m.y());
   switch (kind) {
-    case StandingKind::kSphere:
+    case UprightKind::kSphere:
       return Sphere{0.5 * size_m.maxCoeff()};
-    case StandingKind::kCylinder:
+    case UprightKind::kCylinder:
       return Cylinder{radius_m, size_m.z()};
-    case StandingKind::kCone:
+    case UprightKind::kCone:
       return Cone{radius_m, size_m.z()};
-    case StandingKind::kBox:
+    case UprightKind::kBox:
       break;
   }
   return Box{size_m};

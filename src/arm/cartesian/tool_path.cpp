@@ -1,4 +1,4 @@
-#include "arm/cartesian/tool_way.hpp"
+#include "arm/cartesian/tool_path.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -28,7 +28,7 @@ Vector6 pose_difference(const Pose& to, const Pose& from) {
   return difference;
 }
 
-ToolWay::ToolWay(const std::vector<Pose>& poses) {
+ToolPath::ToolPath(const std::vector<Pose>& poses) {
   double length = 0;
   for (std::size_t i = 1; i < poses.size(); ++i) {
     const Vector6 change = pose_difference(poses[i], poses[i - 1]);
@@ -40,26 +40,26 @@ ToolWay::ToolWay(const std::vector<Pose>& poses) {
   }
 }
 
-std::size_t ToolWay::line_at(double place) const {
+std::size_t ToolPath::line_at(double place) const {
   const auto line = std::upper_bound(ends_.begin(), ends_.end(), place) - ends_.begin();
   return std::min(static_cast<std::size_t>(line), lines_.size() - 1);
 }
 
-double ToolWay::line_end(double place) const {
+double ToolPath::line_end(double place) const {
   return ends_[line_at(place)];
 }
 
-Pose ToolWay::at(double place) const {
+Pose ToolPath::at(double place) const {
   const std::size_t index = line_at(place);
   const Line& line = lines_[index];
-  const double share = std::clamp(1.0 - (ends_[index] - place) / line.length, 0.0, 1.0);
+  const double fraction = std::clamp(1.0 - (ends_[index] - place) / line.length, 0.0, 1.0);
   Pose pose = Pose::Identity();
-  pose.translation() = line.start.translation() + share * line.change.head<3>();
-  pose.linear() = rotation_of(share * line.change.tail<3>()) * line.start.linear();
+  pose.translation() = line.start.translation() + fraction * line.change.head<3>();
+  pose.linear() = rotation_of(fraction * line.change.tail<3>()) * line.start.linear();
   return pose;
 }
 
-Vector6 ToolWay::tangent(double place) const {
+Vector6 ToolPath::tangent(double place) const {
   const Line& line = lines_[line_at(place)];
   return line.change / line.length;
 }
