@@ -79,7 +79,7 @@ class GraspArms:
         self.scene.add_cylinder("column", scene.COLUMN_DIAMETER / 2, scene.COLUMN_HEIGHT,
                                 (*scene.COLUMN_XY, under - scene.COLUMN_HEIGHT / 2), frame="map")
 
-    def forget_things(self):
+    def forget_objects(self):
         """Clears what the node has found. Call when an object was removed without a gripper."""
         if self._support:
             self.show_support(self._support)

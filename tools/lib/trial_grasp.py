@@ -5,7 +5,7 @@ A trial succeeds when `pick` and `place` both report success and the truth agree
 the end stands within 3 cm of where it should. A failure that is reported as one is counted as "reported", a success that
 is none as "false +", a failure after which the object is where it should be as "false -".
 
-The arm node finds the object itself (objects:=true) and is asked for it by its class, as a user would; it is told about
+The arm node finds the object itself (objects:=true) and is asked for it by its class, as a user would; it knows
 tray and column only. The truth puts objects and judges.
 """
 
@@ -40,7 +40,7 @@ def parse_arguments(argv):
                         help="of an object's middle from the camera; default: 0.3 0.4 0.5")
     parser.add_argument("--seed", type=int, default=1, metavar="N", help="of the places and the simulator's noise; default: 1")
     parser.add_argument("--speed", type=float, default=1.0, metavar="FACTOR", help="simulated seconds per second; default: 1")
-    parser.add_argument("--without-arm", action="store_true", help="puts and detects objects, and nothing else")
+    parser.add_argument("--without-arm", action="store_true", help="only puts and detects objects")
     parser.add_argument("--depth", action="store_true", help="what the depth camera sees is an obstacle, too (depth:=true)")
     parser.add_argument("--json", type=pathlib.Path, metavar="FILE", help="every trial, for programs")
     parser.add_argument("--out", type=pathlib.Path, default=WS / "grasp", metavar="FOLDER",
@@ -131,7 +131,7 @@ def trial(robot, arms, rng, camera, shape, distance):
         detect_only(robot, shape, spot, found)
         return found
     robot.park_all()
-    arms.forget_things()
+    arms.forget_objects()
     home = arms.move_home()
     if home.code != 0:
         found.update(stage="home", code=home.code, message=home.message)
@@ -139,17 +139,17 @@ def trial(robot, arms, rng, camera, shape, distance):
     robot.put(shape, spot)
     arms.show_support(spot)
     find(arms, shape, spot, found)
-    # An object that was not found is asked for all the same: the arm node has to say that it is not there.
+    # An object that was not found is still requested: the arm node has to report that it is not there.
     if pick(robot, arms, shape, other, found):
         place(robot, arms, shape, other, found)
     return found
 
 
 def tidy_up(robot, arms):
-    """After a failure: grippers are empty, and the arm node knows of nothing but the tray, as high as it is."""
+    """After a failure: grippers are empty, and the arm node knows of the tray only, at its height."""
     robot.park_all()
     arms.open_grippers()
-    arms.forget_things()
+    arms.forget_objects()
 
 
 def show(number, found):
@@ -179,12 +179,12 @@ def report(options, trials):
     order = {(s, d): i for i, (s, d) in enumerate((s, d) for s in options.shapes for d in options.distances)}
     print("\n".join(scene.table(sorted(trials, key=lambda t: order[t["shape"], t["distance_m"]]))))
     good = sum(t["outcome"] == "success" for t in trials)
-    untold = sum(t["outcome"] in ("false success", "false failure") for t in trials)
+    misreported = sum(t["outcome"] in ("false success", "false failure") for t in trials)
     print(f"seed {options.seed}: {good} of {len(trials)} trials succeeded ({100 * good / len(trials):.0f} %), "
-          f"{untold} were not reported as they were; goal: {100 * options.goal:.0f} %, none")
+          f"{misreported} were reported wrongly; goal: {100 * options.goal:.0f} %, 0")
     if options.json:
         options.json.write_text(json.dumps({"seed": options.seed, "trials": trials}, indent=1))
-    return 0 if good >= options.goal * len(trials) and not untold else 1
+    return 0 if good >= options.goal * len(trials) and not misreported else 1
 
 
 def main(argv):

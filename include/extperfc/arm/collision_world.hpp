@@ -17,14 +17,14 @@ struct ConvexPart;
 using Parts = std::vector<std::shared_ptr<const ConvexPart>>;
 }  // namespace collision
 
-/// A thing that stands in the world. Meshes count as their convex hulls.
+/// An object of the world. Meshes are treated as their convex hulls.
 struct WorldObject {
   std::string name;                      ///< unique, not empty, not the name of a link
   std::vector<Shape> shapes;             ///< body_T_shape is in the object's frame
   Pose root_T_object{Pose::Identity()};  ///< in the frame of the robot's root link
 };
 
-/// A thing that moves with a link, for example in a hand.
+/// An object attached to a link, for example held by a gripper.
 struct AttachedObject {
   std::string name;           ///< unique among all objects
   std::string link;           ///< that carries it
@@ -33,8 +33,8 @@ struct AttachedObject {
   std::vector<std::string> touch_links;  ///< links it may touch beside `link`, e.g. the fingers
 };
 
-/// What surrounds the robot and what it carries. A value: a copy shares the shapes and costs one map of
-/// pointers. Not thread-safe for writing.
+/// Objects around the robot and objects that it carries. A value: a copy shares the shapes and costs one map
+/// of pointers. Not thread-safe for writing.
 class CollisionWorld {
  public:
   /// Adds an object or replaces the one of that name. Errors: no name, no shapes, a size that is not

@@ -64,12 +64,12 @@ struct ConstrainedPlanResult : PlanResult {
 /// Stilman, "Global manipulation planning in robot joint space with task constraints", IEEE T-RO 2010). An
 /// edge is halved, each middle projected, until PathConstraint::segment_error() of every piece is within the
 /// tolerance; then CollisionChecker::motion_free() proves every piece. Samples are bounded by dynamic domains
-/// as in MotionPlanner. Shortcuts join random waypoints in the same way.
+/// as in MotionPlanner. Shortcuts join random waypoints likewise.
 ///
 /// The planners of OMPL are RRTConnect in its spaces of constrained states (Jaillet and Porta, "Path planning
 /// under kinematic constraints by rapidly exploring manifolds", IEEE T-RO 2013; Kingston, Moll and Kavraki,
 /// "Exploring implicit spaces for constrained sampling-based planning", IJRR 2019); what they find is refined
-/// and proven in the same way, and what cannot be is no path: the search goes on.
+/// and proven likewise, and what cannot be is no path: the search goes on.
 ///
 /// Limits are the model's; a continuous joint is planned within [-pi, pi]. Not thread-safe: it uses the
 /// checker; checker and constraint must be about the same joints, the checker must outlive it.

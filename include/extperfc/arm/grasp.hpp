@@ -12,39 +12,39 @@
 
 namespace extperfc::arm {
 
-/// A thing to grasp. The robot's root frame has its z axis upwards.
+/// An object to grasp. The robot's root frame has its z axis upwards.
 struct GraspObject {
   Geometry geometry;  ///< box, cylinder, sphere or cone
   Pose root_T_object{Pose::Identity()};
   /// Of the position, in the root frame [m^2]; symmetric.
   Eigen::Matrix3d covariance{Eigen::Matrix3d::Zero()};
-  /// Height in the root frame of what it stands on [m]; the hand stays above it. Nothing: it stands nowhere.
+  /// Height in the root frame of what it stands on [m]; the hand stays above it. std::nullopt: no support.
   std::optional<double> support_z_m;
 };
 
 struct GraspParams {
-  /// Coefficient of friction between pads and things; 0.05 to 3. Rubber on painted wood: 0.6 to 1.
+  /// Coefficient of friction between pads and objects; 0.05 to 3. Rubber on painted wood: 0.6 to 1.
   double friction{0.6};
-  /// A pad may meet a surface that leans by an angle with this share of the friction's tangent; (0, 1].
+  /// Largest accepted tangent of a surface's lean, as a fraction of the friction; (0, 1].
   double friction_ratio{0.8};
-  double side_clearance_m{0.002};     ///< between pad and thing on either side before closing; 0 to 0.05
+  double side_clearance_m{0.002};     ///< between pad and object on either side before closing; 0 to 0.05
   double sigmas{2};                   ///< of the position's error that the opening must cover too; 0 to 5
   double support_clearance_m{0.005};  ///< between hand and support; 0 to 0.1
-  double palm_clearance_m{0.005};     ///< between palm and thing; 0 to 0.1
-  double min_overlap_m{0.006};        ///< of pad and thing, along the pad and across; 0.001 to 0.1
-  double yaw_step_rad{0.3927};        ///< between closing directions of round things; 0.05 to 1.6
+  double palm_clearance_m{0.005};     ///< between palm and object; 0 to 0.1
+  double min_overlap_m{0.006};        ///< of pad and object, along the pad and across; 0.001 to 0.1
+  double yaw_step_rad{0.3927};        ///< between closing directions of round objects; 0.05 to 1.6
   double tilt_step_rad{0.3927};       ///< between approaches from above and from the side; 0.05 to 1.6
   double max_tilt_rad{1.5708};        ///< of the approach from straight down; 0 to pi
-  double prefer_top{0.3};             ///< how much less an approach from the side counts; [0, 1)
-  double approach_m{0.1};             ///< straight way from pregrasp to grasp; 0.005 to 0.5
-  double lift_m{0.1};                 ///< straight way after closing; 0 to 1
+  double prefer_top{0.3};             ///< penalty of approaches from the side; [0, 1)
+  double approach_m{0.1};             ///< straight path from pregrasp to grasp; 0.005 to 0.5
+  double lift_m{0.1};                 ///< straight path after closing; 0 to 1
   int max_candidates{200};            ///< 1 to 10,000
 
   /// An error that names the first value out of its range.
   [[nodiscard]] Result<void> validate() const;
 };
 
-/// One way to take hold of a thing. Vectors and poses are in the root frame.
+/// One grasp of an object. Vectors and poses are in the root frame.
 struct GraspCandidate {
   Pose root_T_tip{Pose::Identity()};       ///< when the fingers close
   Pose root_T_pregrasp{Pose::Identity()};  ///< of the tip, approach_m before
@@ -53,19 +53,19 @@ struct GraspCandidate {
   double approach_m{0};
   Eigen::Vector3d lift{Eigen::Vector3d::UnitZ()};  ///< unit vector
   double lift_m{0};
-  double opening_m{0};      ///< between the pads on the way there
+  double opening_m{0};      ///< between the pads on the path there
   double closed_m{0};       ///< expected between the pads when they hold
   double lean_rad{0};       ///< angle between the pads' normal and the surface where they touch it
   double support_gap_m{0};  ///< from the hand's lowest point to the support; 1 without support
   double score{0};          ///< (0, 1], more is better
 };
 
-/// Grasps of a thing by a parallel hand, best first; equal inputs give equal results.
+/// Grasps of an object by a parallel hand, best first; equal inputs give equal results.
 ///
 /// Closing directions: a box's three axes; across the axis and along the axis of a cylinder; level ones for a
 /// sphere; across the axis of a cone. For each of them approaches from above to the sides by tilt_step_rad,
-/// every pose also turned by half a turn about the approach. The pad's middle is the centre of the thing, or
-/// further along a long one, moved away from palm and support where they are in the way.
+/// every pose also rotated by half a revolution about the approach. The pad's middle is the centre of the
+/// object, or further along a long one, moved away from palm and support where they obstruct it.
 ///
 /// What holds is Coulomb's friction at two contacts: the line between them has to lie within both friction
 /// cones (Nguyen 1988, "Constructing force-closure grasps", theorem of two soft fingers). Flat pads meet
@@ -75,8 +75,8 @@ struct GraspCandidate {
 /// the support lets them, at a quarter and at half of the height. Where nothing is below the rim, the pads
 /// span it and the lean is 0.
 ///
-/// The score is the product of: the chance that the thing is between the open fingers, the friction that is
-/// left over, the overlap of pad and thing, the distance of the pads from the centre, the preference of
+/// The score is the product of: the chance that the object is between the open fingers, the friction that is
+/// left over, the overlap of pad and object, the distance of the pads from the centre, the preference of
 /// approaches from above, and the distance from the support.
 ///
 /// Errors: a value that is not finite or a size or a parameter out of its range (kInvalidArgument), a mesh
@@ -89,19 +89,19 @@ struct GraspCandidate {
 struct PlaceRequest {
   Pose tip_T_object{Pose::Identity()};   ///< how the hand holds it
   Pose root_T_object{Pose::Identity()};  ///< where it shall stand
-  bool any_yaw{false};                   ///< it may be turned about the vertical through its origin
-  double opening_m{0};                   ///< between the pads after letting go
+  bool any_yaw{false};                   ///< any rotation about the vertical through its origin is accepted
+  double opening_m{0};                   ///< between the pads after opening
   std::optional<double> support_z_m;     ///< as in GraspObject
 };
 
 struct PlaceParams {
-  double lower_m{0.1};                ///< straight way down before letting go; 0 to 0.5
-  double retreat_m{0.1};              ///< straight way back after letting go; 0 to 0.5
+  double lower_m{0.1};                ///< straight path down before opening; 0 to 0.5
+  double retreat_m{0.1};              ///< straight path back after opening; 0 to 0.5
   double yaw_step_rad{0.3927};        ///< 0.05 to 1.6
   double support_clearance_m{0.002};  ///< between hand and support; 0 to 0.1
 };
 
-/// One way to put a thing down. Poses of the tip in the root frame.
+/// One pose that places an object. Poses of the tip in the root frame.
 struct PlaceCandidate {
   Pose root_T_above{Pose::Identity()};    ///< lower_m above root_T_tip
   Pose root_T_tip{Pose::Identity()};      ///< where the hand opens
@@ -110,8 +110,9 @@ struct PlaceCandidate {
   double yaw_rad{0};                      ///< from the pose that was asked for, (-pi, pi]
 };
 
-/// Ways to put down, the smallest turn first. Without any_yaw there is one. Errors: a value that is not
-/// finite or a parameter out of its range (kInvalidArgument); the hand would be in the support (kFailed).
+/// Poses that place the object, the smallest rotation first. Without any_yaw there is one. Errors: a value
+/// that is not finite or a parameter out of its range (kInvalidArgument); the hand would be in the support
+/// (kFailed).
 [[nodiscard]] Result<std::vector<PlaceCandidate>> place_poses(const ParallelHand& hand,
                                                               const PlaceRequest& request,
                                                               const PlaceParams& params = {});

@@ -15,8 +15,8 @@
 
 namespace extperfc::arm {
 
-/// The joint values of a straight way of the tip from `from` to the pose `root_T_tip`, ends included; nothing
-/// when there is none that is free.
+/// The joint values of a straight path of the tip from `from` to the pose `root_T_tip`, ends included;
+/// std::nullopt without a collision-free one.
 using StraightMotion =
     std::function<std::optional<std::vector<JointVector>>(const JointVector& from, const Pose& root_T_tip)>;
 
@@ -25,10 +25,10 @@ struct GraspArm {
   std::string name;
   const InverseKinematics* kinematics{nullptr};  ///< from the robot's root link to the hand's tip
   /// Of a model that moves the arm's joints and perhaps more, with open fingers, in a world in which the
-  /// fingers may touch the thing: see allow_grasp().
+  /// fingers may touch the object: see allow_grasp().
   CollisionChecker* checker{nullptr};
   JointVector state;  ///< of all joints of the checker's model: where the robot is
-  /// For this arm's hand, best first; nothing: those given to choose_grasp(). May be empty.
+  /// For this arm's hand, best first; nullptr: those given to choose_grasp(). May be empty.
   const std::vector<GraspCandidate>* grasps{nullptr};
   /// Joint values are of the arm's chain. Empty: inverse kinematics at places at most 0.01 m apart, with a
   /// free motion proven between them.
@@ -37,13 +37,13 @@ struct GraspArm {
   std::vector<JointVector> starts{};
 };
 
-/// Why a candidate is none for an arm.
+/// Why an arm rejected a grasp candidate.
 enum class GraspRefusal {
   kOutOfReach,  ///< no joint values
   kLimits,      ///< only beyond the joints' limits
   kCollision,   ///< every posture found collides
   kTimeout,     ///< the solver's time was up
-  kNoPath,      ///< no straight free way between pregrasp and grasp
+  kNoPath,      ///< no straight collision-free path between pregrasp and grasp
 };
 inline constexpr int kGraspRefusals = 5;
 
@@ -73,11 +73,11 @@ struct NoGrasp {
   std::string message;  ///< one line: per arm how many candidates failed for which reason
 };
 
-/// The first candidate that one of the arms reaches free of collisions, with a straight free way from its
-/// pregrasp. Arms with lists of their own are asked rank by rank. Where both reach theirs, the arm that has
-/// to move less (largest joint displacement). Equal inputs give equal results as long as no time is up.
-/// Throws std::invalid_argument for an arm without kinematics or checker, a state or start of another size, a
-/// chain with a joint that the checker's model does not move, or no arm.
+/// The first candidate that one of the arms reaches free of collisions, with a straight collision-free path
+/// from its pregrasp. Arms with lists of their own are asked rank by rank. Where both reach theirs, the arm
+/// that has to move less (largest joint displacement). Equal inputs give equal results as long as no time is
+/// up. Throws std::invalid_argument for an arm without kinematics or checker, a state or start of another
+/// size, a chain with a joint that the checker's model does not move, or no arm.
 [[nodiscard]] tl::expected<GraspChoice, NoGrasp> choose_grasp(const std::vector<GraspCandidate>& candidates,
                                                               const std::vector<GraspArm>& arms,
                                                               const GraspChoiceOptions& options = {});

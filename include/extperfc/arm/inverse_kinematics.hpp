@@ -47,8 +47,8 @@ struct IkOptions {
 };
 
 struct IkSolution {
-  JointVector joints;               ///< within the limits; continuous joints within half a turn of the seed
-  double position_error_m{0};       ///< distance of the origins
+  JointVector joints;          ///< within the limits; continuous joints within half a revolution of the seed
+  double position_error_m{0};  ///< distance of the origins
   double orientation_error_rad{0};  ///< angle between the orientations
   int restarts{0};                  ///< that it took
 };

@@ -20,7 +20,7 @@ struct JoggerParams {
   double max_acceleration_rad_s2{5.0};
   /// Age of the latest command at which the motion ramps to zero, 0.01 to 5 s.
   double command_timeout_s{0.2};
-  /// How long the robot goes on before it obeys: the way proven free ahead is longer by what the arm covers
+  /// How long the robot goes on before it obeys: the path proven free ahead is longer by what the arm covers
   /// in this time. 0 to 1 s.
   double reaction_s{0.02};
   /// Time constant of the approach to a joint's limit: at distance d the joint is no faster than d over this.
@@ -56,7 +56,7 @@ enum class JogHindrance {
   kCollision = 2,
   kSingularity = 3,
   kTimeout = 4,   ///< the command is too old, or from the future
-  kLag = 5,       ///< the robot is not where it was told to be
+  kLag = 5,       ///< the robot does not follow the commanded positions
   kBadInput = 6,  ///< sizes that do not fit, values that are not finite, a step that is not in (0, 0.2] s
 };
 
@@ -70,20 +70,21 @@ struct JogStep {
   bool moving{false};      ///< the velocity is not zero
   /// What slows the motion down most; with `moving` false: what stops it.
   JogHindrance hindrance{JogHindrance::kNone};
-  double scale{1};                 ///< share of the wanted velocity that is permitted, [0, 1]
+  double scale{1};                 ///< fraction of the wanted velocity that is permitted, [0, 1]
   std::string joint;               ///< of kJointLimit
   std::optional<Contact> contact;  ///< of kCollision: the pair that would touch, or does
 };
 
-/// Moves one arm by hand: at a fixed rate it turns the latest command into the next joint command.
+/// Jogs one arm: at a fixed rate it converts the latest command into the next joint command.
 ///
-/// Safety by induction: the arm always has a proven way to stop. It brakes with all joints in proportion, the
-/// slowest to brake deciding, so the way to stand still is a straight segment in joint space, from q along v
-/// for max_j |v_j| / (2 a) + reaction_s. A step is taken only when it and the way to stop after it passed
+/// Safety by induction: the arm always has a proven stopping motion. It brakes with all joints in proportion,
+/// the slowest to brake deciding, so the stopping motion is a straight segment in joint space, from q along v
+/// for max_j |v_j| / (2 a) + reaction_s. A step is taken only when it and the stopping motion after it passed
 /// CollisionChecker::motion_free() and stay within the limits; else less of the step is tried, and in the end
 /// the braking that the last step had proven. So while the world is the checker's and the joints of the group
-/// that are not the arm's stand still, no step collides, whatever is commanded. An arm that is in collision
-/// already (a thing was added, or moved) may move only so that its deepest penetration gets less, slowly.
+/// that are not the arm's stand still, no step collides, independent of the commands. An arm that is in
+/// collision already (an object was added, or moved) may move only so that its deepest penetration gets less,
+/// slowly.
 ///
 /// Twists go through the damped least-squares inverse of the Jacobian (Nakamura and Hanafusa, "Inverse
 /// kinematic solutions with singularity robustness", 1986; the damping follows the least singular value as in

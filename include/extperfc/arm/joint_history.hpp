@@ -9,8 +9,8 @@
 
 namespace extperfc::arm {
 
-/// Where joints were lately: for measurements that are told of later than they were taken. Messages may name
-/// some of the joints only; the others are then where they were last. Bounded memory. Not thread-safe.
+/// Recent joint positions, for measurements that arrive later than they were taken. A message may contain
+/// some of the joints only; the others keep their last position. Bounded memory. Not thread-safe.
 class JointHistory {
  public:
   /// `initial` has one position [rad] or [m] per name, which counts until the joint is heard of; NaN: there

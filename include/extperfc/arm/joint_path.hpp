@@ -42,16 +42,16 @@ struct PathPiece {
 /// Waypoints joined by straight lines in joint space, corners rounded by polynomials of degree four.
 ///
 /// The parameter s runs like the length of the line through the waypoints. Around a waypoint c, from L before
-/// it to L behind it, the direction turns from u to w by the smooth step of PathPiece. That gives
+/// it to L behind it, the direction changes from u to w by the smooth step of PathPiece. That gives
 ///   q(s) = c + s u + 2 L (w - u) S(x) before the corner (s in [-L, 0]), S(x) = x^3 - x^4 / 2,
 /// and the mirror image behind it. As c + s u is the line's point of the same s, the distance from the line
 /// is at most 2 L |w - u| S(1/2) = 3/16 L |w - u|, in any norm; L follows from the permitted deviation and
 /// from the room on the adjoining lines. A rounded corner lies in the triangle c - L u, c, c + L w: joint
 /// limits that the waypoints keep are kept. The path is twice continuously differentiable but where it stops.
 ///
-/// Waypoints nearer than 1e-9 rad to the one before are dropped (the last one stays). A corner that turns
-/// back (|w - u| > 1.98, 164 degrees) is stopped at: rounding it would leave the waypoint out and gain
-/// nothing. A corner of |w - u| < 1e-9 counts as straight, whatever the permitted deviation.
+/// Waypoints nearer than 1e-9 rad to the one before are dropped (the last one stays). A corner that reverses
+/// the direction (|w - u| > 1.98, 164 degrees) is stopped at: rounding it would leave the waypoint out and
+/// gain nothing. A corner of |w - u| < 1e-9 counts as straight, for any permitted deviation.
 class JointPath {
  public:
   /// Errors (kInvalidArgument): no waypoint, no joint, sizes that differ, values that are not finite,

@@ -120,14 +120,14 @@ struct PointParams {
   double tolerance_rad{1e-4};  ///< permitted distance of one joint from the trajectory [rad], > 0
 };
 
-/// Points between which a controller may interpolate as told: what comes out keeps the trajectory's limits of
-/// velocity and acceleration at every instant (checked by the hull of its Bezier points), and its path within
-/// tolerance_rad per joint unless spacing is even. Where interpolation overshoots a limit, time is stretched
-/// as a whole until it does not, adaptive spacing: by 0.1 % or so; even spacing: by up to 29 %, as a cubic
-/// overshoots accelerations that jump inside an interval by up to 5/3, and time enters squared. The jerk of
-/// what the controller makes of it is not bounded. The first and last point are the ends of the path,
-/// exactly. Errors (kInvalidArgument): parameters out of range, quintic interpolation of accelerations that
-/// jump.
+/// Points between which a controller may interpolate as chosen: the interpolated motion keeps the
+/// trajectory's limits of velocity and acceleration at every instant (checked by the hull of its Bezier
+/// points), and its path within tolerance_rad per joint unless spacing is even. Where interpolation
+/// overshoots a limit, time is stretched as a whole until it does not, adaptive spacing: by 0.1 % or so; even
+/// spacing: by up to 29 %, as a cubic overshoots accelerations that jump inside an interval by up to 5/3, and
+/// time enters squared. The jerk of what the controller makes of it is not bounded. The first and last point
+/// are the ends of the path, exactly. Errors (kInvalidArgument): parameters out of range, quintic
+/// interpolation of accelerations that jump.
 [[nodiscard]] Result<std::vector<TrajectoryPoint>> to_points(const JointTrajectory& trajectory,
                                                              const PointParams& params = {});
 

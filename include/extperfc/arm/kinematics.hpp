@@ -48,7 +48,7 @@ class ArmChain {
   [[nodiscard]] JointVector mid_range() const;
   /// The nearest position within the limits.
   [[nodiscard]] JointVector clamp(const JointVector& joints) const;
-  /// The shortest way from one position to another: continuous joints take the shorter turn.
+  /// The shortest displacement between two positions: continuous joints take the shorter rotation.
   [[nodiscard]] JointVector difference(const JointVector& to, const JointVector& from) const;
   [[nodiscard]] bool within_limits(const JointVector& joints) const;
 

@@ -18,7 +18,7 @@
 
 namespace extperfc::arm {
 
-/// Where a link has to be.
+/// Target pose of a link.
 struct ToolTarget {
   std::string link;  ///< empty: the group's tip, where it has one only
   Pose root_T_tool{Pose::Identity()};
@@ -31,7 +31,7 @@ struct NamedState {
 };
 
 enum class MotionKind {
-  kFree,    ///< whatever way is free
+  kFree,    ///< any collision-free path
   kLinear,  ///< the tool along straight lines through all of the targets, which are of one link
 };
 
@@ -44,13 +44,13 @@ struct MotionRequest {
   /// Not empty: these states of the group one after the other, the first of which is where the robot is (to
   /// 0.05 rad); `goal` and `kind` do not count. Proven again.
   std::vector<JointVector> path;
-  /// Kept on the whole way, as at the start where they have no target of their own; to 1e-4 m or rad. Not
+  /// Kept along the whole path; without a target, as at the start; to 1e-4 m or rad. Not
   /// with kLinear.
   std::vector<ToolConstraint> constraints;
   double planning_time_s{5};     ///< above 0
   double velocity_scale{1};      ///< of the limits, (0, 1]
   double acceleration_scale{1};  ///< of the limits, (0, 1]
-  double minimum_fraction{1};    ///< kLinear: less of the way is a failure, (0, 1]
+  double minimum_fraction{1};    ///< kLinear: a smaller planned fraction is a failure, (0, 1]
   bool improve{false};           ///< kFree: use all of the planning time, and take the shortest path found
   std::string planner;           ///< empty: the parameters'
   std::optional<std::uint64_t> seed;
@@ -75,7 +75,7 @@ struct MotionOutcome {
   std::vector<JointVector> waypoints;
   std::optional<JointTrajectory> trajectory;  ///< on success
   std::vector<TrajectoryPoint> points;        ///< on success: of the trajectory, for cubic interpolation
-  double fraction{0};                         ///< of the way, [0, 1]
+  double fraction{0};                         ///< planned fraction of the path, [0, 1]
   MotionTimes times;
 };
 
@@ -83,7 +83,7 @@ struct MotionPipelineParams {
   PlannerParams planner;  ///< timeout and seed are the request's
   /// Distance that plans keep from everything; 0.0015 to 0.05 m. What the trajectory leaves the proven lines
   /// by (rounded corners' chords, points for the controller, joints of the other arm that stand a little
-  /// elsewhere) moves no point of a Baxter by more than 0.0015 m. Where the start, a goal or a straight way
+  /// elsewhere) moves no point of a Baxter by more than 0.0015 m. Where the start, a goal or a straight path
   /// is nearer to something, the plan keeps no distance; free motions then stop at their corners, and those
   /// of straight and constrained ones move no point by more than 0.0005 m off what is proven.
   double padding_m{0.002};

@@ -14,80 +14,81 @@
 namespace extperfc::arm {
 
 struct ObjectListParams {
-  int confirm{3};          ///< sightings before an object is listed, [1, 100]
-  double max_age_s{30.0};  ///< not seen for so long it is no longer listed, [0, 1e6]; 0: it stays
-  double match_m{0.08};    ///< a sighting of the class within this distance is the same object, [0.001, 10]
-  int max_objects{50};     ///< that are listed, and as many that wait for it, [1, 500]
-  double min_change_m{0.005};   ///< a smaller motion or change of size is none, [0, 1]
-  double min_change_rad{0.09};  ///< a smaller turn is none, [0, 3.15]
-  int average{10};              ///< sightings that the mean goes back, [1, 1000]
+  int confirm{3};          ///< detections before an object is listed, [1, 100]
+  double max_age_s{30.0};  ///< objects not seen for longer are removed, [0, 1e6]; 0: never
+  double match_m{0.08};    ///< a detection of the class within this distance is the same object, [0.001, 10]
+  int max_objects{50};     ///< maximum number of listed objects, and of waiting ones, [1, 500]
+  double min_change_m{0.005};   ///< smaller changes of position or size are not reported, [0, 1]
+  double min_change_rad{0.09};  ///< smaller rotations are not reported, [0, 3.15]
+  int average{10};              ///< maximum number of detections in the mean, [1, 1000]
 
   [[nodiscard]] Result<void> validate() const;
 };
 
-/// An object as one picture shows it; finite, sizes above 0.
+/// One detection of an object; finite, sizes above 0.
 struct ObjectDetection {
   std::string label;      ///< its class, not empty
   UprightBox box;         ///< in the world's frame
-  bool ambiguous{false};  ///< something may be there, but who knows where, as when the robot hides half of it
+  bool ambiguous{false};  ///< its pose is not reliable, e.g. because the robot hides a part
 };
 
-/// A thing of the scene, as far as sightings concern it.
+/// An object of the scene as input of the list.
 struct KnownObject {
   std::string name;
   std::string label;
   Pose world_T_object{Pose::Identity()};
   bool listed{false};  ///< it came from the list
-  bool still{false};   ///< sightings must neither move nor double it: a hand holds it or grasps for it, or it
-                       ///< is somebody else's
-  /// Of a thing in a hand: where it may be seen too, as the hand's, in the world's frame. Sightings of any
-  /// class near it are its own.
+  /// Detections must neither move nor duplicate it: a gripper holds it or is about to grasp it, or another
+  /// caller owns it.
+  bool still{false};
+  /// Of a held object: other positions where it may be detected, e.g. the gripper's, in the world's frame.
+  /// Detections of any class near them belong to it.
   std::vector<Eigen::Vector3d> places;
 };
 
 struct ListedObject {
   std::string name;  ///< <label>_<n>, n from 1; the same as long as the object is listed
   std::string label;
-  Pose world_T_object{Pose::Identity()};  ///< of the middle
+  Pose world_T_object{Pose::Identity()};  ///< of the centre
   Eigen::Vector3d size_m{Eigen::Vector3d::Zero()};
 };
 
-/// What one update came to.
+/// Result of one update.
 struct ObjectListUpdate {
-  int matched{0};       ///< sightings of known objects
-  int claimed{0};       ///< sightings of things that are to be left alone
-  int ambiguous{0};     ///< vague sightings of nothing that is known
-  int duplicate{0};     ///< sightings inside an object that was seen as well
-  int no_room{0};       ///< sightings that were dropped because there are too many objects
-  int waiting{0};       ///< objects that were not seen often enough yet
-  bool changed{false};  ///< an object came, went, or changed
+  int matched{0};       ///< detections of known objects
+  int claimed{0};       ///< detections of objects that must not change
+  int ambiguous{0};     ///< ambiguous detections that match no object
+  int duplicate{0};     ///< detections inside another detected object
+  int no_room{0};       ///< detections dropped because of max_objects
+  int waiting{0};       ///< objects with too few detections so far
+  bool changed{false};  ///< an object was added, removed, or changed
 };
 
-/// Objects from sightings in picture after picture: which sighting is which object, where it stands, whether
-/// it is there at all.
+/// Tracks objects over the detections of successive images: association, pose, size, and removal.
 ///
-/// A sighting belongs to the nearest object of its class within match_m of where that was seen last, nearest
-/// pairs first. Pose and size are means over the latest sightings; a box's yaw is taken as the one of its
-/// four that is nearest to the mean's, with x and y exchanged where they have to be. Sightings farther than
-/// half of match_m from the mean begin a new one when they have come `confirm` times in a row. An object that
-/// is seen inside another one, nearer to its middle than half of its shortest edge, is none while the other
-/// is seen too, and takes its place otherwise. A vague sighting is matched after all others; it makes no
-/// object and moves none, but a listed one counts as seen. What was not seen `confirm` times in a row before
-/// it was listed is forgotten. Deterministic; not thread-safe; holds 2 max_objects at most.
+/// A detection belongs to the nearest object of its class within match_m of its last position, nearest pairs
+/// first. Pose and size are means over the latest detections; of a box's four equivalent yaw angles the one
+/// nearest to the mean is used, with x and y exchanged if necessary. Detections farther than half of match_m
+/// from the mean start a new mean when `confirm` of them arrive in a row. An object that is detected inside
+/// another one, nearer to its centre than half of its shortest edge, is ignored while the other one is
+/// detected, and replaces it otherwise. An ambiguous detection is matched after all others; it neither adds
+/// nor moves an object, but prevents a matching object from expiring. An object that is not detected
+/// `confirm` times in a row before it is listed is dropped. Deterministic; not thread-safe; holds at most 2
+/// max_objects.
 class ObjectList {
  public:
   /// Errors: parameters out of their ranges.
   [[nodiscard]] static Result<ObjectList> make(const ObjectListParams& params);
 
-  /// Takes the sightings of one picture, which was taken at `time_s`; a time that goes back makes all objects
-  /// seen then. `scene` has everything in the scene: listed objects that are missing there, or have become
-  /// somebody else's, are forgotten; those that were moved there are where they were moved to.
-  /// O(objects x sightings).
+  /// Processes the detections of one image taken at `time_s`; when time goes back, all objects count as seen
+  /// at that time. `scene` contains all objects of the scene: listed objects that are missing there, or
+  /// belong to another caller, are dropped; objects that were moved there are updated. O(objects x
+  /// detections).
   ObjectListUpdate update(const std::vector<ObjectDetection>& detections,
                           const std::vector<KnownObject>& scene, double time_s);
 
   [[nodiscard]] std::vector<ListedObject> objects() const;
-  /// For a new frame.
+  /// Drops all objects, e.g. when the frame changes.
   void clear() { tracks_.clear(); }
 
  private:
@@ -95,8 +96,8 @@ class ObjectList {
     std::string name;  ///< empty until it is listed
     std::string label;
     UprightBox mean;
-    int count{0};  ///< sightings in the mean; 0: it was put here
-    int far{0};    ///< latest sightings that did not fit the mean
+    int count{0};  ///< detections in the mean; 0: moved by a caller
+    int far{0};    ///< latest detections far from the mean
     Eigen::Vector3d last_m{Eigen::Vector3d::Zero()};
     int detections{0};
     int missed{0};  ///< latest updates without it

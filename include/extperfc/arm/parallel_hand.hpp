@@ -21,7 +21,7 @@ struct FingerPart {
 };
 
 /// A hand with two flat fingers, in the frame of its tip: it approaches along +z, and the fingers close along
-/// y, both by the same way. Baxter's electric grippers have this frame.
+/// y, both by the same distance. Baxter's electric grippers have this frame.
 struct ParallelHand {
   std::string tip_link;
   double opening_min_m{0};        ///< between the pads when closed; 0 or more

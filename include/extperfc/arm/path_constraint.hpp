@@ -67,9 +67,9 @@ struct ProjectionParams {
 /// The error of a constraint is a distance [m] for plane and line, an angle [rad] for axis and orientation,
 /// the larger of both for the relative pose; that of several is the largest. F is made of the same
 /// quantities, so that |F| of a constraint is its error: distances along two (line) directions, the rotation
-/// vector for orientations, and for an axis the angle times the direction in which it has to turn, as two
+/// vector for orientations, and for an axis the angle times the direction in which it has to rotate, as two
 /// components across the target. Jacobians are analytic, from those of ArmChain; an axis that points exactly
-/// the wrong way is the one place where they do not exist (F is then pi along the first component).
+/// opposite is the one place where they do not exist (F is then pi along the first component).
 ///
 /// Immutable, a copy shares the data, may be used by any thread. Methods throw std::invalid_argument for
 /// joint values of the wrong size. Some 1 us for seven joints.

@@ -40,9 +40,9 @@ struct TimeParams {
 [[nodiscard]] Result<JointTrajectory> parameterize(const JointPath& path, const TrajectoryLimits& limits,
                                                    const TimeParams& params = {});
 
-/// Path and time parameterization at once. With jerk limits corners and smoothing get half of `deviation_rad`
-/// each, with 0 the motion stops at every waypoint: deviation_rad() of the result is `deviation_rad` at most.
-/// `params.smoothing_deviation_rad` does not count.
+/// Path and time parameterization in one call. With jerk limits corners and smoothing get half of
+/// `deviation_rad` each, with 0 the motion stops at every waypoint: deviation_rad() of the result is
+/// `deviation_rad` at most. `params.smoothing_deviation_rad` does not count.
 [[nodiscard]] Result<JointTrajectory> parameterize(const std::vector<JointVector>& waypoints,
                                                    double deviation_rad, const TrajectoryLimits& limits,
                                                    const TimeParams& params = {});

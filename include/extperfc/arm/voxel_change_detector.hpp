@@ -8,8 +8,8 @@
 
 namespace extperfc::arm {
 
-/// Tells changes of a set of voxels from the flicker of its surfaces, so that costly work is not done anew
-/// for every picture. Not thread-safe; deterministic.
+/// Distinguishes changes of a set of voxels from the flicker of its surfaces, to avoid costly work after
+/// every image. Not thread-safe; deterministic.
 class VoxelChangeDetector {
  public:
   /// A corner of the grid [m], the edge of its voxels [m], above 0, and after how long small changes count
@@ -17,9 +17,9 @@ class VoxelChangeDetector {
   VoxelChangeDetector(const Eigen::Vector3d& low_m, double voxel_m, double patience_s)
       : low_m_(low_m), voxel_m_(voxel_m), patience_s_(patience_s) {}
 
-  /// Whether the voxels with these middles are news compared with those that were news last (none at first):
-  /// at once where a voxel that came or went has none of the other set among its 26 neighbours, or one set is
-  /// empty; with smaller differences when `patience_s` has passed. O(voxels).
+  /// True when the voxels with these centres differ from those reported last (initially none): at once where
+  /// an added or removed voxel has no voxel of the other set among its 26 neighbours, or where one set is
+  /// empty; for smaller differences after `patience_s`. O(voxels).
   [[nodiscard]] bool changed(const std::vector<Eigen::Vector3d>& middles, double time_s);
 
  private:

@@ -27,7 +27,7 @@ using Route = std::vector<Station>;
 constexpr double kRigid = 1e-6;
 
 /// The first is for every arm, the others for redundant ones. Of 600 random lines of Baxter's left arm (0.1
-/// to 0.6 m, half of them with a turn, half of them among ten obstacles) the first alone completes 240,
+/// to 0.6 m, half of them with a rotation, half of them among ten obstacles) the first alone completes 240,
 /// without its pull 236; 24 attempts with these complete 279.
 constexpr std::array<Course, 11> kCourses{{{1.0, 0.0, 0.0},
                                            {1.0, 0.0, 0.5},
@@ -101,7 +101,7 @@ std::optional<CartesianResult> refuse_start(CollisionChecker& checker, double re
 std::string describe(const Stop& stop, const ArmChain& chain, double fraction) {
   std::ostringstream text;
   text.precision(3);
-  text << "stopped after " << 100 * fraction << " % of the way: ";
+  text << "stopped after " << 100 * fraction << " % of the path: ";
   switch (stop.end) {
     case CartesianEnd::kLimit:
       text << chain.joint_names()[stop.joint] << " is at its limit";

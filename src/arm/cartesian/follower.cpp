@@ -17,7 +17,7 @@ constexpr double kShortestBlockedM = 5e-4;  // how near an obstacle is approache
 constexpr double kGrowth = 1.5;             // of the step after one that was taken
 constexpr double kElbowStepRad = 0.1;
 constexpr double kMinElbowRad = 1e-3;
-constexpr double kSpare = 0.9;    // share of the tolerance at the places that are looked at
+constexpr double kSpare = 0.9;    // fraction of the tolerance at the places that are looked at
 constexpr double kAheadM = 2e-3;  // where the reason of an end is looked for
 
 }  // namespace

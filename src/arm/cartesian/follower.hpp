@@ -12,7 +12,7 @@
 
 namespace extperfc::arm::cartesian {
 
-/// What a redundant arm does beside following the way.
+/// Self-motion of a redundant arm while it follows the path.
 struct Course {
   /// Pull towards the middle of the joints' ranges [1/m]; grows towards the limits.
   double centring{0};
@@ -22,10 +22,10 @@ struct Course {
   double elbow_rad{0};
 };
 
-/// A state on the way.
+/// A state on the path.
 struct Station {
   JointVector joints;  ///< of the arm
-  double place{0};     ///< on the way [m]
+  double place{0};     ///< on the path [m]
 };
 
 struct Stop {
@@ -34,14 +34,14 @@ struct Stop {
   int joint{-1};  ///< of the arm, for kLimit
 };
 
-/// Follows a way from a state on; the argument stands at CartesianPlanner.
+/// Follows a path from a state on; see CartesianPlanner for the method.
 class Follower {
  public:
   /// All must outlive it. `others`: a state of the group, for the joints that stand still.
   Follower(CollisionChecker& checker, const ArmInGroup& arm, const CartesianParams& params,
            const ToolPath& path, const JointVector& others);
 
-  /// Appends to `route`, which holds the start at least, until the way's end or what stops it. O(steps).
+  /// Appends to `route`, which holds the start at least, until the path's end or an obstacle. O(steps).
   [[nodiscard]] Stop follow(const Course& course, const std::function<CartesianEnd()>& interrupted,
                             std::vector<Station>& route);
 

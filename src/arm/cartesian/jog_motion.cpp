@@ -13,7 +13,7 @@ namespace {
 
 constexpr double kMinDamping = 1e-8;
 constexpr double kProbeRad = 1e-3;  // how far ahead the least singular value is looked at
-constexpr double kCentring = 0.5;   // [1/rad], share of the speed that may go into the null space
+constexpr double kCentring = 0.5;   // [1/rad], fraction of the speed that may go into the null space
 constexpr double kMinScale = 1e-3;  // below this a motion is at its end
 
 double min_singular_value(const Jacobian& columns) {

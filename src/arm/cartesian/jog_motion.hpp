@@ -40,7 +40,7 @@ class JogVelocity {
   JointVector largest_;
 };
 
-/// One step of a motion with the way to stand still after it.
+/// One step of a motion and the stopping motion after it.
 struct JogMove {
   JogState next;
   JointVector stand;  ///< where the arm could stand after it, reaction included
@@ -51,7 +51,7 @@ class JogBrakes {
  public:
   JogBrakes(double acceleration, double reaction_s) : acceleration_(acceleration), reaction_s_(reaction_s) {}
 
-  /// `share` 0: braking along the proven way; 1: all of the way to `velocity` that one step allows.
+  /// `fraction` 0: braking along the proven path; 1: the full change to `velocity` that one step allows.
   [[nodiscard]] JogMove move(const JogState& now, const JointVector& velocity, double fraction,
                              double dt_s) const;
 

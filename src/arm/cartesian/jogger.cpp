@@ -156,7 +156,7 @@ std::optional<Contact> Jogger::Core::what_blocks(const JogMove& move) const {
   return checker->nearest(there);
 }
 
-/// Takes the largest share of the step that is proven, else brakes.
+/// Takes the largest fraction of the step that is proven, else brakes.
 void Jogger::Core::advance(const JogWish& wish, double dt_s, JogStep& step) {
   step.hindrance = wish.hindrance;
   step.scale = wish.scale;

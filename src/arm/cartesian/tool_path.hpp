@@ -24,7 +24,7 @@ class ToolPath {
   /// The end of the line that goes on at `place`, which is below length().
   [[nodiscard]] double line_end(double place) const;
   [[nodiscard]] Pose at(double place) const;
-  /// Change of the pose per metre of way, on the line that goes on at `place`.
+  /// Change of the pose per metre of path, on the line that goes on at `place`.
   [[nodiscard]] Vector6 tangent(double place) const;
 
  private:

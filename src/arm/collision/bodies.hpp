@@ -19,7 +19,7 @@ struct Body {
   double multiplier{1};  ///< value of the joint = multiplier * position + offset
   double offset{0};
   bool prismatic{false};
-  Pose parent_T_joint{Pose::Identity()};  ///< turned so that the motion is about or along z
+  Pose parent_T_joint{Pose::Identity()};  ///< rotated so that the motion is about or along z
   double lower{0}, upper{0};              ///< of the value; prismatic only
 };
 
@@ -50,18 +50,18 @@ struct Bodies {
 /// root_T_body of every body. `poses` is resized.
 void body_poses(const Bodies& bodies, const double* positions, std::vector<Pose>& poses);
 
-/// How far points of something on a body can be from each joint that moves it, whatever the positions.
+/// How far points of something on a body can be from each joint that moves it, for all positions.
 struct Reach {
   std::vector<double>
       from_axis;  ///< per body: largest distance from the axis of its joint; 1 if prismatic; 0 if unmoved
-  Ball in_root;   ///< holds the thing for all positions
+  Ball in_root;   ///< holds the object for all positions
 };
 [[nodiscard]] Reach reach_of(const Bodies& bodies, int body, const Ball& in_body);
 
 /// The body from which both hang; one of them when it carries the other.
 [[nodiscard]] int common_ancestor(const Bodies& bodies, int a, int b);
 
-/// Bounds of the motion of a thing against an ancestor of its body while every joint keeps its rate.
+/// Bounds of the motion of an object against an ancestor of its body while every joint keeps its rate.
 struct MotionBound {
   double speed{0};         ///< of any of its points
   double acceleration{0};  ///< of any of its points, in the ancestor's frame
@@ -72,7 +72,7 @@ struct MotionBound {
                                        const std::vector<double>& from_axis,
                                        const std::vector<double>& rates);
 
-/// Bound of how far points of a thing are displaced against an ancestor of its body, per radian (Euclidean
+/// Bound of how far points of an object are displaced against an ancestor of its body, per radian (Euclidean
 /// norm) that the joint positions differ; `from_axis` as in Reach.
 [[nodiscard]] double displacement_per_rad(const Bodies& bodies, int ancestor, int body,
                                           const std::vector<double>& from_axis);

@@ -58,7 +58,7 @@ class Checks {
   KernelMemory memory_;
   ExactPairs exact_;
   std::vector<std::vector<double>> farthest_;  ///< per body: the largest Reach::from_axis of its parts
-  std::vector<bool> wraps_;                    ///< per joint: a full turn changes nothing
+  std::vector<bool> wraps_;                    ///< per joint: a full revolution changes nothing
   Placement placement_;
 };
 

@@ -86,7 +86,7 @@ struct Tally {
   [[nodiscard]] bool settled(double limit) const {
     return near && tried >= kSettledAfter && touched < limit * tried / 2 && (touched > 0 || between != 1);
   }
-  /// A single joint is sampled densely: there nearness tells nothing.
+  /// A single joint is sampled densely: there nearness is no evidence.
   [[nodiscard]] bool never() const { return between == 1 ? touched == 0 : !near; }
 };
 

@@ -14,21 +14,21 @@ constexpr int kDone = 0;
 constexpr int kFailed = 1;
 constexpr int kUsage = 2;
 
-constexpr const char* kHelp = R"(Which links of a robot need no check against each other, as an SRDF.
+constexpr const char* kHelp = R"(Lists the links of a robot that need no check against each other, as an SRDF.
 
   extperfc-collision-matrix URDF [OPTION ...]
 
 Tries random positions of all joints within their limits and writes <disable_collisions> for links that are rigid to
 each other (Rigid), joined by one joint (Adjacent), neighbours on a chain whose rough shapes overlap where it bends
-(Neighbours), in contact nearly always (Always), or never near each other (Never).
+(Neighbours), in contact in nearly all samples (Always), or never near each other (Never).
 
 Options:
   --output FILE.srdf     where to write; standard output by default
-  --keep FILE.srdf       takes groups, states and end effectors from this file, which may be the output itself
+  --keep FILE.srdf       keeps groups, states and end effectors of this file; may be the output file
   --samples N            random positions, 20000 by default
   --seed N               of the random positions, 1 by default
-  --clearance METRES     pairs that came nearer than this stay checked, 0.02 by default
-  --resources FOLDER     where package://extperfc/ points; by default the folder above the URDF's
+  --clearance METRES     pairs that come nearer than this stay enabled, 0.02 by default
+  --resources FOLDER     folder of package://extperfc/; by default the folder above the URDF's
 
 Example:
   extperfc-collision-matrix urdf/mobile_baxter.urdf --samples 100000 --keep config/robots/baxter/mobile_baxter.srdf

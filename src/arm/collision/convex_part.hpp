@@ -49,7 +49,7 @@ struct Ball {
 /// Radius of a ball about the part's origin that holds it.
 [[nodiscard]] double bounding_radius(const ConvexPart& part);
 
-/// Half lengths of the axis-parallel box that holds the part turned by `rotation`, about its origin.
+/// Half lengths of the axis-parallel box that contains the part rotated by `rotation`, about its origin.
 [[nodiscard]] Eigen::Vector3d rotated_half(const ConvexPart& part, const Eigen::Matrix3d& rotation);
 
 /// A lower bound of the distance of a point from the part, in the part's frame; exact for box, cylinder and

@@ -51,7 +51,7 @@ struct Moment {
   std::vector<Eigen::Vector3d> sliding;  ///< velocity of the point of each body that is at the root's origin
 };
 
-/// Sets `turning` and `sliding` from the poses and each joint's rate.
+/// Sets `angular_velocity` and `sliding` from the poses and each joint's rate.
 void set_velocities(const Bodies& bodies, const std::vector<double>& rates, Moment& moment);
 
 /// Single pairs of a scene: distances by GJK with a certificate (gjk.hpp), depths of penetration by Bullet's
@@ -66,7 +66,8 @@ class ExactPairs {
   /// The separation of a pair, as GJK finds it and the support functions confirm: its gap is a lower bound of
   /// the distance, and within kGjkTolerance_m and 1 % of it. A direction that separates is remembered.
   [[nodiscard]] Separation separation(int pair, const Placement& placement);
-  /// The separation along the remembered direction, turned with the common ancestor; nothing the first time.
+  /// The separation along the remembered direction, rotated with the common ancestor; std::nullopt the first
+  /// time.
   [[nodiscard]] std::optional<Separation> remembered(int pair, const Placement& placement) const;
   /// Distance, to kGjkTolerance_m, or minus the depth of penetration (EPA) [m].
   [[nodiscard]] double signed_distance(int pair, const Placement& placement);

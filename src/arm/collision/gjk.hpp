@@ -79,7 +79,7 @@ class NearestSimplex {
   }
 
   /// Moves towards that point; true when it lies within the corners. Else the first corner whose weight
-  /// becomes zero on the way there is given up.
+  /// becomes zero on the path there is given up.
   bool move_to_affine_minimum() {
     if (count_ == 1) {
       weights_[0] = 1;

@@ -7,7 +7,7 @@
 namespace extperfc::arm::collision {
 namespace {
 
-/// Carried things are covered more coarsely than links: they change often and are handled near others.
+/// Carried objects are covered more coarsely than links: they change often and are handled near others.
 constexpr double kCarriedExcess = 0.015;  // [m]
 
 MovingPart moving_part(const Bodies& bodies, const std::string& name, int body,

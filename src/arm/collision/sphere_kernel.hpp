@@ -78,9 +78,9 @@ struct KernelScene {
   int self_group_count;
 };
 
-/// How far things can drift from where they are at the middle of an interval of a motion.
+/// How far objects can drift from where they are at the middle of an interval of a motion.
 struct KernelDrift {
-  float shift;  ///< bound of the way of any point [m]
+  float shift;  ///< bound of the displacement of any point [m]
   float bend;   ///< bound of its part that is not linear in time [m]
 };
 

@@ -27,8 +27,9 @@ Eigen::Vector3d rotation_vector(const Eigen::Matrix3d& rotation) {
   return std::copysign(factor, q.w()) * q.vec();
 }
 
-/// d(rotation vector) for a turn of the rotated frame about its own axes: the inverse of the right Jacobian
-/// of SO(3) (Chirikjian, "Stochastic Models, Information Theory, and Lie Groups", volume 2, section 10.6.4).
+/// d(rotation vector) for a rotation of the rotated frame about its own axes: the inverse of the right
+/// Jacobian of SO(3) (Chirikjian, "Stochastic Models, Information Theory, and Lie Groups", volume 2,
+/// section 10.6.4).
 Eigen::Matrix3d inverse_right_jacobian(const Eigen::Vector3d& vector) {
   const double angle = vector.norm();
   const double square = angle < 1e-2 ? 1.0 / 12.0 + angle * angle / 720.0

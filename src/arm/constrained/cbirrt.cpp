@@ -7,7 +7,7 @@ namespace extperfc::arm::constrained {
 
 namespace {
 
-/// The tree that is ahead waits while it has more than this share of all nodes.
+/// The tree that is ahead waits while it has more than this fraction of all nodes.
 constexpr double kAhead = 0.66;
 
 /// States from the root of `index` to `index`, those within edges included.

@@ -53,7 +53,7 @@ ConstrainedPlanner::ConstrainedPlanner(CollisionChecker& checker, PathConstraint
   const auto& names = constrained_planner_names();
   if (std::find(names.begin(), names.end(), params.planner) == names.end())
     throw std::invalid_argument("ConstrainedPlannerParams::planner: '" + params.planner +
-                                "' is none of constrained_planner_names()");
+                                "' is not one of constrained_planner_names()");
   demand(constraint_.joint_count() == checker.model().joint_count(),
          "the constraint and the collision model are not about the same joints");
   demand(params.tolerance >= 1e-6 && params.tolerance <= 1e-2,
@@ -142,7 +142,7 @@ Result<std::vector<double>> corner_deviations(const PathConstraint& constraint,
     const double left = (error - std::max(before, after)) / steepness - smoothing_rad;
     if (left < 0)
       return fail(ErrorCode::kInvalidArgument,
-                  "the segments at waypoint " + std::to_string(i) + " leave nothing of the error");
+                  "the segments at waypoint " + std::to_string(i) + " leave no margin for the error");
     if (i > 0) result[i] = std::min(left, 1.0);
     before = after;
   }

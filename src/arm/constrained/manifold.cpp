@@ -7,11 +7,11 @@ namespace extperfc::arm::constrained {
 
 namespace {
 
-/// A step must come this share of itself nearer to the target.
+/// A step must come this fraction of itself nearer to the target.
 constexpr double kMinProgress = 0.1;
 /// A projected step longer than this many steps has jumped to another place.
 constexpr double kMaxStep = 1.5;
-/// The middle of a piece, projected, lies within this share of the piece's length of both ends.
+/// The middle of a piece, projected, lies within this fraction of the piece's length of both ends.
 constexpr double kMaxHalf = 0.75;
 /// Error of a projected state [m] or [rad].
 constexpr double kExact = 2e-8;

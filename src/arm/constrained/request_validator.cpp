@@ -12,7 +12,7 @@ namespace {
 
 constexpr std::array<const char*, 5> kKinds{"axis", "plane", "line", "orientation", "relative pose"};
 
-/// A direct way is no detour.
+/// Maximum length of a direct path, relative to the distance.
 constexpr double kMaxDetour = 2.0;
 
 }  // namespace

@@ -29,7 +29,7 @@ double length_of(const JointVector& from, const States& pieces) {
   return length;
 }
 
-// The coarse walk tells its length before anything is proven.
+// The coarse walk gives its length before anything is proven.
 void cut(Manifold& manifold, States* path, std::size_t from, std::size_t to, double old_length,
          const std::function<bool()>& stop) {
   const JointVector first = (*path)[from];

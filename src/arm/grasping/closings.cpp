@@ -14,8 +14,8 @@ using collision::PartKind;
 constexpr double kPi = 3.14159265358979323846;
 constexpr double kLong = 1.5;  // times the next edge: then there are grasps beside the middle too
 
-/// Unit vectors square to `axis`, half a turn of them. The first is square to the way from the root's axis to
-/// the thing too: the hand then comes straight from the robot.
+/// Unit vectors square to `axis`, half a revolution of them. The first is square to the line from the root's
+/// axis to the object too: the hand then comes straight from the robot.
 std::vector<Eigen::Vector3d> across(const Eigen::Vector3d& axis, const Eigen::Vector3d& position,
                                     double step_rad) {
   Eigen::Vector3d first = axis.cross(Eigen::Vector3d(position.x(), position.y(), 0));

@@ -10,7 +10,7 @@
 
 namespace extperfc::arm::grasping {
 
-/// A direction in which fingers can close on a thing, and where. The thing is its own mirror image in the
+/// A direction in which fingers can close on an object, and where. The object is its own mirror image in the
 /// plane through any of the centres across the direction.
 struct Closing {
   Eigen::Vector3d along;                 ///< unit vector in the root frame

@@ -28,8 +28,8 @@ struct Contact {
 /// How far the whole part reaches from the tip's plane y = 0.
 [[nodiscard]] double half_extent_m(const collision::ConvexPart& part, const Pose& part_T_tip);
 
-/// How far from the middle plane the part reaches where fingers pass on their way to the tip's pose, less how
-/// far each piece of the finger lies behind the pad; 0 when they pass nothing.
+/// How far from the middle plane the part reaches where fingers pass on their path to the tip's pose, less
+/// how far each piece of the finger lies behind the pad; 0 when they pass nothing.
 [[nodiscard]] double passage_half_width_m(const ParallelHand& hand, const collision::ConvexPart& part,
                                           const Pose& part_T_tip);
 

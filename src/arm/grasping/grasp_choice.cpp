@@ -12,7 +12,7 @@
 namespace extperfc::arm {
 namespace {
 
-constexpr double kStep = 0.01;  // [m] between places on a straight way
+constexpr double kStep = 0.01;  // [m] between places on a straight path
 constexpr double kMaxRotation =
     0.2;  // [rad] of a joint between two of them: more is a jump to another branch
 
@@ -76,7 +76,7 @@ class Reach {
     return refusal(failure.reason);
   }
 
-  /// The straight way to these joint values, when it is free.
+  /// The straight path to these joint values, when it is free.
   [[nodiscard]] std::optional<Found> from_pregrasp(const JointVector& grasp,
                                                    const GraspCandidate& candidate) const {
     auto path = straight(grasp, candidate.root_T_pregrasp);
@@ -197,7 +197,7 @@ const char* to_string(GraspRefusal refusal) {
     case GraspRefusal::kTimeout:
       return "not solved in time";
     case GraspRefusal::kNoPath:
-      return "without a straight free way";
+      return "without a straight collision-free path";
   }
   return "?";
 }

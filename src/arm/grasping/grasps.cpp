@@ -51,17 +51,17 @@ class Generator {
     std::string text = "no grasp:";
     if (refused_[kTooWide] > 0)
       text += " too wide, " + millimetres(min_width_m_) + " at the narrowest where the fingers pass, with " +
-              millimetres(params_.side_clearance_m) + " of clearance on either side; the hand opens to " +
+              millimetres(params_.side_clearance_m) + " of clearance on either side; the gripper opens to " +
               millimetres(hand_.opening_max_m) + ";";
     if (refused_[kTooThin] > 0)
-      text += " thinner than " + millimetres(hand_.opening_min_m) + ", to which the hand closes;";
+      text += " thinner than " + millimetres(hand_.opening_min_m) + ", to which the gripper closes;";
     if (refused_[kUncertain] > 0)
       text += " the position is too uncertain, " + std::to_string(params_.sigmas) + " sigmas are up to " +
               millimetres(uncertainty_m_) + ";";
     if (refused_[kSlips] > 0)
       text += " the surface leans by at least " + degrees(lean_rad_) + " against the pads, friction holds " +
               degrees(std::atan(max_slope())) + ";";
-    if (refused_[kNoRoom] > 0) text += " no room for the hand above the support;";
+    if (refused_[kNoRoom] > 0) text += " no clearance for the gripper above the support;";
     if (refused_[kMissed] > 0) text += " the pads do not reach it;";
     text.back() = '.';
     return {ErrorCode::kFailed, text};
@@ -110,7 +110,7 @@ class Generator {
             std::min(params_.min_overlap_m, hand_.parts[0].x_half_m) ||
         contact->overlap_z_m < params_.min_overlap_m)
       return refuse(kMissed);
-    // Where the widest place is between the pads there is nothing wider on the way.
+    // Where the widest place is between the pads there is nothing wider on the path.
     const bool widest = contact->half_width_m >= grasping::half_extent_m(part_, part_T_tip) - 1e-9;
     const double passage =
         widest ? contact->half_width_m : grasping::passage_half_width_m(hand_, part_, part_T_tip);

@@ -99,7 +99,7 @@ bool alike(const std::vector<Bounds>& a, const std::vector<Bounds>& b) {
   if (a.size() != b.size()) return false;
   for (std::size_t i = 0; i < a.size(); ++i) {
     const Bounds other = mirrored(b[i]);
-    // Left and right may be exchanged along x: the pieces of such fingers are turned, not mirrored.
+    // Left and right may be exchanged along x: the pieces of such fingers are rotated, not mirrored.
     const double x =
         std::min((a[i].low - other.low).cwiseAbs().x() + (a[i].high - other.high).cwiseAbs().x(),
                  std::abs(a[i].low.x() + other.high.x()) + std::abs(a[i].high.x() + other.low.x()));
@@ -136,7 +136,7 @@ void add_carriage(const std::vector<Bounds>& closed, const std::vector<Bounds>& 
 
 Result<void> ParallelHand::validate() const {
   const auto bad = [&](const std::string& what) {
-    return fail(ErrorCode::kInvalidArgument, "hand " + tip_link + ": " + what);
+    return fail(ErrorCode::kInvalidArgument, "gripper " + tip_link + ": " + what);
   };
   if (!(opening_min_m >= 0 && opening_max_m > opening_min_m && opening_max_m <= 0.5))
     return bad("openings must be 0 <= min < max <= 0.5 m");

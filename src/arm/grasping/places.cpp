@@ -25,7 +25,7 @@ Result<void> check(const ParallelHand& hand, const PlaceRequest& request, const 
   if (!rigid(request.tip_T_object) || !rigid(request.root_T_object))
     return fail(ErrorCode::kInvalidArgument, "a pose of the object is no finite rigid transform");
   if (!within(request.opening_m, 0, hand.opening_max_m))
-    return fail(ErrorCode::kInvalidArgument, "the hand cannot open as wide as asked for letting go");
+    return fail(ErrorCode::kInvalidArgument, "the opening after placing exceeds that of the gripper");
   if (request.support_z_m && !std::isfinite(*request.support_z_m))
     return fail(ErrorCode::kInvalidArgument, "the height of the support is not finite");
   if (!within(params.lower_m, 0, 0.5) || !within(params.retreat_m, 0, 0.5) ||
@@ -63,9 +63,8 @@ Result<std::vector<PlaceCandidate>> place_poses(const ParallelHand& hand, const 
   const double min_z_m = *request.support_z_m + params.support_clearance_m;
   // Turning about the vertical changes no height: either all are above the support or none is.
   if (grasping::lowest_z_m(hand, places[0].root_T_tip, request.opening_m) < min_z_m)
-    return fail(
-        ErrorCode::kFailed,
-        "the hand would be in what the object shall stand on: it holds the object too low for this pose");
+    return fail(ErrorCode::kFailed,
+                "the gripper would collide with the support: it holds the object too low for this pose");
   return places;
 }
 

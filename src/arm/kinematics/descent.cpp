@@ -56,7 +56,7 @@ void Descent<N>::step(Joints<N>& q) {
   here_.derivative(geometry_, task_, columns_);
 }
 
-/// One damped step in the box. A first try tells the joints that meet a limit; they go there, and the others
+/// One damped step in the box. A first try finds the joints that meet a limit; they go there, and the others
 /// make up for it.
 template <int N>
 Joints<N> Descent<N>::proposal(const Joints<N>& q) const {

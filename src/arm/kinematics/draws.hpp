@@ -16,10 +16,10 @@ template <int N>
 /// kMaxJoints.
 [[nodiscard]] double spread_step(int n);
 
-/// Positions that fill the bounds evenly; joints without end within half a turn of 0. The additive recurrence
-/// of Roberts ("The unreasonable effectiveness of quasirandom sequences", 2018): its axes step by the powers
-/// of 1/g. With 100,000 poses of a seven-joint arm a third as many need more than 100 restarts from it as
-/// from independent draws.
+/// Positions that fill the bounds evenly; joints without end within half a revolution of 0. The additive
+/// recurrence of Roberts ("The unreasonable effectiveness of quasirandom sequences", 2018): its axes step by
+/// the powers of 1/g. With 100,000 poses of a seven-joint arm a third as many need more than 100 restarts
+/// from it as from independent draws.
 template <int N>
 class Draws {
  public:
@@ -62,7 +62,7 @@ class Draws {
   Joints<N> fraction_, step_;
 };
 
-/// Joints without end moved by whole turns to within half a turn of `seed`.
+/// Joints without end moved by whole revolutions to within half a revolution of `seed`.
 template <int N>
 void unwind(const Bounds<N>& bounds, const Joints<N>& seed, Joints<N>& q) {
   for (int i = 0; i < q.size(); ++i)

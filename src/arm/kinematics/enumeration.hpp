@@ -11,7 +11,7 @@ class Enumeration {
  public:
   Enumeration(const ArmChain& chain, const Pose& target, const IkSearchOptions& options);
 
-  /// Branches in the order they were found, whatever options.accept says; empty when no descent reached the
+  /// Branches in the order they were found, regardless of options.accept; empty when no descent reached the
   /// target.
   [[nodiscard]] IkSolutionSet run(const JointVector& seed);
 

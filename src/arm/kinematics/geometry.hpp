@@ -42,7 +42,7 @@ struct Reach {
   double length_m{0};                                 ///< most distance of the two
 };
 
-/// A chain whose every joint turns about, or slides along, the z axis of its own frame.
+/// A chain whose every joint rotates about, or slides along, the z axis of its own frame.
 struct Geometry {
   int count{0};
   std::array<Link, kMaxJoints + 1> links;  ///< to joint i's frame from the one before it; [count]: to the tip

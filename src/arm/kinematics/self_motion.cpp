@@ -122,7 +122,7 @@ bool SelfMotion::passes_start(const JointVector& q, const JointVector& heading, 
          delta.norm() <= (1 + kMaxCorrection) * length;
 }
 
-/// The last position within the limits on the way of a step that leaves them.
+/// The last position within the limits on the path of a step that leaves them.
 void SelfMotion::to_limit(const JointVector& q, const JointVector& heading, double length,
                           std::vector<JointVector>& out) {
   double inside = 0;

@@ -99,7 +99,7 @@ class Solver {
     return failure;
   }
 
-  /// Whether the joint limits are what stands in the way.
+  /// True when only the joint limits prevent a solution.
   [[nodiscard]] IkReason reason_without_limits() {
     constexpr double kNone = std::numeric_limits<double>::infinity();
     Bounds<N> free = bounds_;

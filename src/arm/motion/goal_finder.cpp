@@ -97,7 +97,7 @@ class Finder {
     return options;
   }
 
-  /// What is in the way of the solution that came last.
+  /// What blocks the solution that came last.
   std::string touching(const GroupChain& arm, const JointVector& joints) {
     if (joints.size() != static_cast<Eigen::Index>(arm.in_group.size())) return {};
     JointVector all = start_;

@@ -31,7 +31,7 @@ MotionOutcome outcome_of(ArmCode code, std::string message) {
 }
 
 constexpr double kPathStart = 0.05;        // of the robot from a path's first state [rad]
-constexpr double kFineCorner = 5e-5;       // where way points are dense [rad]
+constexpr double kFineCorner = 5e-5;       // where waypoints are dense [rad]
 constexpr double kConstraintError = 1e-4;  // of the motion as the robot makes it [m] or [rad]
 
 ArmCode code_of(CartesianEnd end) {
@@ -132,7 +132,7 @@ Result<CollisionChecker> MotionPipeline::checker(const std::string& group, const
 
 namespace {
 
-/// One request on its way through the pipeline.
+/// Processes one request.
 class Run {
  public:
   Run(MotionPipeline& pipeline, const MotionRequest& request, const CollisionWorld& world)
@@ -147,7 +147,7 @@ class Run {
     if (!request_.path.empty()) return follow_path();
     if (request_.kind == MotionKind::kLinear) return plan_linear();
     auto goals = find_goals();
-    // What the padding alone forbids is tried without it: a hand beside the thing that it lets go, for one.
+    // What the padding alone forbids is tried without it: a hand beside the object that it lets go, for one.
     if (near_something(goals)) {
       if (auto made = make_checker(false); !made)
         return outcome_of(ArmCode::kInvalidRequest, made.error().message);
@@ -265,8 +265,7 @@ class Run {
     if (!proven(waypoints)) {
       if (auto made = make_checker(false); !made)
         return outcome_of(ArmCode::kInvalidRequest, made.error().message);
-      if (!proven(waypoints))
-        return finish(outcome_of(ArmCode::kPathBlocked, "something is in the way of the path"));
+      if (!proven(waypoints)) return finish(outcome_of(ArmCode::kPathBlocked, "an obstacle blocks the path"));
     }
     std::vector<double> deviations(waypoints.size(), kFineCorner);
     return put_in_time(std::move(waypoints), {std::move(deviations), kFineCorner}, 1.0);
@@ -388,7 +387,7 @@ class Run {
     outcome.fraction = fraction;
     char text[128];
     std::snprintf(text, sizeof text, "planned%s in %.1f ms, takes %.2f s",
-                  fraction < 1.0 ? " a part of the way" : "", 1e3 * times_.sum_s(),
+                  fraction < 1.0 ? " a part of the path" : "", 1e3 * times_.sum_s(),
                   outcome.trajectory->duration_s());
     outcome.message = text;
     return finish(std::move(outcome));

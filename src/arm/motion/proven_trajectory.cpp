@@ -17,8 +17,9 @@ constexpr double kMinDeviation = 1e-3;     // a corner rounded by less is stoppe
 constexpr double kFinestTolerance = 1e-7;  // of the points; the last one tried [rad]
 constexpr double kFiner = 0.1;
 
-/// q'' of a corner is turn * (6 x - 6 x^2) / length: 1.5 |turn| / length at most. A chord over ds leaves a
-/// curve by at most ds^2 / 8 of that; the points leave the curve by `tolerance_rad` more in each joint.
+/// q'' of a corner is c (6 x - 6 x^2) / length with its direction_change c: 1.5 |c| / length at most. A chord
+/// over ds leaves a curve by at most ds^2 / 8 of that; the points leave the curve by `tolerance_rad` more in
+/// each joint.
 bool corner_free(CollisionChecker& checker, const PathPiece& corner, double tolerance_rad) {
   const double curvature = 1.5 * corner.direction_change.norm() / corner.length;
   const double chord = std::sqrt(8.0 * kChordError / std::max(curvature, 1e-9));

@@ -129,7 +129,7 @@ Result<JointPositions> RobotArms::named_state(const ArmGroup& group, const std::
     return fail(ErrorCode::kNotFound,
                 "group " + group.name + " has no state '" + state + "': use one of " + listed(known));
   const auto silent_about = [&](const std::string& joint) {
-    return "the state " + state + " says nothing about " + joint;
+    return "the state " + state + " has no value for " + joint;
   };
   JointPositions result;
   for (const auto& joint : group.joints) {

@@ -31,7 +31,7 @@ Result<void> check(const std::vector<std::string>& joints, const std::vector<Tra
   return {};
 }
 
-/// Cubic Hermite spline at share u in [0, 1] of an interval of h seconds.
+/// Cubic Hermite spline at fraction u in [0, 1] of an interval of h seconds.
 JointVector hermite(const TrajectoryPoint& a, const TrajectoryPoint& b, double h, double u) {
   const double u2 = u * u, u3 = u2 * u;
   return (2 * u3 - 3 * u2 + 1) * a.position + (u3 - 2 * u2 + u) * h * a.velocity +
@@ -61,7 +61,7 @@ Result<TimedPath> TimedPath::only(const std::vector<std::string>& joints) const 
   for (const auto& joint : joints) {
     const auto found = std::find(joints_.begin(), joints_.end(), joint);
     if (found == joints_.end())
-      return fail(ErrorCode::kNotFound, "the trajectory says nothing about joint " + joint);
+      return fail(ErrorCode::kNotFound, "the trajectory does not contain joint " + joint);
     chosen.push_back(found - joints_.begin());
   }
   std::vector<TrajectoryPoint> points;

@@ -31,11 +31,11 @@ VoxelGrid grid_of(const DepthObstaclesParams& params) {
 Result<void> check(const ImageView& depth, const CameraModel& camera, const Pose& root_T_camera,
                    const JointVector& positions, int joints, double time_s) {
   if (depth.empty() || !is_depth(depth.format))
-    return fail(ErrorCode::kInvalidArgument, "not a depth picture: 16UC1 [mm] or 32FC1 [m] is needed");
+    return fail(ErrorCode::kInvalidArgument, "not a depth image: 16UC1 [mm] or 32FC1 [m] is needed");
   if (auto ok = camera.validate(); !ok) return ok;
   if (depth.width != camera.width || depth.height != camera.height)
     return fail(ErrorCode::kInvalidArgument,
-                "the depth picture is " + std::to_string(depth.width) + " x " + std::to_string(depth.height) +
+                "the depth image is " + std::to_string(depth.width) + " x " + std::to_string(depth.height) +
                     ", the camera " + std::to_string(camera.width) + " x " + std::to_string(camera.height));
   if (!root_T_camera.matrix().allFinite() || !root_T_camera.linear().isUnitary(1e-6))
     return fail(ErrorCode::kInvalidArgument, "the camera's pose is no finite rigid transform");

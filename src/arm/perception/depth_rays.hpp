@@ -25,8 +25,8 @@ class DepthRays {
   [[nodiscard]] const Eigen::Vector2f* row(int row) const {
     return rays_.data() + static_cast<std::size_t>(row) * static_cast<std::size_t>(columns_);
   }
-  /// Whether a direction, as in row(), is in the picture or within a tenth of its size beside it. Further out
-  /// a lens model of high order may put points into the picture that are not there.
+  /// Whether a direction, as in row(), is in the image or within a tenth of its size beside it. Further out
+  /// a lens model of high order may put points into the image that are not there.
   [[nodiscard]] bool near_view(const Eigen::Vector2d& ray) const {
     return (ray.array() >= low_.array()).all() && (ray.array() <= high_.array()).all();
   }
@@ -39,7 +39,7 @@ class DepthRays {
   Eigen::Vector2d low_{Eigen::Vector2d::Zero()}, high_{Eigen::Vector2d::Zero()};
 };
 
-/// Depth [m] of a pixel of a depth picture; 0 when there is no measurement.
+/// Depth [m] of a pixel of a depth image; 0 when there is no measurement.
 [[nodiscard]] float depth_at(const ImageView& image, int u, int v);
 
 }  // namespace extperfc::arm::perception

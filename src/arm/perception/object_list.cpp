@@ -67,7 +67,7 @@ ObjectListUpdate ObjectList::update(const std::vector<ObjectDetection>& detectio
     if (!is_claimed(i) && !detections[i].ambiguous) {
       see(track, detections[i].box, time_s);
     } else if (!track.name.empty()) {
-      // It may be the other thing that is seen: it is there, but who knows where.
+      // It may be the other object that is seen: it is there, but who knows where.
       track.seen_s = time_s;
       track.missed = 0;
     }
@@ -111,7 +111,7 @@ bool ObjectList::follow(const std::vector<KnownObject>& scene, double time_s) {
   return changed;
 }
 
-/// For each sighting its object, -1: none.
+/// For each detection its object, -1: none.
 std::vector<int> ObjectList::match(const std::vector<ObjectDetection>& detections) const {
   std::vector<std::tuple<bool, double, int, int>> pairs;
   for (std::size_t t = 0; t < tracks_.size(); ++t)
@@ -137,7 +137,7 @@ bool ObjectList::claimed(const ObjectDetection& detection, const std::vector<Kno
     return (place - detection.box.position_m).norm() <= params_.match_m;
   };
   return std::any_of(scene.begin(), scene.end(), [&](const KnownObject& object) {
-    const bool held = !object.places.empty();  // and turned about, so that it may seem to be of another class
+    const bool held = !object.places.empty();  // rotated by the gripper, it may be detected as another class
     return object.still && (held || object.label == detection.label) &&
            (near(object.world_T_object.translation()) ||
             std::any_of(object.places.begin(), object.places.end(), near));
@@ -175,7 +175,7 @@ void ObjectList::see(Track& track, const UprightBox& detection, double time_s) c
   track.mean.yaw_rad = wrap_angle(track.mean.yaw_rad + weight * (box.yaw_rad - track.mean.yaw_rad));
 }
 
-/// A sighting of nothing known.
+/// A detection of nothing known.
 void ObjectList::begin(const ObjectDetection& detection, double time_s, ObjectListUpdate& done) {
   const auto doubles = [&](const Track& track) {
     return (track.still || track.missed < params_.confirm) &&

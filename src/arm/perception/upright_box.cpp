@@ -17,7 +17,7 @@ UprightBox make_upright(const Pose& world_T_box, const Eigen::Vector3d& size_m) 
   const Eigen::Index x = (up + 1) % 3;
   const Eigen::Index y = (up + 2) % 3;
   // The x axis is never the steepest of the three, so its level part is 0.7 of it or more. Where the vertical
-  // axis points down, y turns round with it, which changes no size.
+  // axis points down, y is reversed with it, which changes no size.
   return {world_T_box.translation(), std::atan2(axes(1, x), axes(0, x)), {size_m[x], size_m[y], size_m[up]}};
 }
 

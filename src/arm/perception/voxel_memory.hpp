@@ -12,7 +12,7 @@
 
 namespace extperfc::arm::perception {
 
-/// A depth picture and where it was taken.
+/// A depth image and where it was taken.
 struct DepthView {
   const ImageView& depth;
   const CameraModel& camera;
@@ -44,15 +44,15 @@ class VoxelMemory {
   void count_points(const DepthView& view, DepthUpdate& update);
   /// Whether the point that a pixel saw is a known object's.
   [[nodiscard]] bool ends_on_object(const DepthView& view, double u, double v, double depth_m) const;
-  /// Whether all of the picture's rays about the voxel end behind it: by a margin, but for those that end on
-  /// a known object, which can be nothing that is left of the voxel's thing.
+  /// Whether all of the image's rays about the voxel end behind it: by a margin, but for those that end on
+  /// a known object, which can be nothing that is left of the voxel's object.
   [[nodiscard]] bool seen_empty(const DepthView& view, const Pose& camera_T_root, int voxel) const;
   void merge(const DepthView& view, double time_s, DepthUpdate& update);
   void make_object(DepthUpdate& update);
 
   DepthRays rays_;
   ShapeMask mask_;
-  std::vector<std::uint16_t> counts_;  ///< points per voxel of this picture; 0 between pictures
+  std::vector<std::uint16_t> counts_;  ///< points per voxel of this image; 0 between images
   std::vector<int> touched_;           ///< voxels with points
   std::vector<unsigned char> scratch_;
 };

@@ -62,7 +62,7 @@ MotionPlanner::MotionPlanner(CollisionChecker& checker, const PlannerParams& par
   const auto& names = planner_names();
   if (std::find(names.begin(), names.end(), params.planner) == names.end())
     throw std::invalid_argument("PlannerParams::planner: '" + params.planner +
-                                "' is none of planner_names()");
+                                "' is not one of planner_names()");
   planning::demand_ranges(params);
 }
 

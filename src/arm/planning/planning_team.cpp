@@ -30,7 +30,7 @@ void demand_good(const PlanningTeamParams& params) {
   for (const auto& member : params.members) {
     const auto& names = planner_names();
     demand(std::find(names.begin(), names.end(), member.planner) != names.end(),
-           "TeamMember::planner: '" + member.planner + "' is none of planner_names()");
+           "TeamMember::planner: '" + member.planner + "' is not one of planner_names()");
     others += planning::is_ours(member) ? 0 : 1;
   }
   const int needed = others + (others < static_cast<int>(params.members.size()) ? 1 : 0);
@@ -129,7 +129,7 @@ TeamResult PlanningTeam::plan(const PlanRequest& request, const TeamEffort& effo
   if (patience.over() && patience.cancelled()) return ended(PlanCode::kCancelled, "cancelled");
   const TeamProblem problem{checker_, limits_, params_, checked};
   TeamResult result;
-  // Nothing is shorter than the straight way; a cost of the caller's may think otherwise.
+  // Nothing is shorter than the straight path; a cost of the caller's may think otherwise.
   const bool straight_is_best = !effort.improve || !params_.cost;
   planning::Search straight(checker, limits_, params_.planner);
   auto found = straight_is_best ? straight.straight(checked.start, checked.goals) : std::nullopt;

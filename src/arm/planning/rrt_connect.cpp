@@ -8,7 +8,7 @@ namespace extperfc::arm::planning {
 namespace {
 
 constexpr double kSameStateRad = 1e-9;
-/// The tree that is ahead waits while it has more than this share of all states.
+/// The tree that is ahead waits while it has more than this fraction of all states.
 constexpr double kAhead = 0.66;
 
 }  // namespace

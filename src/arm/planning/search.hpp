@@ -15,11 +15,11 @@ namespace extperfc::arm::planning {
 /// A path by the cheapest means that finds one. First straight. Then, where several branches move, branch
 /// after branch while the others stand (prioritised planning: Erdmann and Lozano-Perez, "On multiple moving
 /// objects", Algorithmica 1987), in one order and in the other; it searches 7 joints at a time instead of 14.
-/// Then all joints at once, which finds every way that there is. The last two take turns, with twice the
+/// Then all joints at once, which finds every path that exists. The last two alternate, with twice the
 /// samples each time.
 class Search {
  public:
-  /// The checker must outlive it. `first_samples`: of the first turn.
+  /// The checker must outlive it. `first_samples`: of the first round.
   Search(CollisionChecker& checker, const JointLimits& limits, const PlannerParams& params,
          int first_samples = 500);
 
@@ -27,8 +27,8 @@ class Search {
   /// the trees are full.
   [[nodiscard]] std::optional<Found> run(const JointVector& start, const std::vector<JointVector>& goals,
                                          const std::function<bool()>& stop);
-  /// run() in pieces: begin() once, then turn() until it finds a path, `stop` said so or it is exhausted().
-  /// The turns of two searches with the same seed are the same, whenever they are run.
+  /// run() in pieces: begin() once, then run_round() until it finds a path, `stop` said so or it is
+  /// exhausted(). The rounds of two searches with the same seed are the same.
   void begin(const JointVector& start, const std::vector<JointVector>& goals);
   [[nodiscard]] std::optional<Found> run_round(const std::function<bool()>& stop);
   [[nodiscard]] bool exhausted() const { return whole_ && whole_->full(); }
@@ -47,7 +47,7 @@ class Search {
   PlannerParams params_;
   std::vector<JointSet> branches_;
   Rng rng_;
-  std::optional<RrtConnect> whole_;  ///< all joints at once; grows from turn to turn
+  std::optional<RrtConnect> whole_;  ///< all joints at once; grows from round to round
   JointVector start_, nearest_goal_;
   int nearest_{0};
   int samples_;

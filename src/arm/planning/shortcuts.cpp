@@ -15,7 +15,7 @@ using Path = std::vector<JointVector>;
 /// A gain below this is not worth a segment more.
 constexpr double kMinGainRad = 1e-3;
 
-/// A place on a path: behind waypoint `segment`, `fraction` of the way to the next.
+/// A place on a path: behind waypoint `segment`, `fraction` of the distance to the next.
 struct Place {
   std::size_t segment{0};
   JointVector state;

@@ -82,7 +82,7 @@ std::vector<Line> lines_between(const std::vector<Corner>& corners) {
   return lines;
 }
 
-/// What each end of a line gets of it when they want `a` and `b`: all they want, or a fair share.
+/// What each end of a line gets of it when they want `a` and `b`: all they want, or a fair part.
 std::pair<double, double> split(double length, double a, double b) {
   if (a + b <= length) return {a, b};
   if (a <= length / 2) return {a, length - a};

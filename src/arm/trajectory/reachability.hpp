@@ -29,7 +29,7 @@ struct Passage {
 ///   points
 ///     of each joint's acceleration (StageShape) instead of its values at grid points: accelerations keep
 ///     their limits between grid points too. This takes the place of the paper's interpolation scheme, and
-///     tames zero-inertia points in the same way, as both ends of a stage are bounded at once.
+///     tames zero-inertia points likewise, as both ends of a stage are bounded at once.
 ///   - The linear program in (x, u) is one-dimensional in disguise: the smallest and largest u as functions
 ///   of
 ///     x are convex and concave piecewise linear, so Newton's method from outside finds the largest x where

@@ -14,7 +14,7 @@ namespace {
 
 constexpr int kBisections = 12;
 constexpr int kSteps = 80;            // down to 1e-12 of the acceleration limit: motions of 1e-9 rad
-constexpr double kStep = 0.70710678;  // of the share of the limit that is used
+constexpr double kStep = 0.70710678;  // of the fraction of the limit that is used
 constexpr double kFineStep = 0.84089642;
 
 /// Accelerations per phase, in units of the jerk limit [s], rest before and behind them.

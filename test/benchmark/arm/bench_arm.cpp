@@ -73,7 +73,7 @@ constexpr char kHelp[] =
     "against OMPL's RRTConnect on Bullet; paths and trajectories are looked through for hidden collisions\n"
     "  constrained a level tool over a table with boxes, against OMPL's constrained spaces\n"
     "  trajectory  time parameterizations of random paths\n"
-    "  depth       a depth picture as obstacles, and collision checks among its boxes\n\n"
+    "  depth       a depth image as obstacles, and collision checks among its boxes\n\n"
     "  --quick   parts of everything, in less than a minute\n"
     "  --only    one part (default: all)\n"
     "  --problems  folder of planning problems (default: ../shared/data/arm; left out where it is absent)\n"

@@ -133,8 +133,8 @@ struct Bench {
     }
     rows.push_back(
         at_most({"random states: " + std::to_string(count), "unsafe", "1", static_cast<double>(unsafe)}, 0));
-    rows.push_back(
-        {"free states that spheres clear", "share", "1", static_cast<double>(cleared) / std::max(1, free)});
+    rows.push_back({"free states that spheres clear", "fraction", "1",
+                    static_cast<double>(cleared) / std::max(1, free)});
   }
 };
 

@@ -108,7 +108,7 @@ void add_rows(const std::string& name, const std::string& peer_name, Tally& ours
   *row = at_most(*row, 40.0);
   add("the same where both found a path", "ms", percentile(ms_with_peer, 0.5), percentile(peer.ms, 0.5));
   add("plan and simplify, CPU, p95", "ms", percentile(ours.ms, 0.95), percentile(peer.ms, 0.95));
-  row = add("largest tilt on the way", "rad", ours.tilt_rad, peer.tilt_rad);
+  row = add("largest tilt on the path", "rad", ours.tilt_rad, peer.tilt_rad);
   *row = at_most(*row, kErrorGoalRad);
   row = add("paths with a hidden collision", "", ours.hidden, peer.hidden);
   *row = at_most(*row, 0.0);

@@ -19,7 +19,7 @@ struct ConstrainedOptions {
 };
 
 /// Baxter's left arm with its tool pointing straight down, over a table with random boxes: success, CPU time
-/// of search and simplification, the tool's largest angle on the way, hidden collisions; against OMPL's
+/// of search and simplification, the tool's largest angle on the path, hidden collisions; against OMPL's
 /// RRTConnect in its atlas and in its space of projected states.
 [[nodiscard]] Result<std::vector<Row>> constrained_rows(const ConstrainedOptions& options);
 

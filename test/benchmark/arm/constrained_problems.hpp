@@ -12,7 +12,7 @@ namespace extperfc::benchmark {
 
 inline constexpr const char* kTool = "left_gripper";
 
-/// A tool that points straight down at start and goal, and has to on the way.
+/// A tool that points straight down at start and goal, and has to on the path.
 struct LevelProblem {
   arm::CollisionModel model;  ///< the left arm; the right one stands
   arm::CollisionWorld world;

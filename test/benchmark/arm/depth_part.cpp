@@ -20,7 +20,7 @@ using arm::test::DepthScene;
 
 constexpr double kTable = 0.8;  // [m]
 
-/// A table, a wall behind it, and things of all kinds.
+/// A table, a wall behind it, and objects of all kinds.
 DepthScene scene() {
   DepthScene scene;
   scene.add(Box{{1.0, 1.6, 0.04}}, make_pose({1.0, 0, kTable - 0.02}));
@@ -77,7 +77,7 @@ Result<void> images(const Picture& image, int runs, std::vector<Row>& rows) {
       largest = std::max(largest, watch.seconds());
       sum += watch.seconds();
     }
-    const std::string name = "depth picture, every " + std::string(step == 1 ? "" : "second ") + "pixel";
+    const std::string name = "depth image, every " + std::string(step == 1 ? "" : "second ") + "pixel";
     rows.push_back(at_most({name, "time, mean", "ms", 1e3 * sum / runs}, 30));
     rows.push_back({name, "time, longest", "ms", 1e3 * largest});
     rows.push_back({name, "voxels", "", static_cast<double>(last.voxels)});

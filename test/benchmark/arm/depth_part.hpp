@@ -8,7 +8,7 @@
 
 namespace extperfc::benchmark {
 
-/// What a depth picture of 640 x 480 pixels costs as an obstacle (CPU time): a table with things on it and
+/// What a depth image of 640 x 480 pixels costs as an obstacle (CPU time): a table with objects on it and
 /// both arms before the camera of the head; and what the boxes cost in collision checks of both arms.
 /// `quick`: fewer runs.
 [[nodiscard]] Result<std::vector<Row>> depth_rows(bool quick);

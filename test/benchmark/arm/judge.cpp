@@ -22,7 +22,7 @@ std::optional<int> Judge::first_contact(const State& state, int count) {
     }
     const auto nearest = exact_.nearest(here);
     const double free_m = nearest ? nearest->distance_m : std::numeric_limits<double>::infinity();
-    // Of two things that approach, each joint moves one against the other, or both alike.
+    // Of two objects that approach, each joint moves one against the other, or both alike.
     double moved_rad = 0;
     for (arm::JointVector last = here; ++i < count;) {
       const arm::JointVector next = state(i);

@@ -149,7 +149,7 @@ bool is_finger(const std::string& link) {
 }
 
 /// The goals are grasps: what only fingers touch there, fingers may touch. The fingers of the robot that the
-/// set was made for are not known; ours open to 4 cm, and the things to grasp are 6 cm wide.
+/// set was made for are not known; ours open to 4 cm, and the objects to grasp are 6 cm wide.
 Result<void> allow_grasps(const arm::CollisionModel& model, const arm::JointVector& goal,
                           arm::CollisionWorld* world) {
   const std::size_t largest = world->objects().size();

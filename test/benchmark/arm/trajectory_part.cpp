@@ -45,7 +45,7 @@ double stop_and_go_s(const std::vector<JointVector>& waypoints, const arm::Traje
   double sum_s = 0;
   for (std::size_t i = 1; i < waypoints.size(); ++i) {
     const auto delta = (waypoints[i] - waypoints[i - 1]).array().abs().eval();
-    const double speed = 1 / (delta / limits.velocity.array()).maxCoeff();  // in ways per second
+    const double speed = 1 / (delta / limits.velocity.array()).maxCoeff();  // in path lengths per second
     const double gain = 1 / (delta / limits.acceleration.array()).maxCoeff();
     sum_s += gain <= speed * speed ? 2 / std::sqrt(gain) : 1 / speed + speed / gain;
   }
@@ -56,7 +56,7 @@ double use(const JointVector& values, const JointVector& limit) {
   return (values.array() / limit.array()).abs().maxCoeff();
 }
 
-/// Largest share of any limit at 1 kHz.
+/// Largest fraction of any limit at 1 kHz.
 double largest_use(const arm::JointTrajectory& trajectory) {
   const auto& limits = trajectory.limits();
   double largest = 0;
@@ -113,7 +113,7 @@ std::vector<Row> rows_of(int waypoints, bool with_jerk, int paths) {
           {name, "CPU time of its points", "ms", 1e3 * sums.points_s / count},
           {name, "points", "1", sums.points / count},
           {name, "duration", "s", sums.duration_s / count, sums.stop_and_go_s / count, peer},
-          at_most({name, "largest share of a limit at 1 kHz", "1", sums.max_use}, 1 + 1e-9),
+          at_most({name, "largest fraction of a limit at 1 kHz", "1", sums.max_use}, 1 + 1e-9),
           at_most({name, "stretch that the points need", "1", sums.max_stretch}, 1.01)};
 }
 

@@ -283,7 +283,7 @@ TEST_F(PlanarPath, RefusesBadParametersAndStrangeChains) {
 }
 
 // Past the base's axis at a distance of 20 um, with a tolerance of 1 um: joint 1 would have to turn half
-// round within some 40 um of the way. The joints could be anywhere, so neither limits nor reach are the
+// round within some 40 um of the path. The joints could be anywhere, so neither limits nor reach are the
 // reason.
 TEST(CartesianPath, EndsBeforeAJump) {
   CartesianParams params;

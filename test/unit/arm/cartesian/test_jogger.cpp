@@ -306,7 +306,7 @@ TEST_F(JoggerTest, NothingThatIsCommandedCollides) {
     ASSERT_EQ(names[0], chain_.joint_names()[0]) << "the left arm comes first";
     for (int i = 0; i < 1000 && (i == 0 || !checker_->is_free(state_)); ++i)
       state_ = test::random_state(checker_->model().limits(), rng);
-    if (!checker_->is_free(state_)) continue;  // a thing stands in the robot's body
+    if (!checker_->is_free(state_)) continue;  // an object stands in the robot's body
     velocity_ = JointVector::Zero(state_.size());
     JogCommand command;
     for (int i = 0; i < 500; ++i) {

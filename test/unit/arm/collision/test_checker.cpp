@@ -237,7 +237,7 @@ TEST(Checker, RefusesWhatMakesNoSense) {
   test::must(world.add({"torso", {shape_of(Sphere{1})}, Pose::Identity()}));
   EXPECT_FALSE(CollisionChecker::make(model, world));
   world.clear();
-  test::must(world.attach({"thing", "no_link", {shape_of(Sphere{1})}, Pose::Identity(), {}}));
+  test::must(world.attach({"object", "no_link", {shape_of(Sphere{1})}, Pose::Identity(), {}}));
   EXPECT_FALSE(CollisionChecker::make(model, world));
   auto params = test::group_params("left_arm");
   params.joints.push_back(params.joints.front());

@@ -212,7 +212,7 @@ TEST_F(BothHands, CarryABoxAsAClosedChain) {
   params.timeout_s = 60;  // builds with sanitizers are some fifty times slower
   const auto result = ConstrainedPlanner(checker, constraint, params).plan({start, {*goal}, {}});
   ASSERT_EQ(result.code, PlanCode::kSuccess) << result.message;
-  EXPECT_GT(result.states, 0) << "the bar should be in the way";
+  EXPECT_GT(result.states, 0) << "the bar should block the path";
   const auto hands = [](const JointVector& state) {
     return Pose(both_arms().link_pose(state, "left_gripper")->inverse() *
                 *both_arms().link_pose(state, "right_gripper"));
@@ -333,7 +333,7 @@ TEST(ConstrainedPlanner, EndsInTimeWhereThereIsNoPath) {
   auto free = CollisionChecker::make(left_arm(), {}).value();
   EXPECT_EQ(ConstrainedPlanner(free, constraint, params).plan({problem.start, {*goal}, {}}).code,
             PlanCode::kSuccess)
-      << "without the plate there is a way";
+      << "without the plate there is a path";
 }
 
 TEST(ConstrainedPlanner, TreesAreBounded) {

@@ -26,7 +26,7 @@ inline const ParallelHand& right_hand() {
   return hand;
 }
 
-/// A thing that stands on a table 0.1 m above the root.
+/// An object that stands on a table 0.1 m above the root.
 inline GraspObject on_table(const Geometry& geometry, double height_m, double yaw_rad = 0) {
   constexpr double kTable = 0.1;
   GraspObject object;

@@ -24,14 +24,14 @@ Shape shape_of(const Geometry& geometry) {
   return shape;
 }
 
-/// A table before the robot with one thing on it, and both arms with open fingers.
+/// A table before the robot with one object on it, and both arms with open fingers.
 class Scene {
  public:
   explicit Scene(const GraspObject& object) : object_(object) {
     must(world_.add({"table", {shape_of(Box{{0.8, 1.1, 0.04}})}, make_pose({1.0, 0, kTable - 0.02})}));
-    must(world_.add({"thing", {shape_of(object.geometry)}, object.root_T_object}));
-    allow_grasp(world_, "thing", left_hand());
-    allow_grasp(world_, "thing", right_hand());
+    must(world_.add({"object", {shape_of(object.geometry)}, object.root_T_object}));
+    allow_grasp(world_, "object", left_hand());
+    allow_grasp(world_, "object", right_hand());
     static const Srdf srdf =
         read_srdf(EXTPERFC_SOURCE_DIR "/config/robots/baxter/mobile_baxter.srdf").value();
     CollisionModelParams params;

@@ -111,7 +111,7 @@ TEST(Grasps, ThousandRandomObjectsAreBetweenThePadsAndNothingIsInThePath) {
           if (step == 0 && (grasp.root_T_tip * p).z() < *object.support_z_m) ++failures;
         });
       }
-      // Closed to the width that is promised, less what the grid of lines may miss, a pad is in the thing.
+      // Closed to the width that is promised, less what the grid of lines may miss, a pad is in the object.
       int held = 0;
       const FingerPart& pad = hand.parts.front();
       for_points({-pad.x_half_m, -grasp.closed_m / 2 + 0.001, pad.z_low_m},
@@ -160,7 +160,7 @@ TEST(Grasps, InvariantsOfEveryCandidate) {
                       .isApprox(grasp.root_T_tip.translation(), 1e-9));
       EXPECT_TRUE((grasp.root_T_tip * grasp.tip_T_object).isApprox(object.root_T_object, 1e-9));
       EXPECT_GE(grasp.support_gap_m, 0.005 - 1e-9);
-      // The same hand turned by half a turn is a candidate too.
+      // The same hand turned by half a revolution is a candidate too.
       const bool twin = std::any_of(grasps->begin(), grasps->end(), [&](const GraspCandidate& other) {
         return other.root_T_tip.translation().isApprox(grasp.root_T_tip.translation(), 1e-9) &&
                other.approach.isApprox(grasp.approach, 1e-9) &&

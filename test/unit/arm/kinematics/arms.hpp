@@ -54,7 +54,7 @@ inline std::string limit(double lower, double upper) {
          "' effort='1' velocity='2'/>";
 }
 
-/// Uniform within the limits; joints without end within half a turn of 0.
+/// Uniform within the limits; joints without end within half a revolution of 0.
 inline JointVector random_joints(const ArmChain& chain, Rng& rng) {
   JointVector joints(chain.joint_count());
   for (int i = 0; i < chain.joint_count(); ++i) {

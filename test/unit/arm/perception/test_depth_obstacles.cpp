@@ -1,4 +1,4 @@
-// Depth pictures of scenes whose shapes are known, and the boxes that come of them.
+// Depth images of scenes whose shapes are known, and the boxes that come of them.
 #include <cmath>
 #include <limits>
 #include <vector>
@@ -255,7 +255,7 @@ TEST(DepthObstacles, KnownObjectsAreCutOut) {
   EXPECT_GT(eyes.near({0.9, -0.3, kTable}, 0.05), 0);  // the table stays
 }
 
-// A thing is seen before a detector names it; from then on it is one to hold, without waiting for a picture.
+// An object is seen before a detector names it; from then on it is one to hold, without waiting for an image.
 TEST(DepthObstacles, AnObjectThatBecomesKnownIsForgotten) {
   Shape cube;
   cube.geometry = Box{{0.1, 0.1, 0.1}};
@@ -346,7 +346,7 @@ TEST(DepthObstacles, PixelsWithoutDepthShowNothingAndClearNothing) {
     EXPECT_EQ(update.points, 0);
     EXPECT_EQ(eyes.obstacles.voxels(), before);
   }
-  // Far beyond: all is seen empty but for what only a corner of the picture shows.
+  // Far beyond: all is seen empty but for what only a corner of the image shows.
   EXPECT_LT(eyes.see(std::vector<float>(pixels, 4.9F), 0.2).voxels, 5);
 }
 

@@ -1,4 +1,4 @@
-// Joint positions at the time of a picture.
+// Joint positions at the time of an image.
 #include <limits>
 #include <stdexcept>
 

@@ -1,4 +1,4 @@
-// Objects from sightings in picture after picture.
+// Objects from detections in image after image.
 #include <cmath>
 #include <limits>
 #include <stdexcept>
@@ -13,7 +13,7 @@
 namespace extperfc::arm {
 namespace {
 
-constexpr double kPeriod = 0.1;  // [s] between pictures
+constexpr double kPeriod = 0.1;  // [s] between images
 
 ObjectDetection seen(const std::string& label, double x, double y = 0.0, double yaw = 0.0,
                      const Eigen::Vector3d& size = {0.05, 0.05, 0.05}) {
@@ -247,7 +247,7 @@ TEST(ObjectList, WhatIsRemovedComesBackWhenSeenAgain) {
 TEST(ObjectList, AnObjectOfAnotherOwnerIsNeitherDoubledNorMoved) {
   Listing list;
   list.repeat(3, {seen("cube", 0.7)});
-  // Somebody puts a thing of his own there, under the same name.
+  // Somebody puts an object of his own there, under the same name.
   list.known("cube_1").listed = false;
   list.known("cube_1").still = true;
   const auto done = list.repeat(10, {seen("cube", 0.71), seen("cube", 0.9)});
@@ -263,7 +263,7 @@ TEST(ObjectList, WhatAHandHoldsIsLeftAlone) {
   list.repeat(3, {seen("cube", 0.7)});
   auto& held = list.known("cube_1");
   held.still = true;
-  // The hand carries it away, farther in a picture than a match; what is seen lags behind, and is seen in the
+  // The hand carries it away, farther in an image than a match; what is seen lags behind, and is seen in the
   // hand.
   for (int i = 0; i < 30; ++i) {
     auto& known = list.known("cube_1");
@@ -304,11 +304,11 @@ TEST(ObjectList, WhatAHandHoldsMaySeemToBeOfAnotherClass) {
   Listing list;
   list.repeat(3, {seen("cone", 0.7)});
   list.known("cone_1").still = true;
-  EXPECT_EQ(0, list.update({seen("sphere", 0.74)}).claimed) << "a thing that stands is of one class";
+  EXPECT_EQ(0, list.update({seen("sphere", 0.74)}).claimed) << "a standing object is of one class";
   list.known("cone_1").places = {{0.7, 0.0, 0.75}};
   EXPECT_EQ(1, list.repeat(1, {seen("sphere", 0.65)}).claimed);
   list.repeat(10, {seen("cube", 0.9)});
-  EXPECT_EQ((Names{"cone_1", "cube_1"}), list.names()) << "far from the hand it is another thing";
+  EXPECT_EQ((Names{"cone_1", "cube_1"}), list.names()) << "far from the gripper it is another object";
 }
 
 ObjectDetection ambiguous(ObjectDetection detection) {

@@ -1,4 +1,4 @@
-// Things that cannot be where the robot is.
+// Objects that cannot be where the robot is.
 #include <limits>
 #include <memory>
 #include <vector>
@@ -78,7 +78,7 @@ TEST(RobotOverlap, WhatItSaysOverlapsIsACollision) {
                                       Cone{size / 2, size}};
     const auto& kind = kinds[static_cast<std::size_t>(round % 4)];
     CollisionWorld world;
-    ASSERT_TRUE(world.add({"thing", {shape_at(kind, pose)}, Pose::Identity()}));
+    ASSERT_TRUE(world.add({"object", {shape_at(kind, pose)}, Pose::Identity()}));
     auto checker = CollisionChecker::make(both_arms(), world);
     ASSERT_TRUE(checker);
     if (!overlaps(kind, pose)) continue;

@@ -18,7 +18,7 @@ CollisionWorld world_of(const std::vector<WorldObject>& objects) {
   return world;
 }
 
-/// Posts between "arm to the left" and "arm to the right": the straight way is blocked, folding helps.
+/// Posts between "arm to the left" and "arm to the right": the straight path is blocked, folding helps.
 CollisionWorld posts() {
   return world_of(
       {post("near", 0.75, 0.0), post("far", 1.3, 0.15), post("left", -0.2, 0.9), post("behind", -0.9, -0.3)});
@@ -46,7 +46,7 @@ TEST(MotionPlanner, GoesStraightWhereNothingStands) {
 
 TEST(MotionPlanner, EveryStateOfThePathAroundIsFree) {
   auto checker = checker_of(posts());
-  ASSERT_FALSE(free_all_along(checker, {kLeft, kRight})) << "the straight way should be blocked";
+  ASSERT_FALSE(free_all_along(checker, {kLeft, kRight})) << "the straight path should be blocked";
   for (std::uint64_t seed = 1; seed <= 10; ++seed) {
     PlannerParams params;
     params.seed = seed;

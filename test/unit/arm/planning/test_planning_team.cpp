@@ -20,7 +20,7 @@ CollisionWorld world_of(const std::vector<WorldObject>& objects) {
   return world;
 }
 
-/// Posts between "arm to the left" and "arm to the right": the straight way is blocked, folding helps.
+/// Posts between "arm to the left" and "arm to the right": the straight path is blocked, folding helps.
 CollisionChecker among_posts() {
   return CollisionChecker::make(planar_arm(), world_of({post("near", 0.75, 0.0), post("far", 1.3, 0.15),
                                                         post("left", -0.2, 0.9), post("behind", -0.9, -0.3)}))

@@ -53,7 +53,7 @@ TEST(Search, FindsTheOrderOfTheArms) {
   const JointVector goal = states(1.3, 0.3, 0.2, 0.1);
   ASSERT_TRUE(checker.is_free(start));
   ASSERT_TRUE(checker.is_free(goal));
-  ASSERT_FALSE(checker.is_free(states(1.3, -1.3, 0.2, -0.2))) << "the arms should be in each other's way";
+  ASSERT_FALSE(checker.is_free(states(1.3, -1.3, 0.2, -0.2))) << "the arms should collide";
   PlannerParams params;
   Search search(checker, model.limits(), params);
   const auto found = search.run(start, {goal}, [] { return false; });

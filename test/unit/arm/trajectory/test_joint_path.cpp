@@ -65,7 +65,8 @@ TEST(JointPath, DerivativesAndBordersAreSmooth) {
       const JointVector slope = (behind.position - before.position) / (2 * step);
       const JointVector bend = (behind.tangent - before.tangent) / (2 * step);
       EXPECT_LT((slope - here.tangent).norm(), 1e-6) << "trial " << trial << " s " << s;
-      // The third derivative jumps at the borders of corners: up to 6 |turn| / length^2 times the step.
+      // The third derivative jumps at the borders of corners: up to 6 |direction_change| / length^2 times the
+      // step.
       EXPECT_LT((bend - here.curvature).norm(), 0.02) << "trial " << trial << " s " << s;
     }
     for (std::size_t p = 1; p < path.pieces().size(); ++p) {
