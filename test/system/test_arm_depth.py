@@ -36,11 +36,11 @@ class ArmDepth(unittest.TestCase):
         cls.voxels = None
         rospy.Subscriber("arm/depth_voxels", Marker, lambda message: setattr(cls, "voxels", message), queue_size=1)
         cls.left = extperfc.arm.Arm("left", wait_s=60)
-        cls.spot = scene.draw_spot(random.Random(SEED), "cube", 0.45, *cls.robot.camera())
-        cls.above = (*PLACE_XY, cls.spot.top + ABOVE_M, *TURN)
+        cls.place_pose = scene.draw_place_pose(random.Random(SEED), "cube", 0.45, *cls.robot.camera())
+        cls.above = (*PLACE_XY, cls.place_pose.top + ABOVE_M, *TURN)
 
     def setUp(self):
-        self.robot.put("cube", self.spot)
+        self.robot.put("cube", self.place_pose)
         self.robot.park("cube")
         self.wait_free(self.above)
         self.left.move_to("neutral", timeout=ANSWER_S)
@@ -80,8 +80,8 @@ class ArmDepth(unittest.TestCase):
     def test_the_tray_is_seen_and_kept_clear_of(self):
         x, y = self.above[:2]
         self.wait(lambda: self.heights_of_voxels_near(x, y), "no voxels at the tray")
-        self.assertAlmostEqual(self.spot.top, max(self.heights_of_voxels_near(x, y)), delta=0.03)
-        error = self.refused((x, y, self.spot.top - 0.02, *TURN))
+        self.assertAlmostEqual(self.place_pose.top, max(self.heights_of_voxels_near(x, y)), delta=0.03)
+        error = self.refused((x, y, self.place_pose.top - 0.02, *TURN))
         self.assertIsNotNone(error, "the hand may go through the tray")
         self.assertEqual(ArmCode.GOAL_IN_COLLISION, error.code, error.message)
         self.assertIn("depth", error.message)
@@ -90,13 +90,14 @@ class ArmDepth(unittest.TestCase):
 
     def test_what_becomes_known_is_no_obstacle_of_this_kind_at_once(self):
         x, y = self.above[:2]
-        within = (x, y, self.spot.top - 0.02, *TURN)
+        within = (x, y, self.place_pose.top - 0.02, *TURN)
         self.addCleanup(self.left.scene.clear)
         for _ in range(5):  # images arrive ten times a second
             self.left.scene.clear()
             self.wait(lambda: self.heights_of_voxels_near(x, y), "no voxels at the tray")
             self.wait(lambda: "depth" in str(self.refused(within)), "the hand may go through the tray")
-            self.left.scene.add_box("tray", scene.TRAY_SIZE, (*scene.TRAY_XY, self.spot.top - scene.TRAY_SIZE[2] / 2), frame="map")
+            self.left.scene.add_box("tray", scene.TRAY_SIZE,
+                                     (*scene.TRAY_XY, self.place_pose.top - scene.TRAY_SIZE[2] / 2), frame="map")
             error = self.refused(within)
             self.assertIn("tray", str(error))
             self.assertNotIn("depth", str(error))
@@ -118,7 +119,7 @@ class ArmDepth(unittest.TestCase):
     def test_what_has_gone_is_forgotten(self):
         self.stand_column(*self.above[:2], self.above[2] + 0.1)
         self.wait(lambda: self.refused(self.above), "the column is not seen")
-        self.stand_column(*scene.COLUMN_XY, self.spot.top - scene.TRAY_SIZE[2])
+        self.stand_column(*scene.COLUMN_XY, self.place_pose.top - scene.TRAY_SIZE[2])
         self.wait_free(self.above)
         self.left.move_to(self.above, frame="map", timeout=ANSWER_S)
 

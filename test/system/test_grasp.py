@@ -32,16 +32,16 @@ class Grasp(unittest.TestCase):
         cls.arms = GraspArms(cls.robot)
         cls.arms.open_grippers()
         rng, camera = random.Random(SEED), cls.robot.camera()
-        cls.spot = scene.draw_spot(rng, "cube", 0.4, *camera)
-        cls.other = scene.draw_other(rng, cls.spot)
+        cls.place_pose = scene.draw_place_pose(rng, "cube", 0.4, *camera)
+        cls.other = scene.draw_other(rng, cls.place_pose)
 
     def setUp(self):
         """The cube stands on the tray, and the node has found it."""
         self.robot.park("cube")
         self.arms.arms.move_to("neutral", timeout=ANSWER_S)
-        self.robot.put("cube", self.spot)
-        self.arms.show_support(self.spot)
-        scene_object, _, others = self.arms.wait_found("cube", scene.middle("cube", self.spot), seconds=FOUND_S)
+        self.robot.put("cube", self.place_pose)
+        self.arms.show_support(self.place_pose)
+        scene_object, _, others = self.arms.wait_found("cube", scene.middle("cube", self.place_pose), seconds=FOUND_S)
         self.assertIsNotNone(scene_object, f"the cube is not in the scene, but {others}; launch log: {self.session.errors()}")
         self.cube = scene_object
 
@@ -54,7 +54,7 @@ class Grasp(unittest.TestCase):
         return [name for name, scene_object in self.arms.scene.objects.items() if scene_object.link]
 
     def test_a_cube_that_the_detector_finds_is_picked_and_placed(self):
-        off = self.arms.place_of(self.cube)[:3, 3] - scene.middle("cube", self.spot)
+        off = self.arms.place_of(self.cube)[:3, 3] - scene.middle("cube", self.place_pose)
         self.assertLess(abs(off).max(), 0.01)
         before = self.robot.true_pose("cube")[2, 3]
         goal = (*scene.middle("cube", self.other), 0.0, 0.0, self.other.yaw)

@@ -28,9 +28,9 @@ def size_of(scene_object):
     return 2 * d[1], 2 * d[1], d[0]  # cylinder or cone: height, radius
 
 
-def pose_at(shape, spot):
+def pose_at(shape, place_pose):
     """Of the object's centre, in the frame map."""
-    return (*scene.middle(shape, spot), 0.0, 0.0, spot.yaw)
+    return (*scene.middle(shape, place_pose), 0.0, 0.0, place_pose.yaw)
 
 
 class GraspArms:
@@ -40,7 +40,7 @@ class GraspArms:
         self.robot = robot
         self.arms = extperfc.arm.Arm("both", wait_s=ANSWER_S)
         self.scene = self.arms.scene
-        self._support = None  # spot of the last show_support()
+        self._support = None  # place_pose of the last show_support()
 
     def act(self, begin_motion):
         """Status of a motion that `begin_motion` returns; cancelled when it does not answer in time."""
@@ -70,10 +70,10 @@ class GraspArms:
         except extperfc.arm.ArmError as error:
             raise Stalled(f"the grippers do not open: {error}") from None
 
-    def show_support(self, spot):
+    def show_support(self, place_pose):
         """Clears the node's scene, then adds tray and column. The node has to find the objects itself."""
-        self._support = spot
-        under = spot.top - scene.TRAY_SIZE[2]
+        self._support = place_pose
+        under = place_pose.top - scene.TRAY_SIZE[2]
         self.scene.clear()
         self.scene.add_box("tray", scene.TRAY_SIZE, (*scene.TRAY_XY, under + scene.TRAY_SIZE[2] / 2), frame="map")
         self.scene.add_cylinder("column", scene.COLUMN_DIAMETER / 2, scene.COLUMN_HEIGHT,
@@ -109,10 +109,10 @@ class GraspArms:
             time.sleep(0.05)
 
     def pick(self, shape, lift_m, place_at):
-        """By its class, with the arm that reaches it better and can place it at the spot."""
+        """By its class, with the arm that reaches it better and can place it at the place pose."""
         return self.act(lambda: self.arms.pick(shape, lift=lift_m, place_at=pose_at(shape, place_at), any_yaw=True,
                                                frame="map", wait=False))
 
-    def place(self, shape, spot):
-        """At the spot, with any yaw."""
-        return self.act(lambda: self.arms.place(pose_at(shape, spot), any_yaw=True, frame="map", wait=False))
+    def place(self, shape, place_pose):
+        """At the place pose, with any yaw."""
+        return self.act(lambda: self.arms.place(pose_at(shape, place_pose), any_yaw=True, frame="map", wait=False))

@@ -115,22 +115,22 @@ class GraspRobot:
             raise Stalled(f"sim/move_body {name}: {answer.message}")
 
     def park(self, shape):
-        self.move_body(shape, scene.body_position(shape, scene.Spot(*PARKING[shape], PARKING_TOP_M, 0.0)))
+        self.move_body(shape, scene.body_position(shape, scene.PlacePose(*PARKING[shape], PARKING_TOP_M, 0.0)))
 
     def park_all(self):
         """Parks all objects."""
         for shape in scene.SHAPES:
             self.park(shape)
 
-    def put(self, shape, spot):
-        """Moves tray and object to the spot and parks the other objects. Waits until the object rests."""
+    def put(self, shape, place_pose):
+        """Moves tray and object to the place pose and parks the other objects. Waits until the object rests."""
         self.park_all()
-        under = spot.top - scene.TRAY_SIZE[2]
+        under = place_pose.top - scene.TRAY_SIZE[2]
         self.move_body("tray", (*scene.TRAY_XY, under))
         self.move_body("column", (*scene.COLUMN_XY, under - scene.COLUMN_HEIGHT))
-        self.move_body(shape, scene.body_position(shape, spot) + (0, 0, 5e-4), spot.yaw)
+        self.move_body(shape, scene.body_position(shape, place_pose) + (0, 0, 5e-4), place_pose.yaw)
         self.sleep(1.0)
-        off = numpy.linalg.norm(self.true_pose(shape)[:3, 3] - scene.body_position(shape, spot))
+        off = numpy.linalg.norm(self.true_pose(shape)[:3, 3] - scene.body_position(shape, place_pose))
         if off > 0.005:
             raise Stalled(f"the {shape} does not stand where it was put, but {off:.3f} m off")
 

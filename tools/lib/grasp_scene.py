@@ -15,7 +15,7 @@ COLUMN_XY, COLUMN_HEIGHT, COLUMN_DIAMETER = (0.72, 0.0), 1.17, 0.09
 # Objects stay so far from the tray's edges, and nearer to the robot than this no gripper fits between it and them [m].
 EDGE_M = 0.05
 LEAST_X_M = 0.38
-OTHER_SPOT_M = (0.08, 0.20)  # from where an object was to where it is placed
+OTHER_PLACE_M = (0.08, 0.20)  # from where an object was to where it is placed
 
 MOST_LEAN_RAD = math.radians(10)
 MOST_OFF_M = 0.03        # of a placed object from where it should be, in the plane
@@ -23,7 +23,7 @@ MOST_OFF_HEIGHT_M = 0.01
 MIN_RISE = 0.7           # fraction of the lift that a picked object has risen by
 MAX_IN_GRIPPER_M = 0.08    # of a held object's middle from the gripper's tip
 
-Spot = collections.namedtuple("Spot", "x y top yaw")  # top: height of the tray; map [m], [rad]
+PlacePose = collections.namedtuple("PlacePose", "x y top yaw")  # top: height of the tray; map [m], [rad]
 
 OUTCOMES = ("success", "reported failure", "false success", "false failure")
 
@@ -32,14 +32,14 @@ class NoPlace(Exception):
     """A distance at which no place of the tray is in the image."""
 
 
-def middle(shape, spot):
+def middle(shape, place_pose):
     """Middle of the object's bounding box when it stands there."""
-    return numpy.array([spot.x, spot.y, spot.top + SHAPES[shape].height / 2])
+    return numpy.array([place_pose.x, place_pose.y, place_pose.top + SHAPES[shape].height / 2])
 
 
-def body_position(shape, spot):
+def body_position(shape, place_pose):
     """Where the body's origin is when the object stands there."""
-    return numpy.array([spot.x, spot.y, spot.top + SHAPES[shape].height * SHAPES[shape].origin])
+    return numpy.array([place_pose.x, place_pose.y, place_pose.top + SHAPES[shape].height * SHAPES[shape].origin])
 
 
 def body_of(shape, map_T_middle):
@@ -64,8 +64,8 @@ def in_picture(shape, position, camera, map_T_camera):
     return bool((z > 0).all() and (u > 0).all() and (u < width - 1).all() and (v > 0).all() and (v < height - 1).all())
 
 
-def draw_spot(rng, shape, distance_m, camera, map_T_camera, tries=1000):
-    """A random Spot whose object's middle is that far from the camera and wholly in its image.
+def draw_place_pose(rng, shape, distance_m, camera, map_T_camera, tries=1000):
+    """A random PlacePose whose object's middle is that far from the camera and wholly in its image.
 
     `camera`: width, height, focal length, cx, cy [px]; `map_T_camera`: 4 x 4, optical frame.
     """
@@ -75,17 +75,17 @@ def draw_spot(rng, shape, distance_m, camera, map_T_camera, tries=1000):
         middle_of = (map_T_camera @ numpy.append(distance_m * ray / numpy.linalg.norm(ray), 1.0))[:3]
         x, y, z = map(float, middle_of)
         if on_tray(x, y) and in_picture(shape, middle_of, camera, map_T_camera):
-            return Spot(x, y, z - SHAPES[shape].height / 2, rng.uniform(-math.pi, math.pi))
+            return PlacePose(x, y, z - SHAPES[shape].height / 2, rng.uniform(-math.pi, math.pi))
     raise NoPlace(f"no place of the tray is {distance_m} m from the camera and in its image")
 
 
-def draw_other(rng, spot, tries=1000):
-    """A random Spot of the same tray at some distance."""
+def draw_other(rng, place_pose, tries=1000):
+    """A random PlacePose of the same tray at some distance."""
     for _ in range(tries):
-        distance, angle = rng.uniform(*OTHER_SPOT_M), rng.uniform(-math.pi, math.pi)
-        x, y = spot.x + distance * math.cos(angle), spot.y + distance * math.sin(angle)
+        distance, angle = rng.uniform(*OTHER_PLACE_M), rng.uniform(-math.pi, math.pi)
+        x, y = place_pose.x + distance * math.cos(angle), place_pose.y + distance * math.sin(angle)
         if on_tray(x, y):
-            return Spot(x, y, spot.top, rng.uniform(-math.pi, math.pi))
+            return PlacePose(x, y, place_pose.top, rng.uniform(-math.pi, math.pi))
     raise NoPlace("no other place on the tray")
 
 
@@ -105,9 +105,9 @@ def is_held(rise_m, lift_m, from_tip_m):
     return rise_m > MIN_RISE * lift_m and from_tip_m < MAX_IN_GRIPPER_M
 
 
-def is_placed(shape, position, rotation, spot):
-    """Whether an object with its body's origin at `position` stands at the Spot."""
-    off = position - body_position(shape, spot)
+def is_placed(shape, position, rotation, place_pose):
+    """Whether an object with its body's origin at `position` stands at the PlacePose."""
+    off = position - body_position(shape, place_pose)
     tilt = {"cube": lies_on_side, "cone": lean, "sphere": lambda _: 0.0}[shape](rotation)
     return (math.hypot(off[0], off[1]) < MOST_OFF_M and abs(off[2]) < MOST_OFF_HEIGHT_M and tilt < MOST_LEAN_RAD)
 

@@ -70,26 +70,26 @@ def start(options, session, rospy):
     return robot, arms
 
 
-def note_estimate(middle, size, shape, spot, found):
-    error = middle - scene.middle(shape, spot)
+def note_estimate(middle, size, shape, place_pose, found):
+    error = middle - scene.middle(shape, place_pose)
     found["estimate_error_m"] = [round(float(e), 4) for e in error]
     found["estimated_size_m"] = [round(s, 4) for s in size]
 
 
-def detect_only(robot, shape, spot, found):
+def detect_only(robot, shape, place_pose, found):
     """Whether a detection is the object; adds error and time to `found`."""
-    box, found["detect_s"] = robot.wait_detected(shape, scene.middle(shape, spot))
+    box, found["detect_s"] = robot.wait_detected(shape, scene.middle(shape, place_pose))
     if box is not None:
         found.update(outcome="success", message="")
-        note_estimate(matrix(box.center)[:3, 3], (box.size.x, box.size.y, box.size.z), shape, spot, found)
+        note_estimate(matrix(box.center)[:3, 3], (box.size.x, box.size.y, box.size.z), shape, place_pose, found)
 
 
-def find(arms, shape, spot, found):
+def find(arms, shape, place_pose, found):
     """Waits until the arm node has the object in its scene; adds its error and the time to `found`."""
-    scene_object, found["detect_s"], found["other_objects"] = arms.wait_found(shape, scene.middle(shape, spot))
+    scene_object, found["detect_s"], found["other_objects"] = arms.wait_found(shape, scene.middle(shape, place_pose))
     if scene_object is not None:
         from grasp_arms import size_of
-        note_estimate(arms.place_of(scene_object)[:3, 3], size_of(scene_object), shape, spot, found)
+        note_estimate(arms.place_of(scene_object)[:3, 3], size_of(scene_object), shape, place_pose, found)
 
 
 def pick(robot, arms, shape, place_at, found):
@@ -101,13 +101,13 @@ def pick(robot, arms, shape, place_at, found):
     return judge(status, held, "pick", found)
 
 
-def place(robot, arms, shape, spot, found):
-    """The same for placing at the spot."""
-    status = arms.place(shape, spot)
+def place(robot, arms, shape, place_pose, found):
+    """The same for placing at the place pose."""
+    status = arms.place(shape, place_pose)
     robot.sleep(1.0)
     pose = robot.true_pose(shape)
-    found["placed_off_m"] = float(numpy.linalg.norm(pose[:2, 3] - (spot.x, spot.y)))
-    true = scene.is_placed(shape, pose[:3, 3], pose[:3, :3], spot) and robot.from_tip(shape) > 0.05
+    found["placed_off_m"] = float(numpy.linalg.norm(pose[:2, 3] - (place_pose.x, place_pose.y)))
+    true = scene.is_placed(shape, pose[:3, 3], pose[:3, :3], place_pose) and robot.from_tip(shape) > 0.05
     return judge(status, true, "place", found)
 
 
@@ -122,13 +122,14 @@ def judge(status, true, stage, found):
 
 
 def trial(robot, arms, rng, camera, shape, distance):
-    spot = scene.draw_spot(rng, shape, distance, *camera)
-    other = scene.draw_other(rng, spot)
-    found = {"shape": shape, "distance_m": distance, "spot": spot._asdict(), "place_at": other._asdict(), "stage": "detect",
+    place_pose = scene.draw_place_pose(rng, shape, distance, *camera)
+    other = scene.draw_other(rng, place_pose)
+    found = {"shape": shape, "distance_m": distance, "place_pose": place_pose._asdict(), "place_at": other._asdict(),
+             "stage": "detect",
              "outcome": "reported failure", "code": None, "message": "not detected", "estimate_error_m": None}
     if arms is None:
-        robot.put(shape, spot)
-        detect_only(robot, shape, spot, found)
+        robot.put(shape, place_pose)
+        detect_only(robot, shape, place_pose, found)
         return found
     robot.park_all()
     arms.forget_objects()
@@ -136,9 +137,9 @@ def trial(robot, arms, rng, camera, shape, distance):
     if home.code != 0:
         found.update(stage="home", code=home.code, message=home.message)
         return found
-    robot.put(shape, spot)
-    arms.show_support(spot)
-    find(arms, shape, spot, found)
+    robot.put(shape, place_pose)
+    arms.show_support(place_pose)
+    find(arms, shape, place_pose, found)
     # An object that was not found is still requested: the arm node has to report that it is not there.
     if pick(robot, arms, shape, other, found):
         place(robot, arms, shape, other, found)

@@ -88,8 +88,8 @@ struct CartesianResult {
 /// else the longest.
 ///
 /// Joints of the group that the chain lacks stand still. Equal requests give equal results unless the time
-/// runs out. Some 0.5 ms for 0.3 m of free path and 10 ms
-/// when all attempts are made, most of it collision checks. Not thread-safe.
+/// runs out. Some 0.5 ms for 0.3 m of free path and 10 ms when all attempts are made, most of it collision
+/// checks. Not thread-safe.
 class CartesianPlanner {
  public:
   /// What one radian counts for in `fraction` and `progress` [m].

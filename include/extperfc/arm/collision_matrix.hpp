@@ -27,13 +27,11 @@ struct CollisionMatrixParams {
 /// - Adjacent: one carries the other, by moving joints and links without shapes only;
 /// - Always: in contact in a fraction `always` of the samples, the shapes overlap by design;
 /// - Neighbours: at most `neighbour_joints` between them on one chain (the robot's root body left out), and
-/// in
-///   contact in a fraction `neighbour_ratio`: rough shapes that overlap where the chain bends, as a wrist and
-///   its forearm do. The limits of the joints between guard such pairs;
+///   in contact in a fraction `neighbour_ratio`: rough shapes that overlap where the chain bends, as a wrist
+///   and its forearm do. The limits of the joints between guard such pairs;
 /// - Never: nearer than `clearance_m` in no sample; in contact in no sample, if a single joint moves one
-/// against
-///   the other. What holds in n samples fails, with a confidence of 95 %,
-///   in less than a fraction 3 / n of all positions.
+///   against the other. What holds in n samples fails, with a confidence of 95 %, in less than a fraction
+///   3 / n of all positions.
 ///
 /// Sorted by names. Errors: a parameter out of its range, an unreadable mesh. O(samples * shapes^2).
 [[nodiscard]] Result<std::vector<DisabledPair>> find_disabled_pairs(const RobotModel& robot,

@@ -41,8 +41,8 @@ namespace extperfc::arm_node {
 ///   arm/check_state   extperfc/CheckArmState
 ///   arm/solve_ik      extperfc/SolveArmIk
 ///   arm/stop          std_srvs/Trigger: stops all motions; their goals end as cancelled
-///   arm/clear_depth   std_srvs/Empty: clears what the depth camera saw, as apply_scene does when it removes
-///   all
+///   arm/clear_depth   std_srvs/Empty: clears what the depth camera saw, as does arm/apply_scene with
+///                     REMOVE of all objects
 /// Subscribes:
 ///   robot/joint_states   sensor_msgs/JointState
 ///   robot/state          baxter_core_msgs/AssemblyState, with execution/robot_state
@@ -57,11 +57,9 @@ namespace extperfc::arm_node {
 /// Uses the actions robot/limb/<side>/follow_joint_trajectory (control_msgs/FollowJointTrajectory) and
 ///   robot/end_effector/<side>_gripper/gripper_action (control_msgs/GripperCommand).
 /// Parameters (private; unknown keys are errors): config/arm.yaml lists them with units and ranges. The robot
-/// is the
-///   parameter robot_description, its groups are those of an SRDF file.
+///   is the parameter robot_description, its groups are those of an SRDF file.
 /// Frames: poses may be in any frame that tf connects to the robot's root link. Objects of the scene stand
-/// still in
-///   world_frame.
+///   still in world_frame.
 /// Diagnostics: WARN without joint states and while the robot is not enabled; result of the last request.
 /// Threads: one for each action, services and callbacks in the node handle's queue, which needs more than
 ///   one thread.

@@ -35,20 +35,17 @@ namespace extperfc::arm_node {
 ///   camera/aligned_depth_to_color/image_raw     sensor_msgs/Image 16UC1 [mm] or 32FC1 [m]
 ///   camera/aligned_depth_to_color/camera_info   sensor_msgs/CameraInfo of the same image size
 ///   robot/joint_states                          sensor_msgs/JointState: removes the robot from an image, in
-///   its
-///                                               posture at the image's stamp
+///                                               its posture at the image's stamp
 /// Publishes while there are subscribers:
 ///   arm/depth_voxels                            visualization_msgs/Marker: the voxels in the frame of the
 ///                                               robot's root, coloured by height, after every image
 /// Parameters: ros_params::DepthObstacleMonitorParams
 /// Frames: the image's frame and world_frame to the root link at the image's stamp. When the root moves in
-/// world_frame by
-///   more than a voxel, all voxels are cleared. Without world_frame in tf the robot is assumed to stand
-///   still.
+///   world_frame by more than a voxel, all voxels are cleared. Without world_frame in tf the robot is assumed
+///   to stand still.
 /// Diagnostics: rates, latency, points, voxels and boxes; ERROR while images cannot be used.
 /// Threads: callbacks store the input; one worker computes. The latest image replaces a waiting one. Lock
-/// order: this
-///   object before the scene.
+///   order: this object before the scene.
 class DepthObstacleMonitor {
  public:
   struct Uses {

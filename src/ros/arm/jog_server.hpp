@@ -25,12 +25,11 @@ namespace extperfc::arm_node {
 /// Subscribes:
 ///   arm/<gripper>/jog_joints   control_msgs/JointJog: velocities [rad/s]; displacements are ignored
 ///   arm/<gripper>/jog_twist    geometry_msgs/TwistStamped: of the tip, along the present axes of frame_id
-///   (empty: the
-///                              tip)
+///                              (empty: the tip)
 /// Publishes:
 ///   robot/limb/<gripper>/joint_command   baxter_core_msgs/JointCommand, velocities, while it moves
 ///   arm/<gripper>/jog_status             std_msgs/String, when it changes: moving, or why the arm is held
-///   back
+///                                        back
 /// The first command preempts any other motion of the arms; the lease ends with the commands.
 class JogServer {
  public:

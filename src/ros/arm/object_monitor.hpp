@@ -39,15 +39,13 @@ namespace extperfc::arm_node {
 /// Frames: the detections' frame and world_frame to the root link at the detections' stamp. A robot whose tf
 ///   has no world_frame is assumed to stand still. Objects stand upright: see arm::make_upright().
 /// A detection within 30 mm of the robot is ambiguous: it may show the robot itself or a partly hidden
-/// object. It neither
-///   adds nor moves an object, but it prevents a matching object from expiring.
+///   object. It neither adds nor moves an object, but it prevents a matching object from expiring.
 /// Objects that a gripper holds or is about to grasp (PlanningScene::hold) and objects added by
-/// arm/apply_scene stay
-///   unchanged; detections of the same class near them, or near the gripper that holds them, are ignored.
+///   arm/apply_scene stay unchanged; detections of the same class near them, or near the gripper that holds
+///   them, are ignored.
 /// Diagnostics: rate, latency, objects, what was ignored and why; ERROR while detections cannot be used.
 /// Threads: callbacks store the input; one worker computes. The latest message replaces a waiting one. Lock
-/// order: this
-///   object before the scene.
+///   order: this object before the scene.
 class ObjectMonitor {
  public:
   struct Uses {

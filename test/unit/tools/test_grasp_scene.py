@@ -37,10 +37,10 @@ class Places(unittest.TestCase):
         for shape in scene.SHAPES:
             for distance in (0.3, 0.4, 0.5):
                 for _ in range(50):
-                    spot = scene.draw_spot(rng, shape, distance, CAMERA, pose)
-                    middle = scene.middle(shape, spot)
+                    place_pose = scene.draw_place_pose(rng, shape, distance, CAMERA, pose)
+                    middle = scene.middle(shape, place_pose)
                     self.assertAlmostEqual(distance, numpy.linalg.norm(middle - pose[:3, 3]), places=9)
-                    self.assertTrue(scene.on_tray(spot.x, spot.y))
+                    self.assertTrue(scene.on_tray(place_pose.x, place_pose.y))
                     size = scene.SHAPES[shape]
                     for corner in ((i, j, k) for i in (-1, 1) for j in (-1, 1) for k in (-1, 1)):
                         point = middle + numpy.array(corner) * (size.width / 2, size.width / 2, size.height / 2)
@@ -48,12 +48,12 @@ class Places(unittest.TestCase):
                         self.assertTrue(0 < 615 * x / z + 319.5 < 640 and 0 < 615 * y / z + 239.5 < 480, (shape, distance))
 
     def test_the_body_is_where_it_was_put_when_the_middle_is_known(self):
-        spot = scene.Spot(0.5, 0.1, 1.1, 0.7)
+        place_pose = scene.PlacePose(0.5, 0.1, 1.1, 0.7)
         for shape in scene.SHAPES:
             middle = numpy.eye(4)
-            middle[:3, :3], middle[:3, 3] = turn(2, spot.yaw), scene.middle(shape, spot)
+            middle[:3, :3], middle[:3, 3] = turn(2, place_pose.yaw), scene.middle(shape, place_pose)
             body = scene.body_of(shape, middle)
-            self.assertLess(abs(body[:3, 3] - scene.body_position(shape, spot)).max(), 1e-12, shape)
+            self.assertLess(abs(body[:3, 3] - scene.body_position(shape, place_pose)).max(), 1e-12, shape)
             self.assertTrue((body[:3, :3] == middle[:3, :3]).all(), shape)
         lying = numpy.eye(4)
         lying[:3, :3] = turn(1, math.pi / 2)  # its tip points along x, so that its heavy end is behind the middle
@@ -61,28 +61,28 @@ class Places(unittest.TestCase):
 
     def test_a_distance_that_cannot_be_is_told(self):
         with self.assertRaises(scene.NoPlace):
-            scene.draw_spot(random.Random(1), "cube", 3.0, CAMERA, camera_pose())
+            scene.draw_place_pose(random.Random(1), "cube", 3.0, CAMERA, camera_pose())
 
-    def test_the_other_spot_is_some_way_off_on_the_same_tray(self):
+    def test_the_other_pose_is_at_some_distance_on_the_same_tray(self):
         rng = random.Random(2)
         for _ in range(200):
-            spot = scene.draw_spot(rng, "cone", 0.4, CAMERA, camera_pose())
-            other = scene.draw_other(rng, spot)
+            place_pose = scene.draw_place_pose(rng, "cone", 0.4, CAMERA, camera_pose())
+            other = scene.draw_other(rng, place_pose)
             self.assertTrue(scene.on_tray(other.x, other.y))
-            self.assertEqual(spot.top, other.top)
-            self.assertGreaterEqual(math.hypot(other.x - spot.x, other.y - spot.y), scene.OTHER_SPOT_M[0] - 1e-9)
+            self.assertEqual(place_pose.top, other.top)
+            self.assertGreaterEqual(math.hypot(other.x - place_pose.x, other.y - place_pose.y), scene.OTHER_PLACE_M[0] - 1e-9)
 
     def test_the_same_seed_gives_the_same_places(self):
-        draw = lambda seed: scene.draw_spot(random.Random(seed), "cube", 0.4, CAMERA, camera_pose())  # noqa: E731
+        draw = lambda seed: scene.draw_place_pose(random.Random(seed), "cube", 0.4, CAMERA, camera_pose())  # noqa: E731
         self.assertEqual(draw(3), draw(3))
         self.assertNotEqual(draw(3), draw(4))
 
 
 class Verdicts(unittest.TestCase):
-    spot = scene.Spot(0.5, 0.1, 1.1, 0.0)
+    place_pose = scene.PlacePose(0.5, 0.1, 1.1, 0.0)
 
     def placed(self, shape, off=(0, 0, 0), rotation=numpy.eye(3)):
-        return scene.is_placed(shape, scene.body_position(shape, self.spot) + off, rotation, self.spot)
+        return scene.is_placed(shape, scene.body_position(shape, self.place_pose) + off, rotation, self.place_pose)
 
     def test_what_stands_there_is_placed(self):
         for shape in scene.SHAPES:
