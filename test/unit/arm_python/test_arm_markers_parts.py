@@ -292,7 +292,7 @@ class Menus(unittest.TestCase):
         self.assertEqual(["left"], self.moved)
         self.idle()
         self.commands.execute("left")
-        wait_until(lambda: self.last("left")[0] == "nothing is planned")
+        wait_until(lambda: self.last("left")[0] == "no plan yet")
         self.assertEqual(2, len(self.arms["left"].calls))
 
     def test_both(self):
@@ -307,7 +307,7 @@ class Menus(unittest.TestCase):
         self.assertFalse(self.moved)
         self.idle()
         self.commands.execute("right")
-        wait_until(lambda: self.last("right")[0] == "nothing is planned")
+        wait_until(lambda: self.last("right")[0] == "no plan yet")
 
     def test_one_at_a_time_but_stop_always(self):
         self.arms["left"].go.clear()
