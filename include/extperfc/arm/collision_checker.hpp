@@ -82,7 +82,7 @@ class CollisionChecker {
   /// a point x of a body moves as x(t) = x(m) + x'(m) t + e, |e| <= A t^2 / 2, with A the sum over pairs of
   /// moving joints of |q'_j| |q'_k| times the largest distance of the body from the later joint's axis. For a
   /// separating plane with normal n at m, the gap at t is at least its value under the motion linear in t,
-  /// which is least at t = -h or h, minus A h^2 / 2 of both bodies.
+  /// which is smallest at t = -h or h, minus A h^2 / 2 of both bodies.
   ///
   /// With `deviation_rad` the proof covers every state within that distance (Euclidean, of the joint values;
   /// 0 or more) of the segment, so that a curve near it is proven too: each point of a body gets a margin of

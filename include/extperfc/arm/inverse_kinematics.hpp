@@ -28,8 +28,8 @@ struct IkTolerance {
 /// the arm along its solutions to a local minimum, but for few cases (0.4 %) that end a little before it.
 enum class IkObjective {
   kNone,      ///< the first one found
-  kNearSeed,  ///< least sum of squared distances from the seed
-  kMidRange,  ///< away from limits: least sum of squared distances from mid-range, in half ranges
+  kNearSeed,  ///< smallest sum of squared distances from the seed
+  kMidRange,  ///< away from limits: smallest sum of squared distances from mid-range, in half ranges
 };
 
 /// Whether a configuration may be used, e.g. is free of collisions.

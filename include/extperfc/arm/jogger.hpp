@@ -26,8 +26,8 @@ struct JoggerParams {
   /// Time constant of the approach to a joint's limit: at distance d the joint is no faster than d over this.
   /// 0.01 to 5 s; more is taken where braking needs it.
   double limit_approach_s{0.5};
-  /// Below `slow` of the Jacobian's least singular value (rows [m] and [rad] per joint) a twist that lowers
-  /// it is slowed down, at `stop` it ends; 0 < stop < slow.
+  /// Below `slow` of the Jacobian's smallest singular value (rows [m] and [rad] per joint) a twist that
+  /// lowers it is slowed down, at `stop` it ends; 0 < stop < slow.
   double singularity_slow{0.06};
   double singularity_stop{0.02};
   /// Distance of the measured from the commanded positions at which the motion stops, 0.001 to 1 rad.
@@ -68,7 +68,7 @@ struct JogStep {
   JointVector positions;
   JointVector velocities;  ///< of the group, at the end of the step [rad/s]
   bool moving{false};      ///< the velocity is not zero
-  /// What slows the motion down most; with `moving` false: what stops it.
+  /// The strongest limitation of the speed; with `moving` false: what stops it.
   JogHindrance hindrance{JogHindrance::kNone};
   double scale{1};                 ///< fraction of the wanted velocity that is permitted, [0, 1]
   std::string joint;               ///< of kJointLimit
@@ -87,9 +87,9 @@ struct JogStep {
 /// slowly.
 ///
 /// Twists go through the damped least-squares inverse of the Jacobian (Nakamura and Hanafusa, "Inverse
-/// kinematic solutions with singularity robustness", 1986; the damping follows the least singular value as in
-/// Maciejewski and Klein, 1988), with the null space pulled away from joint limits. What slows a motion down
-/// scales the whole vector, so the direction stays; near a singularity the damping bends it.
+/// kinematic solutions with singularity robustness", 1986; the damping follows the smallest singular value as
+/// in Maciejewski and Klein, 1988), with the null space pulled away from joint limits. What slows a motion
+/// down scales the whole vector, so the direction stays; near a singularity the damping bends it.
 ///
 /// The commands start at the measured positions and go on from the last command, so lag does not add up.
 /// No clock inside, no threads: the same calls give the same steps. Not thread-safe.

@@ -34,11 +34,11 @@ struct PlanningTeamParams {
 struct TeamEffort {
   double timeout_s{
       5.0};  ///< wall time of the whole call, above 0 s; it returns some milliseconds later at most
-  /// Go on after the first path: the members start over with new seeds, and the path of least cost wins.
+  /// Go on after the first path: the members start over with new seeds, and the path of lowest cost wins.
   /// bit_star, abit_star, ait_star and prm_star do not start over but shorten their own path until the time
   /// is up.
   bool improve{false};
-  /// With `improve`: the most paths that are looked for, 1 to 1,000,000; with 1,000,000 the time decides.
+  /// With `improve`: maximum number of planned paths, 1 to 1,000,000; with 1,000,000 the time decides.
   int max_attempts{1'000'000};
 };
 
@@ -58,8 +58,8 @@ struct TeamResult {
 /// same path with any number of threads, on any machine, unless the time runs out.
 ///
 /// With `improve` the attempts are numbered; attempt k is of member k mod n with a seed of its own, and the
-/// least cost wins, the lowest number where two are equal. So with max_attempts reached before the time is up
-/// the result is the same with any number of threads too; when the time ends it, it is not.
+/// lowest cost wins, the lowest number where two are equal. So with max_attempts reached before the time is
+/// up the result is the same with any number of threads too; when the time ends it, it is not.
 ///
 /// Neither holds with a planner of OMPL among the members: OMPL draws the seeds of its generators from one
 /// counter of the process (behind a lock, so threads are safe), and such a member wins as soon as it is done.

@@ -27,8 +27,8 @@ class TimedPath {
   /// The joints with these names only, in this order. Error: one that the path does not have.
   [[nodiscard]] Result<TimedPath> only(const std::vector<std::string>& joints) const;
 
-  /// Least of the largest joint's distances [rad] from `measured` at times within [from_s, to_s], looked at
-  /// every 10 ms and at both ends.
+  /// Minimum over time of the largest joint distance [rad] from `measured` at times within [from_s, to_s],
+  /// looked at every 10 ms and at both ends.
   [[nodiscard]] double deviation(const JointVector& measured, double from_s, double to_s) const;
 
   /// Largest time [s] up to which the motion from `from_s` on, as the controller follows it, is proven free;

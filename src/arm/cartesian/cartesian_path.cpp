@@ -130,11 +130,11 @@ class Attempts {
   Attempts(Follower& follower, const Station& start) : follower_(follower), best_{start} {}
 
   template <typename Interrupted>
-  void run(int largest, const Interrupted& interrupted) {
+  void run(int max_attempts, const Interrupted& interrupted) {
     stop_ = follower_.follow(kCourses[0], interrupted, best_);
     made_ = 1;
     std::size_t attempt = 1;
-    while (made_ < largest && worth_more()) {
+    while (made_ < max_attempts && worth_more()) {
       ++made_;
       Route route = cut(attempt);
       const Stop stop = follower_.follow(kCourses[attempt % kCourses.size()], interrupted, route);

@@ -12,7 +12,7 @@ namespace extperfc::arm::cartesian {
 namespace {
 
 constexpr double kMinDamping = 1e-8;
-constexpr double kProbeRad = 1e-3;  // how far ahead the least singular value is looked at
+constexpr double kProbeRad = 1e-3;  // how far ahead the smallest singular value is looked at
 constexpr double kCentring = 0.5;   // [1/rad], fraction of the speed that may go into the null space
 constexpr double kMinScale = 1e-3;  // below this a motion is at its end
 
@@ -50,8 +50,8 @@ void slow(JogWish& wish, double scale, JogHindrance hindrance, int joint = -1) {
 JogVelocity::JogVelocity(const ArmChain& chain, const JoggerParams& params)
     : chain_(chain),
       params_(params),
-      largest_(params.max_velocity.size() > 0 ? params.max_velocity : chain.max_velocity()) {
-  const double brakes = 0.5 * largest_.maxCoeff() / params_.max_acceleration_rad_s2 + params_.reaction_s;
+      max_velocity_(params.max_velocity.size() > 0 ? params.max_velocity : chain.max_velocity()) {
+  const double brakes = 0.5 * max_velocity_.maxCoeff() / params_.max_acceleration_rad_s2 + params_.reaction_s;
   params_.limit_approach_s = std::max(params_.limit_approach_s, 1.1 * brakes);
 }
 
@@ -63,7 +63,7 @@ JogWish JogVelocity::wish(const JogCommand& command, const JointVector& position
     wish.velocity = command.joint_velocity;
   else
     follow_twist(command, positions, wish);
-  const double excess = wish.velocity.cwiseAbs().cwiseQuotient(largest_).maxCoeff();
+  const double excess = wish.velocity.cwiseAbs().cwiseQuotient(max_velocity_).maxCoeff();
   if (excess > 1) wish.velocity /= excess;
   slow_for_limits(positions, wish);
   return wish;
@@ -77,8 +77,8 @@ void JogVelocity::follow_twist(const JogCommand& command, const JointVector& pos
     twist << rotation * command.twist.head<3>(), rotation * command.twist.tail<3>();
   }
   const Jacobian columns = chain_.jacobian(positions);
-  const double smallest = min_singular_value(columns);
-  const double near = std::min(1.0, smallest / params_.singularity_slow);
+  const double singular_value = min_singular_value(columns);
+  const double near = std::min(1.0, singular_value / params_.singularity_slow);
   const double damping =
       kMinDamping + (1 - near * near) * params_.singularity_stop * params_.singularity_stop;
   wish.velocity = ik::min_norm_change(columns, twist, damping);
@@ -88,26 +88,26 @@ void JogVelocity::follow_twist(const JogCommand& command, const JointVector& pos
   const double speed = wish.velocity.norm();
   if (near >= 1 || speed == 0) return;
   const JointVector ahead = positions + (kProbeRad / speed) * wish.velocity;
-  if (min_singular_value(chain_.jacobian(ahead)) >= smallest) return;  // on the way out
+  if (min_singular_value(chain_.jacobian(ahead)) >= singular_value) return;  // on the way out
   slow(wish,
-       std::max(0.0, (smallest - params_.singularity_stop) /
+       std::max(0.0, (singular_value - params_.singularity_stop) /
                          (params_.singularity_slow - params_.singularity_stop)),
        JogHindrance::kSingularity);
 }
 
 void JogVelocity::slow_for_limits(const JointVector& positions, JogWish& wish) const {
   const auto& [lower, upper] = chain_.limits();
-  double smallest = 1;
+  double scale = 1;
   int joint = -1;
   for (int j = 0; j < positions.size(); ++j) {
     const double speed = wish.velocity[j];
     const double room = speed > 0 ? upper[j] - positions[j] : positions[j] - lower[j];
-    const double largest = std::max(0.0, room) / params_.limit_approach_s;
-    if (std::abs(speed) <= largest || largest >= smallest * std::abs(speed)) continue;
-    smallest = largest / std::abs(speed);
+    const double max_speed = std::max(0.0, room) / params_.limit_approach_s;
+    if (std::abs(speed) <= max_speed || max_speed >= scale * std::abs(speed)) continue;
+    scale = max_speed / std::abs(speed);
     joint = j;
   }
-  slow(wish, smallest, JogHindrance::kJointLimit, joint);
+  slow(wish, scale, JogHindrance::kJointLimit, joint);
 }
 
 JogMove JogBrakes::move(const JogState& now, const JointVector& velocity, double fraction,

@@ -29,7 +29,7 @@ class JogVelocity {
 
   /// `command` fits the arm and is fresh.
   [[nodiscard]] JogWish wish(const JogCommand& command, const JointVector& positions) const;
-  [[nodiscard]] const JointVector& largest() const { return largest_; }
+  [[nodiscard]] const JointVector& max_velocity() const { return max_velocity_; }
 
  private:
   void follow_twist(const JogCommand& command, const JointVector& positions, JogWish& wish) const;
@@ -37,7 +37,7 @@ class JogVelocity {
 
   ArmChain chain_;
   JoggerParams params_;
-  JointVector largest_;
+  JointVector max_velocity_;
 };
 
 /// One step of a motion and the stopping motion after it.

@@ -28,8 +28,9 @@ enum class Verdict { kGood, kLimit, kCollision };
 
 const char* wrong_parameter(const JoggerParams& params, int joints) {
   const auto within = [](double value, double low, double high) { return value >= low && value <= high; };
-  const auto& largest = params.max_velocity;
-  if (largest.size() > 0 && (largest.size() != joints || !largest.allFinite() || largest.minCoeff() <= 0))
+  const auto& max_velocity = params.max_velocity;
+  if (max_velocity.size() > 0 &&
+      (max_velocity.size() != joints || !max_velocity.allFinite() || max_velocity.minCoeff() <= 0))
     return "max_velocity: one value above 0 for each joint of the arm";
   if (!within(params.max_acceleration_rad_s2, 0.01, 100)) return "max_acceleration_rad_s2: 0.01 to 100";
   if (!within(params.command_timeout_s, 0.01, 5)) return "command_timeout_s: 0.01 to 5 s";
@@ -186,7 +187,8 @@ void Jogger::Core::advance(const JogWish& wish, double dt_s, JogStep& step) {
 /// Out of a collision: slowly, and only where the deepest penetration gets less.
 bool Jogger::Core::escape(const JogWish& wish, double dt_s) {
   if (checker->is_free(group(state.positions))) return false;
-  const double excess = wish.velocity.cwiseAbs().cwiseQuotient(kEscapeRatio * velocity.largest()).maxCoeff();
+  const double excess =
+      wish.velocity.cwiseAbs().cwiseQuotient(kEscapeRatio * velocity.max_velocity()).maxCoeff();
   const JogMove move = brakes.move(state, wish.velocity / std::max(1.0, excess), 1.0, dt_s);
   const auto before = checker->nearest(group(state.positions));
   const auto after = checker->nearest(group(move.next.positions));

@@ -11,8 +11,8 @@ namespace extperfc::arm::cartesian {
 /// False when it does not converge within a few steps: the target is far off, or the arm nearly singular.
 [[nodiscard]] bool converge(const ArmChain& chain, const Pose& target, bool limited, JointVector& guess);
 
-/// The least change of the joints for `wish` [m], [rad], and the part of `urge` that does not move the tip;
-/// joints at a limit that they would leave stand still.
+/// The minimum-norm change of the joints for `wish` [m], [rad], and the part of `urge` that does not move the
+/// tip; joints at a limit that they would leave stand still.
 [[nodiscard]] JointVector step_towards(const ArmChain& chain, const JointVector& joints, const Vector6& wish,
                                        const JointVector& urge);
 

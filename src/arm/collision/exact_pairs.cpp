@@ -212,8 +212,8 @@ double ExactPairs::rough_bound(int index, const Placement& placement) const {
 }
 
 // With the plane's normal n fixed in the ancestor's frame, a point x of a body with velocity v + w x x there
-// has n . x(t) = n . x + t n . v + t (n x w) . x up to the bend: the least over the body is a support
-// function, and as a least value of functions linear in t it is least at an end of the interval.
+// has n . x(t) = n . x + t n . v + t (n x w) . x up to the bend: the smallest over the body is a support
+// function, and as a smallest value of functions linear in t it is smallest at an end of the interval.
 bool ExactPairs::stays_apart(int index, const Moment& moment, const Separation& separation, double half,
                              double bend_m) const {
   const PartPair& pair = scene_.pairs[index];

@@ -86,7 +86,7 @@ class ExactPairs {
                                     double relative_tolerance);
   [[nodiscard]] Separation along(const PartPair& pair, const Placement& placement,
                                  const Eigen::Vector3d& normal) const;
-  /// Least value of m . x over the moving part.
+  /// Smallest value of m . x over the moving part.
   [[nodiscard]] double lowest(int part, const Placement& placement, const Eigen::Vector3d& m) const;
   /// Largest value of m . x over the pair's second shape.
   [[nodiscard]] double highest(const PartPair& pair, const Placement& placement,

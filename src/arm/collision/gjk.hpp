@@ -129,9 +129,9 @@ class NearestSimplex {
 /// within kGjkTolerance_m and `relative_tolerance` of the distance, or until the sets are known to touch. So
 /// axes that look right but separate nothing, as they come out for cylinders and cones, cannot end it.
 ///
-/// `lowest(d)` returns a point x of A - B with the least d . x; d is not normalised. `guess` is a direction
-/// to begin with, from B to A; not zero. At most kMaxGjkSteps steps, some 3 for boxes and hulls, 15 for round
-/// shapes.
+/// `lowest(d)` returns a point x of A - B with the smallest d . x; d is not normalised. `guess` is a
+/// direction to begin with, from B to A; not zero. At most kMaxGjkSteps steps, some 3 for boxes and hulls, 15
+/// for round shapes.
 constexpr double kGjkTolerance_m = 1e-7;
 constexpr int kMaxGjkSteps = 256;
 

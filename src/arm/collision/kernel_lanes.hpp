@@ -44,7 +44,7 @@ inline Lanes magnitude(Lanes a) {
   return a < 0 ? -a : a;
 }
 
-/// Least and greatest lane.
+/// Smallest and largest lane.
 inline void range(Lanes a, float& low, float& high) {
   low = high = a[0];
   for (int i = 1; i < kLanes; ++i) {
@@ -79,7 +79,7 @@ inline Lanes3 rotated_back(const float* matrix, const Lanes3& v) {
 }
 
 /// Sine and cosine, |angle| up to some hundred rad, error below 2e-7: reduced to [-pi/4, pi/4] in two steps,
-/// then the Taylor-like polynomials of least error there.
+/// then the Taylor-like polynomials of minimum error there.
 inline void sine_cosine(Lanes angle, Lanes& sine, Lanes& cosine) {
   constexpr float kTwoOverPi = 0.636619772F;
   constexpr float kHalfPiHigh = 1.5707855225F, kHalfPiLow = 1.0804327e-5F;

@@ -49,8 +49,8 @@ void MotionProof::count_intervals() {
   double bend = 0;
   for (const auto& bound : world_bounds_) bend = std::max(bend, bound.acceleration);
   const double needed = std::ceil(std::sqrt(bend / (8 * kMaxBend)));
-  const int smallest = needed < kMaxIntervals ? static_cast<int>(needed) : kMaxIntervals;
-  intervals_ = kLanes * std::max(1, (smallest + kLanes - 1) / kLanes);
+  const int min_intervals = needed < kMaxIntervals ? static_cast<int>(needed) : kMaxIntervals;
+  intervals_ = kLanes * std::max(1, (min_intervals + kLanes - 1) / kLanes);
   half_ = 0.5 / intervals_;
   for (const double rate : rates_) kernel_rates_.push_back(static_cast<float>(rate));
   for (const auto& bound : world_bounds_) world_drift_.push_back(drift_over(bound, half_));

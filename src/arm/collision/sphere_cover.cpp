@@ -8,7 +8,7 @@ namespace extperfc::arm::collision {
 namespace {
 
 constexpr int kMaxBalls = 64;
-constexpr double kThickRatio = 0.4;  // excess that a thick part may have, of its least half width
+constexpr double kThickRatio = 0.4;  // excess that a thick part may have, of its smallest half width
 constexpr double kFlatRatio = 0.5;   // a cylinder with less half height than this times its radius is flat
 constexpr double kFiner = 0.95;
 

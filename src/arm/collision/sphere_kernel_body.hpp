@@ -12,7 +12,7 @@ struct BodyLanes {
   Lanes3 origin;      ///< [m]
   Lanes3 twist[2];    ///< as Probe::twist; the second one is of the point at the root's origin
   Lanes3 ball;        ///< its centre in the root frame
-  Lanes range;        ///< of the ball's centre over all lanes: least x, y, z, greatest x, y, z
+  Lanes range;        ///< of the ball's centre over all lanes: smallest x, y, z, largest x, y, z
 };
 
 /// One batch.

@@ -16,7 +16,7 @@ struct Tool {
   std::vector<int> group_joint;  ///< per joint of the chain: index in the group, -1 for one that stands
   JointVector standing;          ///< values of the joints that stand
   std::vector<bool> prismatic;   ///< per joint of the chain
-  double reach_m{0};             ///< most distance of the tip from the root link's origin or any joint
+  double reach_m{0};             ///< largest distance of the tip from the root link's origin or any joint
 
   [[nodiscard]] JointVector chain_joints(const JointVector& group) const;
 };

@@ -71,8 +71,8 @@ bool Manifold::halve(const JointVector& from, const JointVector& to, bool from_e
   if (depth == 0) return false;
   const auto middle = constraint_.project(0.5 * (from + to), limits_);
   if (!middle) return false;
-  const double largest = kMaxHalf * (to - from).norm();
-  if ((*middle - from).norm() > largest || (*middle - to).norm() > largest) return false;
+  const double max_distance = kMaxHalf * (to - from).norm();
+  if ((*middle - from).norm() > max_distance || (*middle - to).norm() > max_distance) return false;
   return halve(from, *middle, from_exact, true, depth - 1, pieces) &&
          halve(*middle, to, true, to_exact, depth - 1, pieces);
 }

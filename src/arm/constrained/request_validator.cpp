@@ -113,8 +113,8 @@ std::optional<Found> direct(Manifold& manifold, const JointVector& start, const 
     return (goals[a] - start).squaredNorm() < (goals[b] - start).squaredNorm();
   });
   for (const int goal : order) {
-    const double largest = kMaxDetour * (goals[goal] - start).norm();
-    auto pieces = manifold.connect(start, goals[goal], largest, stop);
+    const double max_length = kMaxDetour * (goals[goal] - start).norm();
+    auto pieces = manifold.connect(start, goals[goal], max_length, stop);
     if (!pieces) continue;
     pieces->insert(pieces->begin(), start);
     return Found{*std::move(pieces), goal};

@@ -26,7 +26,7 @@ class Draws {
   Draws(const Bounds<N>& bounds, std::uint64_t seed) : bounds_(bounds), seed_(seed) {}
 
   [[nodiscard]] Joints<N> next() {
-    if (!begun_) begin();  // late: most searches draw nothing
+    if (!begun_) begin();  // late: many searches draw nothing
     Joints<N> q = bounds_.lower;
     for (int i = 0; i < q.size(); ++i) {
       fraction_[i] += step_[i];

@@ -35,11 +35,11 @@ struct Link {
 
 /// How far the links can carry a point of the tip's frame that the last joint does not move, from a point
 /// that the first joint does not move. The points that joints are measured between may lie anywhere on their
-/// axes; they are chosen so that the sum of the distances is least.
+/// axes; they are chosen so that the sum of the distances is smallest.
 struct Reach {
   Eigen::Vector3d anchor_m{Eigen::Vector3d::Zero()};  ///< in the root link's frame
   Eigen::Vector3d wrist_m{Eigen::Vector3d::Zero()};   ///< in the tip's frame
-  double length_m{0};                                 ///< most distance of the two
+  double length_m{0};                                 ///< largest distance of the two
 };
 
 /// A chain whose every joint rotates about, or slides along, the z axis of its own frame.

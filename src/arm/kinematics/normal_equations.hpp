@@ -12,7 +12,7 @@ using Matrix6 = Eigen::Matrix<double, 6, 6>;
 /// (Golub and Van Loan, "Matrix Computations", 4.1.2), which is overwritten; its lower half is read.
 [[nodiscard]] Vector6 solve_in_place(Matrix6& m, Vector6 b);
 
-/// The least change of the joints that changes the task's rows by `wish`, damped:
+/// The minimum-norm change of the joints that changes the task's rows by `wish`, damped:
 /// J^T (J J^T + damping I)^-1 wish.
 template <typename Rows>
 [[nodiscard]] auto min_norm_change(const Rows& rows, const Vector6& wish, double damping) {

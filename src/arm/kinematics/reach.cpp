@@ -22,7 +22,7 @@ double beside(const Geometry& geometry, const Shifts& shifts, int i) {
          (i + 1 < geometry.count ? distance(geometry, shifts, i + 1) : 0);
 }
 
-/// The least sum for joint i, which is convex in its point, by golden sections.
+/// The smallest sum for joint i, which is convex in its point, by golden sections.
 void improve(const Geometry& geometry, Shifts& shifts, int i) {
   constexpr double kGolden = 0.6180339887498949;
   constexpr int kSections = 60;

@@ -39,13 +39,13 @@ SelfMotion::SelfMotion(const ArmChain& chain, const JointVector& start, const Ik
       start_(start),
       step_(step) {}
 
-IkBranch SelfMotion::trace(int largest) {
+IkBranch SelfMotion::trace(int max_steps) {
   const JointVector heading = first_heading();
   IkBranch branch;
   std::vector<JointVector> forward;
-  branch.closed = walk(heading, largest, forward);
+  branch.closed = walk(heading, max_steps, forward);
   if (!branch.closed) {
-    (void)walk(-heading, largest, branch.joints);
+    (void)walk(-heading, max_steps, branch.joints);
     std::reverse(branch.joints.begin(), branch.joints.end());
   }
   branch.joints.push_back(start_);
@@ -89,12 +89,12 @@ bool SelfMotion::advance(const JointVector& q, const JointVector& heading, doubl
 }
 
 /// True when the walk came back to the start, which is not repeated.
-bool SelfMotion::walk(JointVector heading, int largest, std::vector<JointVector>& out) {
+bool SelfMotion::walk(JointVector heading, int max_steps, std::vector<JointVector>& out) {
   const JointVector first = heading;
   JointVector q = start_;
   JointVector next = q;
   double length = step_;
-  for (int i = 0; i < largest;) {
+  for (int i = 0; i < max_steps;) {
     if (!advance(q, heading, length, next)) {
       length *= 0.5;
       if (length < kMinStep * step_) return false;

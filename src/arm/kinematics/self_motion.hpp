@@ -14,11 +14,11 @@ class SelfMotion {
   /// How many degrees of freedom this many joints have beyond the held axes, those of a finite tolerance.
   [[nodiscard]] static int redundancy(int joints, const IkTolerance& held);
 
-  /// The redundancy must be one. `step` > 0: most distance between neighbours.
+  /// The redundancy must be one. `step` > 0: maximum distance between neighbours.
   SelfMotion(const ArmChain& chain, const JointVector& start, const IkTolerance& held, double step);
 
-  /// At most `most` steps in each direction.
-  [[nodiscard]] IkBranch trace(int largest);
+  /// At most `max_steps` steps in each direction.
+  [[nodiscard]] IkBranch trace(int max_steps);
 
  private:
   void evaluate(const JointVector& q);
@@ -27,7 +27,7 @@ class SelfMotion {
   [[nodiscard]] bool correct(JointVector& q);
   [[nodiscard]] bool advance(const JointVector& q, const JointVector& heading, double length,
                              JointVector& next);
-  [[nodiscard]] bool walk(JointVector heading, int largest, std::vector<JointVector>& out);
+  [[nodiscard]] bool walk(JointVector heading, int max_steps, std::vector<JointVector>& out);
   [[nodiscard]] bool passes_start(const JointVector& q, const JointVector& heading, double length) const;
   void to_limit(const JointVector& q, const JointVector& heading, double length,
                 std::vector<JointVector>& out);

@@ -36,7 +36,7 @@ void Settle::run(JointVector& q, const Objective& objective, const Deadline& dea
   }
 }
 
-/// Least value of the objective on the linearised task, without the joints whose limits it would cross.
+/// Smallest value of the objective on the linearised task, without the joints whose limits it would cross.
 JointVector Settle::direction(const JointVector& q, const Objective& objective) {
   here_.compute(geometry_, task_, q);
   here_.derivative(geometry_, task_, columns_);

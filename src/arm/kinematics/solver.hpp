@@ -28,7 +28,8 @@ class Solver {
   /// `is_beyond`: proven to be out of reach; then a few descents look for the closest approach.
   [[nodiscard]] IkResult solve(const Joints<N>& seed, bool is_beyond) {
     Descent<N> descent(geometry_, task_, bounds_);
-    const int largest = is_beyond ? std::min(kFarRestarts, options_.max_restarts) : options_.max_restarts;
+    const int max_restarts =
+        is_beyond ? std::min(kFarRestarts, options_.max_restarts) : options_.max_restarts;
     Joints<N> q = bounds_.clamp(seed);
     closest_ = q;
     for (;; ++restarts_, q = draws_.next()) {
@@ -38,7 +39,7 @@ class Solver {
         note(q, descent.cost());
       }
       const bool late = deadline_.passed();
-      if (late || restarts_ == largest) return tl::unexpected(failure(is_beyond, late));
+      if (late || restarts_ == max_restarts) return tl::unexpected(failure(is_beyond, late));
     }
   }
 

@@ -75,8 +75,8 @@ void VoxelMemory::count_points(const DepthView& view, DepthUpdate& update) {
   const Eigen::Matrix3f rotation = view.root_T_camera.linear().cast<float>();
   const Eigen::Vector3f shift = view.root_T_camera.translation().cast<float>();
   const Eigen::Vector3f low = grid.low.cast<float>();
-  const auto smallest = static_cast<float>(params.min_depth_m),
-             largest = static_cast<float>(params.max_depth_m);
+  const auto min_depth = static_cast<float>(params.min_depth_m),
+             max_depth = static_cast<float>(params.max_depth_m);
   const float per_metre = 1 / static_cast<float>(grid.edge);
   const Eigen::Vector3f top = grid.count.cast<float>();
   for (int row = 0; row < rays_.rows(); ++row) {
@@ -84,7 +84,7 @@ void VoxelMemory::count_points(const DepthView& view, DepthUpdate& update) {
     const Eigen::Vector2f* const rays = rays_.row(row);
     for (int column = 0; column < rays_.columns(); ++column) {
       const float depth = depth_in_row<kFormat>(pixels, column * rays_.step());
-      if (!(depth >= smallest && depth <= largest)) continue;
+      if (!(depth >= min_depth && depth <= max_depth)) continue;
       const Eigen::Vector2f& ray = rays[column];
       const Eigen::Vector3f point =
           rotation * Eigen::Vector3f(ray.x() * depth, ray.y() * depth, depth) + shift;

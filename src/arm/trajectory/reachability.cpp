@@ -240,25 +240,25 @@ class Solver {
   }
 
   /// Largest squared speed on a straight between nodes of which the squared speeds sum to `ends`: gaining,
-  /// hold_s and losing fill it, v^2 / most + v hold_s = length + ends / (2 most).
-  [[nodiscard]] double peak(double largest, double length, double ends) const {
+  /// hold_s and losing fill it, v^2 / a + v hold_s = length + ends / (2 a) with a = max_acceleration.
+  [[nodiscard]] double peak(double max_acceleration, double length, double ends) const {
     const double hold = passage_.hold_s;
-    const double free = length / largest + ends / (2 * largest * largest);
-    if (hold <= 0) return largest * largest * free;
-    const double speed = 2 * largest * free / (hold + std::sqrt(hold * hold + 4 * free));
+    const double free = length / max_acceleration + ends / (2 * max_acceleration * max_acceleration);
+    if (hold <= 0) return max_acceleration * max_acceleration * free;
+    const double speed = 2 * max_acceleration * free / (hold + std::sqrt(hold * hold + 4 * free));
     return speed * speed;
   }
 
   /// Gains speed, holds it, loses it, each as far as needed.
   void add_straight(std::size_t i, std::vector<PathPhase>& phases) const {
     const auto& stage = stages_[i];
-    const double largest = straight_acceleration(stage);
+    const double max_acceleration = straight_acceleration(stage);
     const double x0 = squared_[i];
     const double x1 = squared_[i + 1];
     const double top =
-        std::max({x0, x1, std::min(speed_cap(stage, 0), peak(largest, stage.length, x0 + x1))});
-    const double gain = std::min(stage.length, (top - x0) / (2 * largest));
-    const double loss = std::min(stage.length - gain, (top - x1) / (2 * largest));
+        std::max({x0, x1, std::min(speed_cap(stage, 0), peak(max_acceleration, stage.length, x0 + x1))});
+    const double gain = std::min(stage.length, (top - x0) / (2 * max_acceleration));
+    const double loss = std::min(stage.length - gain, (top - x1) / (2 * max_acceleration));
     add_phase(stage, 0, gain, x0, top, phases);
     add_phase(stage, gain, stage.length - gain - loss, top, top, phases);
     add_phase(stage, stage.length - loss, loss, top, x1, phases);

@@ -152,8 +152,8 @@ bool is_finger(const std::string& link) {
 /// set was made for are not known; ours open to 4 cm, and the objects to grasp are 6 cm wide.
 Result<void> allow_grasps(const arm::CollisionModel& model, const arm::JointVector& goal,
                           arm::CollisionWorld* world) {
-  const std::size_t largest = world->objects().size();
-  for (std::size_t i = 0; i < largest; ++i) {
+  const std::size_t count = world->objects().size();
+  for (std::size_t i = 0; i < count; ++i) {
     auto exact = arm::CollisionChecker::make(model, *world, {1e-3, false});
     if (!exact) return tl::unexpected(exact.error());
     const auto contact = exact->contact(goal);
