@@ -15,7 +15,7 @@ void check_again(const SchemaPtr& schema) {
   require(again.has_value(), "a schema's own full text is read");
   require((*again)->md5() == schema->md5(), "a schema's own full text has its MD5");
   require(translate::same_layout(**again, *schema), "a schema's own full text has its layout");
-  require(schema->least_size() >= schema->fixed_size().value_or(0), "a fixed size is the least size");
+  require(schema->min_size() >= schema->fixed_size().value_or(0), "a fixed size is the least size");
 }
 
 }  // namespace

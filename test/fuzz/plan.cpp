@@ -53,7 +53,7 @@ void run(std::string_view input) {
           "a plan tells of its fields");
   for (const auto& line : (*plan)->describe()) require(!line.empty(), "a step has words");
   convert(**plan, input);
-  if ((*from)->least_size() > options.max_message_bytes) return;
+  if ((*from)->min_size() > options.max_message_bytes) return;
   ByteBuffer zeros;
   translate::serialize_default(**from, zeros);
   convert(**plan, {reinterpret_cast<const char*>(zeros.data()), zeros.size()});

@@ -16,7 +16,7 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 constexpr auto kLongest = std::chrono::seconds(2);  // mutations end then; how many there were is no promise
-constexpr int kMostMutations = 20'000;
+constexpr int kMaxMutations = 20'000;
 
 std::vector<std::string> inputs() {
   auto all = seeds();
@@ -67,7 +67,7 @@ TEST(FuzzReplay, Mutations) {
   Rng rng(4);
   const auto end = Clock::now() + kLongest;
   int done = 0;
-  for (; done < kMostMutations && Clock::now() < end; ++done) {
+  for (; done < kMaxMutations && Clock::now() < end; ++done) {
     std::string text = all[below(rng, all.size())];
     const int edits = rng.integer(1, 4);
     for (int i = 0; i < edits; ++i) mutate(text, all[below(rng, all.size())], rng);

@@ -26,14 +26,14 @@ import sys, rospy
 from sensor_msgs.msg import Image
 from std_srvs.srv import Trigger, TriggerResponse
 from visualization_msgs.msg import Marker
-class OldMarker(Marker):
+class RobotMarker(Marker):
     _md5sum = '18326976df9d29249efc939e00342cde'
     _full_text = Marker._full_text.replace('uint8 DELETEALL=3\\n', '')
-old = sys.argv[1] == 'old'
+robot = sys.argv[1] == 'robot'
 rospy.init_node('node', disable_signals=True)
-kept = [rospy.Publisher('/marker', OldMarker if old else Marker, queue_size=1),
+kept = [rospy.Publisher('/marker', RobotMarker if robot else Marker, queue_size=1),
         rospy.Service('/trigger', Trigger, lambda request: TriggerResponse()),
-        rospy.Subscriber('/picture', Image, print) if old else rospy.Publisher('/picture', Image, queue_size=1)]
+        rospy.Subscriber('/image', Image, print) if robot else rospy.Publisher('/image', Image, queue_size=1)]
 print('ready', flush=True)
 sys.stdin.read()
 """
@@ -68,14 +68,14 @@ class TranslateTool(unittest.TestCase):
     def test_check_shows_exactly_what_differs_between_indigo_and_noetic(self):
         found = json.loads(self.run_tool("check", "--from-set", "indigo", "--to-set", "noetic", "--json"))
         self.assertEqual(sorted(map(tuple, rows_of("indigo_noetic_differences.txt"))),
-                         sorted((row["old_type"], row["kind"], row["old_md5"], row["new_md5"], row["verdict"])
+                         sorted((row["robot_type"], row["kind"], row["robot_md5"], row["workstation_md5"], row["verdict"])
                                 for row in found["types"]))
         self.assertEqual((69, 12, 57, 0, 0), (len(found["types"]), *(found["counts"][key] for key in (
             "pass", "convert", "needs a rule", "unknown"))))
         self.assertTrue(found["renamed"])
         for row in found["renamed"]:
-            self.assertEqual(row["old_type"].replace("multimaster_msgs_fkie", "fkie_multimaster_msgs"),
-                             row["new_type"])
+            self.assertEqual(row["robot_type"].replace("multimaster_msgs_fkie", "fkie_multimaster_msgs"),
+                             row["workstation_type"])
 
     def test_check_shows_what_differs_between_baxter_releases(self):
         for before, after in (("0.7.0", "1.0.0"), ("1.1.1", "1.2.0")):
@@ -83,7 +83,7 @@ class TranslateTool(unittest.TestCase):
                                              f"baxter_sdk_{after}", "--json"))
             expected = {(row[0], row[3], row[4]) for row in rows_of("baxter_sdk_differences.txt")
                         if (row[1], row[2]) == (before, after) and "-" not in row[3:]}
-            self.assertEqual(expected, {(row["old_type"], row["old_md5"], row["new_md5"]) for row in found["types"]})
+            self.assertEqual(expected, {(row["robot_type"], row["robot_md5"], row["workstation_md5"]) for row in found["types"]})
 
     def test_check_prints_a_table_of_at_most_100_columns(self):
         table = self.run_tool("check", "--from-set", "indigo", "--to-set", "noetic", "--all", "--fields")
@@ -95,15 +95,15 @@ class TranslateTool(unittest.TestCase):
         self.assertIn("69 differ: 12 pass, 57 convert, 0 need a rule, 0 unknown;", table)
 
     def test_check_of_trees_names_what_needs_a_rule(self):
-        self.write("old/my_msgs/msg/Name.msg", "string name\nint32 common\n")
-        self.write("new/my_msgs/msg/Name.msg", "float64 name\nint32 common\n")
-        self.write("old/my_msgs/msg/Grown.msg", "geometry_msgs/Point p\n")
-        self.write("new/my_msgs/msg/Grown.msg", "geometry_msgs/Point p\nint8 more\n")
-        self.write("new/my_msgs/msg/Bad.msg", "what\n")
-        done = translate("check", "--from-tree", self.folder / "old", "--from-set", "indigo",
-                         "--to-tree", self.folder / "new", "--to-set", "noetic")
+        self.write("robot/my_msgs/msg/Name.msg", "string name\nint32 common\n")
+        self.write("workstation/my_msgs/msg/Name.msg", "float64 name\nint32 common\n")
+        self.write("robot/my_msgs/msg/Grown.msg", "geometry_msgs/Point p\n")
+        self.write("workstation/my_msgs/msg/Grown.msg", "geometry_msgs/Point p\nint8 more\n")
+        self.write("workstation/my_msgs/msg/Bad.msg", "what\n")
+        done = translate("check", "--from-tree", self.folder / "robot", "--from-set", "indigo",
+                         "--to-tree", self.folder / "workstation", "--to-set", "noetic")
         self.assertEqual(1, done.returncode, done.stdout + done.stderr)
-        self.assertRegex(done.stdout, r"my_msgs/Name +msg +\w{8} \w{8} needs a rule\n +old to new: ")
+        self.assertRegex(done.stdout, r"my_msgs/Name +msg +\w{8} \w{8} needs a rule\n +robot to workstation: ")
         self.assertIn("field name: string does not become float64", done.stdout)
         self.assertRegex(done.stdout, r"my_msgs/Grown +msg +\w{8} \w{8} convert +by name\n")
         self.assertIn("2 differ: 0 pass, 1 convert, 1 need a rule, 0 unknown", done.stdout)
@@ -171,17 +171,17 @@ class TranslateTool(unittest.TestCase):
 
     @unittest.skipUnless(importlib.util.find_spec("rosmaster"), "needs rosmaster and rospy")
     def test_check_asks_running_masters(self):
-        old, new = self.start_side("old"), self.start_side("new")
-        done = translate("check", "--old", old, "--new", new, "--json", "--all")
+        robot, workstation = self.start_side("robot"), self.start_side("workstation")
+        done = translate("check", "--robot", robot, "--workstation", workstation, "--json", "--all")
         self.assertEqual(1, done.returncode, done.stdout + done.stderr)
-        rows = {row["old_type"]: row for row in json.loads(done.stdout)["types"]}
+        rows = {row["robot_type"]: row for row in json.loads(done.stdout)["types"]}
         self.assertEqual(("pass", *MARKER.values(), "/marker"), tuple(
-            rows["visualization_msgs/Marker"][key] for key in ("verdict", "old_md5", "new_md5", "old_where")))
+            rows["visualization_msgs/Marker"][key] for key in ("verdict", "robot_md5", "workstation_md5", "robot_where")))
         self.assertEqual(("same", "srv"), (rows["std_srvs/Trigger"]["verdict"], rows["std_srvs/Trigger"]["kind"]))
         self.assertEqual("unknown", rows["sensor_msgs/Image"]["verdict"])
         self.assertIn("nobody publishes it", rows["sensor_msgs/Image"]["reasons"][0])
-        self.run_tool("check", "--old", old, "--from-set", "indigo", "--new", new)
-        for uri in (old, new):  # nothing stays behind
+        self.run_tool("check", "--robot", robot, "--from-set", "indigo", "--workstation", workstation)
+        for uri in (robot, workstation):  # nothing stays behind
             with xmlrpc.client.ServerProxy(uri) as master:
                 self.assertNotIn("extperfc_translate_check", str(master.getSystemState("/test")))
 
@@ -198,11 +198,11 @@ class TranslateTool(unittest.TestCase):
         commands = self.commands_of_the_guide()
         self.assertTrue(all(command.startswith("tools/extperfc-translate ") for command in commands), commands)
         self.assertEqual({"check", "status"}, {command.split()[1] for command in commands})
-        old, new = self.start_side("old"), self.start_side("new")
+        robot, workstation = self.start_side("robot"), self.start_side("workstation")
         for command in commands:
             if command.split()[1] == "status":
                 continue  # needs a running translator: test_translator_connections.py
-            line = command.replace("http://011310P0018.local:11311", old).replace("http://localhost:11311", new)
+            line = command.replace("http://011310P0018.local:11311", robot).replace("http://localhost:11311", workstation)
             done = subprocess.run(line, shell=True, cwd=REPO, capture_output=True, text=True, timeout=120, check=False)
             self.assertEqual(0, done.returncode, f"{line}\n{done.stdout}{done.stderr}")
             self.assertIn(" differ: ", done.stdout)
@@ -229,8 +229,8 @@ class TranslateTool(unittest.TestCase):
                 (["check", "--from-set", "indigo"], "--to-set SET"),
                 (["status", "--nod", "/x"], "unknown option --nod; did you mean --node?"),
                 (["status", "--master", "http://127.0.0.1:9"], "no master at http://127.0.0.1:9"),
-                (["check", "--old", "http://127.0.0.1:9", "--new", "http://127.0.0.1:9"], "http://127.0.0.1:9"),
-                (["check", "--old", "http://127.0.0.1:9", "--timeout", "soon"], "--timeout must be a number"),
+                (["check", "--robot", "http://127.0.0.1:9", "--workstation", "http://127.0.0.1:9"], "http://127.0.0.1:9"),
+                (["check", "--robot", "http://127.0.0.1:9", "--timeout", "soon"], "--timeout must be a number"),
                 (["check", "--from-set", "indigo", "--to-set", "noetic", "--rules", rules], "rules.yaml"),
                 (["show", "sensor_msgs/Image", "--from", "indigo"], "give a type and both sides"),
                 (["show", "sensor_msgs/Image", "--from", "indigo", "--to", "123456"], "has no version 123456; there are"),

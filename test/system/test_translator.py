@@ -21,7 +21,7 @@ PARAMETERS = {
         {"pattern": "/slash/.*", "frame_slash": "strip"},
         {"pattern": "/exact", "queue": 1000},
         {"pattern": "/limited", "max_rate_hz": 10.0},
-        {"pattern": "/one_way/.*", "directions": "old_to_new"},
+        {"pattern": "/one_way/.*", "directions": "robot_to_workstation"},
     ],
 }
 
@@ -30,7 +30,7 @@ def setUpModule():
     global SESSION
     SESSION = Session()
     unittest.addModuleCleanup(SESSION.close)
-    SESSION.start(*(f"{side}_{language}" for side in ("old", "new") for language in LANGUAGES))
+    SESSION.start(*(f"{side}_{language}" for side in ("robot", "workstation") for language in LANGUAGES))
     SESSION.translate(**PARAMETERS)
 
 
@@ -45,35 +45,35 @@ def random_message(kind, seed):
     return eras.leave_shapes_where_they_are(message)
 
 
-def check_new(test, old, new):
+def check_workstation(test, robot, workstation):
     """What Noetic has and Indigo has not."""
-    kind = new._type
+    kind = workstation._type
     if kind == "control_msgs/JointControllerState":
-        test.assertIs(new.antiwindup, False)
+        test.assertIs(workstation.antiwindup, False)
     if kind == "sensor_msgs/BatteryState":
-        test.assertTrue(math.isnan(new.temperature))
-        test.assertEqual([], list(new.cell_temperature))
+        test.assertTrue(math.isnan(workstation.temperature))
+        test.assertEqual([], list(workstation.cell_temperature))
     if kind == "moveit_msgs/MotionPlanRequest":
-        test.assertEqual(("", "", 0.0, []), (new.pipeline_id, new.cartesian_speed_limited_link, new.max_cartesian_speed,
-                                             new.reference_trajectories))
+        test.assertEqual(("", "", 0.0, []), (workstation.pipeline_id, workstation.cartesian_speed_limited_link, workstation.max_cartesian_speed,
+                                             workstation.reference_trajectories))
     if kind == "baxter_core_msgs/HeadPanCommand":
-        test.assertAlmostEqual(old.speed / 100, new.speed_ratio, places=5)
-        test.assertEqual(1, new.enable_pan_request)
+        test.assertAlmostEqual(robot.speed / 100, workstation.speed_ratio, places=5)
+        test.assertEqual(1, workstation.enable_pan_request)
     if kind == "baxter_core_msgs/SEAJointState":
-        test.assertEqual((old.position, old.velocity, old.effort),
-                         (new.actual_position, new.actual_velocity, new.actual_effort))
-        test.assertEqual(([], 0.0), (list(new.commanded_position), new.hystState))
+        test.assertEqual((robot.position, robot.velocity, robot.effort),
+                         (workstation.actual_position, workstation.actual_velocity, workstation.actual_effort))
+        test.assertEqual(([], 0.0), (list(workstation.commanded_position), workstation.hystState))
     if kind == "baxter_core_msgs/EndpointState":
-        test.assertEqual(("base", 0), (new.header.frame_id, new.header.stamp.to_nsec()))
+        test.assertEqual(("base", 0), (workstation.header.frame_id, workstation.header.stamp.to_nsec()))
 
 
-def check_old(test, new, old):
+def check_robot(test, workstation, robot):
     """What changed its name or unit on the way back."""
-    if old._type == "baxter_core_msgs/HeadPanCommand":
-        test.assertEqual(round(new.speed_ratio * 100), old.speed)
-    if old._type == "baxter_core_msgs/SEAJointState":
-        test.assertEqual((new.actual_position, new.actual_velocity, new.actual_effort),
-                         (old.position, old.velocity, old.effort))
+    if robot._type == "baxter_core_msgs/HeadPanCommand":
+        test.assertEqual(round(workstation.speed_ratio * 100), robot.speed)
+    if robot._type == "baxter_core_msgs/SEAJointState":
+        test.assertEqual((workstation.actual_position, workstation.actual_velocity, workstation.actual_effort),
+                         (robot.position, robot.velocity, robot.effort))
 
 
 class Topics(unittest.TestCase):
@@ -103,12 +103,12 @@ class Topics(unittest.TestCase):
                     expected = eras.from_hex(type(message), eras.to_hex(message))
                     same = eras.same_value(eras.without_seq(expected), eras.without_seq(got))
                     self.assertTrue(same, f"{expected}\n{got}")
-                    (check_new if target == "new" else check_old)(self, expected, got)
+                    (check_workstation if target == "workstation" else check_robot)(self, expected, got)
 
     def test_speed_of_the_head_is_a_percentage_or_a_ratio(self):
         kind = "baxter_core_msgs/HeadPanCommand"
-        for source, target, fields, expected in (("old", "new", {"target": 1.0, "speed": 50}, {"speed_ratio": 0.5}),
-                                                 ("new", "old", {"target": 1.0, "speed_ratio": 0.5}, {"speed": 50})):
+        for source, target, fields, expected in (("robot", "workstation", {"target": 1.0, "speed": 50}, {"speed_ratio": 0.5}),
+                                                 ("workstation", "robot", {"target": 1.0, "speed_ratio": 0.5}, {"speed": 50})):
             topic = f"/head/from_{source}"
             SESSION.node(f"{source}_cpp").tell("advertise", topic, kind, 1)
             SESSION.node(f"{source}_cpp").tell("publish", topic, eras.to_hex(SESSION.message(source, kind, **fields)))
@@ -119,38 +119,38 @@ class Topics(unittest.TestCase):
                 self.assertEqual(value, getattr(got, name))
 
     def test_several_versions_on_one_topic(self):
-        """An Indigo-era node that runs at the new master hears and is heard as well as its neighbours."""
+        """An Indigo-era node that runs at the workstation's master hears and is heard as well as its neighbours."""
         kind, topic, back = "control_msgs/JointControllerState", "/versions", "/versions_back"
-        stranger = SESSION.foreign("new_cpp")
-        for node in (stranger, SESSION.node("new_cpp"), SESSION.node("new_python")):
+        stranger = SESSION.foreign("workstation_cpp")
+        for node in (stranger, SESSION.node("workstation_cpp"), SESSION.node("workstation_python")):
             node.tell("subscribe", topic, kind)
-        message = SESSION.message("old", kind, set_point=3.5, i_clamp=0.25)
-        SESSION.node("old_cpp").tell("advertise", topic, kind, 1)
-        SESSION.node("old_cpp").tell("publish", topic, eras.to_hex(message))
-        for node, era in ((stranger, "old"), (SESSION.node("new_cpp"), "new"), (SESSION.node("new_python"), "new")):
+        message = SESSION.message("robot", kind, set_point=3.5, i_clamp=0.25)
+        SESSION.node("robot_cpp").tell("advertise", topic, kind, 1)
+        SESSION.node("robot_cpp").tell("publish", topic, eras.to_hex(message))
+        for node, era in ((stranger, "robot"), (SESSION.node("workstation_cpp"), "workstation"), (SESSION.node("workstation_python"), "workstation")):
             heard = node.wait_for("message", topic)
             got = eras.from_hex(SESSION.era_of(era).message(kind), heard[0][1])
             self.assertEqual((3.5, 0.25), (got.set_point, got.i_clamp))
-        SESSION.node("old_python").tell("subscribe", back, kind)
-        for node, era, value in ((stranger, "old", 1.0), (SESSION.node("new_cpp"), "new", 2.0)):
+        SESSION.node("robot_python").tell("subscribe", back, kind)
+        for node, era, value in ((stranger, "robot", 1.0), (SESSION.node("workstation_cpp"), "workstation", 2.0)):
             node.tell("advertise", back, kind, 1)
             node.tell("publish", back, eras.to_hex(SESSION.message(era, kind, set_point=value)))
-        heard = SESSION.node("old_python").wait_for("message", back, 2)
-        values = {eras.from_hex(SESSION.era_of("old").message(kind), text).set_point for _, text in heard}
+        heard = SESSION.node("robot_python").wait_for("message", back, 2)
+        values = {eras.from_hex(SESSION.era_of("robot").message(kind), text).set_point for _, text in heard}
         self.assertEqual({1.0, 2.0}, values)
 
     def test_latched_messages_reach_late_subscribers(self):
         topic, kind = "/late", "std_msgs/String"
-        old, first, second = SESSION.start("old_cpp", "new_cpp", "new_python")
-        old.tell("advertise", topic, kind, 1)
-        old.tell("publish", topic, eras.to_hex(SESSION.message("old", kind, data="one")))
+        robot, first, second = SESSION.start("robot_cpp", "workstation_cpp", "workstation_python")
+        robot.tell("advertise", topic, kind, 1)
+        robot.tell("publish", topic, eras.to_hex(SESSION.message("robot", kind, data="one")))
         first.tell("subscribe", topic, kind)
         first.wait_for("message", topic)
-        old.tell("publish", topic, eras.to_hex(SESSION.message("old", kind, data="two")))
+        robot.tell("publish", topic, eras.to_hex(SESSION.message("robot", kind, data="two")))
         first.wait_for("message", topic, 2)
         second.tell("subscribe", topic, kind)
         heard = second.wait_for("message", topic)
-        self.assertEqual("two", eras.from_hex(SESSION.era_of("new").message(kind), heard[0][1]).data)
+        self.assertEqual("two", eras.from_hex(SESSION.era_of("workstation").message(kind), heard[0][1]).data)
 
     def test_static_transforms_of_several_nodes(self):
         """Each latches its own message on one topic: somebody who comes late must get all of them."""
@@ -190,34 +190,34 @@ class Topics(unittest.TestCase):
 
     def test_transforms_under_their_old_name(self):
         """tf/tfMessage and tf2_msgs/TFMessage are one type with two names."""
-        old, new = SESSION.start("old_python", "new_cpp")
-        new.tell("subscribe", "/tf_renamed", "tf2_msgs/TFMessage")
-        old.tell("advertise", "/tf_renamed", "tf/tfMessage", 1)
-        old.tell("publish", "/tf_renamed", eras.to_hex(SESSION.message("old", "tf/tfMessage", transforms=[
+        robot, workstation = SESSION.start("robot_python", "workstation_cpp")
+        workstation.tell("subscribe", "/tf_renamed", "tf2_msgs/TFMessage")
+        robot.tell("advertise", "/tf_renamed", "tf/tfMessage", 1)
+        robot.tell("publish", "/tf_renamed", eras.to_hex(SESSION.message("robot", "tf/tfMessage", transforms=[
             {"header": {"frame_id": "odom"}, "child_frame_id": "renamed", "transform": {"rotation": {"w": 1.0}}}])))
-        heard = new.wait_for("message", "/tf_renamed")[0][1]
-        got = eras.from_hex(SESSION.era_of("new").message("tf2_msgs/TFMessage"), heard)
+        heard = workstation.wait_for("message", "/tf_renamed")[0][1]
+        got = eras.from_hex(SESSION.era_of("workstation").message("tf2_msgs/TFMessage"), heard)
         self.assertEqual("renamed", got.transforms[0].child_frame_id)
 
     def test_rate_limit(self):
         topic, kind = "/limited", "std_msgs/Float64"
-        old, new = SESSION.start("old_cpp", "new_cpp")
-        new.tell("subscribe", topic, kind)
-        old.tell("advertise", topic, kind, 0)
-        processes.wait_until(lambda: "/new_cpp" in SESSION.new.nodes(1, topic) and
-                             NAME in SESSION.old.nodes(1, topic), 10, topic)
+        robot, workstation = SESSION.start("robot_cpp", "workstation_cpp")
+        workstation.tell("subscribe", topic, kind)
+        robot.tell("advertise", topic, kind, 0)
+        processes.wait_until(lambda: "/workstation_cpp" in SESSION.workstation.nodes(1, topic) and
+                             NAME in SESSION.robot.nodes(1, topic), 10, topic)
         begin = time.monotonic()
-        old.tell("stream", topic, 200, 400)
-        old.wait_for("repeated", topic)
+        robot.tell("stream", topic, 200, 400)
+        robot.wait_for("repeated", topic)
         seconds = time.monotonic() - begin
-        processes.wait_until(lambda: len(new.heard("message", topic)) >= 5, 5, "some of them")
-        self.assertLessEqual(len(new.heard("message", topic)), 10 * seconds + 2)
+        processes.wait_until(lambda: len(workstation.heard("message", topic)) >= 5, 5, "some of them")
+        self.assertLessEqual(len(workstation.heard("message", topic)), 10 * seconds + 2)
 
     def test_both_sides_publish_one_topic(self):
         """Everybody hears every message exactly once."""
         topic, kind, count = "/exact", "std_msgs/String", 100
-        speakers = [(side, SESSION.node(f"{side}_cpp")) for side in ("old", "new")]
-        listeners = [(side, SESSION.node(f"{side}_python")) for side in ("old", "new")]
+        speakers = [(side, SESSION.node(f"{side}_cpp")) for side in ("robot", "workstation")]
+        listeners = [(side, SESSION.node(f"{side}_python")) for side in ("robot", "workstation")]
         for _, node in listeners:
             node.tell("subscribe", topic, kind)
         for _, node in speakers:
@@ -230,7 +230,7 @@ class Topics(unittest.TestCase):
             node.tell("publish", topic, SESSION.word(f"{side}_end"))
         expected = sorted(f"{side}_{index}" for side, _ in speakers for index in range(count))
         for side, node in listeners:
-            self.until_heard(node, topic, {"old_end", "new_end"})
+            self.until_heard(node, topic, {"robot_end", "workstation_end"})
             counted = [word for word in node.words(topic) if not word.startswith("warm") and not word.endswith("end")]
             self.assertEqual(expected, sorted(counted))
 
@@ -250,8 +250,8 @@ class Topics(unittest.TestCase):
         topic, kind, count = "/twice", "std_msgs/String", 20
         second = SESSION.another_translator("/translator_2", {"topics": {"allow": [topic]}, "services": {"allow": []}})
         try:
-            speakers = [(side, SESSION.node(f"{side}_cpp")) for side in ("old", "new")]
-            listeners = [(side, SESSION.node(f"{side}_python")) for side in ("old", "new")]
+            speakers = [(side, SESSION.node(f"{side}_cpp")) for side in ("robot", "workstation")]
+            listeners = [(side, SESSION.node(f"{side}_python")) for side in ("robot", "workstation")]
             for _, node in listeners:
                 node.tell("subscribe", topic, kind)
             for _, node in speakers:
@@ -267,10 +267,10 @@ class Topics(unittest.TestCase):
             for side, node in speakers:
                 node.tell("publish", topic, SESSION.word(f"{side}_end"))
             for side, node in listeners:
-                self.until_heard(node, topic, {"old_end", "new_end"})
+                self.until_heard(node, topic, {"robot_end", "workstation_end"})
             # What went around would come again and again: the last word's second copy is the end of it.
             for side, node in listeners:
-                other = "old" if side == "new" else "new"
+                other = "robot" if side == "workstation" else "workstation"
                 processes.wait_until(lambda: node.words(topic).count(f"{other}_end") == 2, 10, "both copies")
                 for index in range(count):
                     self.assertEqual(1, node.words(topic).count(f"{side}_{index}"), "heard directly, once")
@@ -280,20 +280,20 @@ class Topics(unittest.TestCase):
 
     def test_what_is_not_allowed_stays(self):
         """/denied by the filter, /one_way by its direction, /clock unless asked for. /crossed is there to tell when."""
-        old, new = SESSION.start("old_python", "new_python")
+        robot, workstation = SESSION.start("robot_python", "workstation_python")
         for topic, kind in (("/denied/a", "std_msgs/String"), ("/clock", "rosgraph_msgs/Clock"),
                             ("/crossed/1", "std_msgs/String")):
-            old.tell("advertise", topic, kind, 0)
-            new.tell("subscribe", topic, kind)
+            robot.tell("advertise", topic, kind, 0)
+            workstation.tell("subscribe", topic, kind)
         for topic in ("/one_way/a", "/crossed/2"):
-            new.tell("advertise", topic, "std_msgs/String", 0)
-            old.tell("subscribe", topic, "std_msgs/String")
-        processes.wait_until(lambda: NAME in SESSION.new.nodes(0, "/crossed/1"), 10, "/crossed/1 at the new master")
-        processes.wait_until(lambda: NAME in SESSION.old.nodes(0, "/crossed/2"), 10, "/crossed/2 at the old master")
-        for master, topic in ((SESSION.new, "/denied/a"), (SESSION.new, "/clock"), (SESSION.old, "/one_way/a")):
+            workstation.tell("advertise", topic, "std_msgs/String", 0)
+            robot.tell("subscribe", topic, "std_msgs/String")
+        processes.wait_until(lambda: NAME in SESSION.workstation.nodes(0, "/crossed/1"), 10, "/crossed/1 at the workstation's master")
+        processes.wait_until(lambda: NAME in SESSION.robot.nodes(0, "/crossed/2"), 10, "/crossed/2 at the robot's master")
+        for master, topic in ((SESSION.workstation, "/denied/a"), (SESSION.workstation, "/clock"), (SESSION.robot, "/one_way/a")):
             self.assertNotIn(NAME, master.nodes(0, topic), topic)
-        for node, topic in ((old, "/clock"), (new, "/clock")):
-            node.tell("unadvertise" if node is old else "unsubscribe", topic)
+        for node, topic in ((robot, "/clock"), (workstation, "/clock")):
+            node.tell("unadvertise" if node is robot else "unsubscribe", topic)
 
     def test_leading_slash_of_frames(self):
         for source, target in both_ways():
@@ -307,22 +307,22 @@ class Topics(unittest.TestCase):
             self.assertEqual(("base", ["/kept"]), (got.header.frame_id, got.name))
 
     def test_warnings_of_the_robot_are_heard(self):
-        old, new = SESSION.start("old_python", "new_python")
-        new.tell("subscribe", "/rosout", "rosgraph_msgs/Log")
-        old.tell("subscribe", "/rosout", "rosgraph_msgs/Log")
-        kind = SESSION.era_of("new").message("rosgraph_msgs/Log")
+        robot, workstation = SESSION.start("robot_python", "workstation_python")
+        workstation.tell("subscribe", "/rosout", "rosgraph_msgs/Log")
+        robot.tell("subscribe", "/rosout", "rosgraph_msgs/Log")
+        kind = SESSION.era_of("workstation").message("rosgraph_msgs/Log")
 
         def heard(node):
             return {log.msg for log in (eras.from_hex(kind, text) for _, text in node.heard("message", "/rosout"))}
 
         def warned():
-            old.tell("log", "info", "only_information")
-            old.tell("log", "warn", "a_warning")
-            new.tell("log", "error", "of_the_new_side")
-            return "a_warning" in heard(new)
-        processes.wait_until(warned, 15, "the warning at the new side")
-        self.assertNotIn("only_information", heard(new))
-        self.assertNotIn("of_the_new_side", heard(old))
+            robot.tell("log", "info", "only_information")
+            robot.tell("log", "warn", "a_warning")
+            workstation.tell("log", "error", "of_the_workstation_side")
+            return "a_warning" in heard(workstation)
+        processes.wait_until(warned, 15, "the warning at the workstation side")
+        self.assertNotIn("only_information", heard(workstation))
+        self.assertNotIn("of_the_workstation_side", heard(robot))
 
 
 class OneHost(unittest.TestCase):
@@ -331,20 +331,20 @@ class OneHost(unittest.TestCase):
     def test_topics_and_services(self):
         session = Session(one_host=True)
         try:
-            old, new = session.start("old_cpp", "new_python")
+            robot, workstation = session.start("robot_cpp", "workstation_python")
             kind = "control_msgs/JointControllerState"
-            for source, target, side in ((old, new, "old"), (new, old, "new")):
+            for source, target, side in ((robot, workstation, "robot"), (workstation, robot, "workstation")):
                 source.tell("advertise", f"/from_{side}", kind, 1)
                 source.tell("publish", f"/from_{side}", eras.to_hex(session.message(side, kind, set_point=1.5)))
                 target.tell("subscribe", f"/from_{side}", kind)
-            old.tell("serve", "/trigger", "std_srvs/Trigger", "x0100000000")
+            robot.tell("serve", "/trigger", "std_srvs/Trigger", "x0100000000")
             session.translate()
-            for node, topic, side in ((new, "/from_old", "new"), (old, "/from_new", "old")):
+            for node, topic, side in ((workstation, "/from_robot", "workstation"), (robot, "/from_workstation", "robot")):
                 got = eras.from_hex(session.era_of(side).message(kind), node.wait_for("message", topic)[0][1])
                 self.assertEqual(1.5, got.set_point)
-            processes.wait_until(lambda: session.new.nodes(2, "/trigger"), 10, "/trigger at the new master")
-            new.tell("call", "/trigger", "std_srvs/Trigger", "x")
-            self.assertEqual("ok", new.wait_for("response", "/trigger")[0][0])
+            processes.wait_until(lambda: session.workstation.nodes(2, "/trigger"), 10, "/trigger at the workstation's master")
+            workstation.tell("call", "/trigger", "std_srvs/Trigger", "x")
+            self.assertEqual("ok", workstation.wait_for("response", "/trigger")[0][0])
         finally:
             session.close()
 

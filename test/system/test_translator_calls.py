@@ -16,7 +16,7 @@ SESSION = None
 LANGUAGES = ("cpp", "python")
 
 PARAMETERS = {
-    "parameters": {"old_to_new": ["/robot_info", "/both_ways"], "new_to_old": ["/tuning", "/both_ways"]},
+    "parameters": {"robot_to_workstation": ["/robot_info", "/both_ways"], "workstation_to_robot": ["/tuning", "/both_ways"]},
 }
 
 
@@ -24,7 +24,7 @@ def setUpModule():
     global SESSION
     SESSION = Session()
     unittest.addModuleCleanup(SESSION.close)
-    SESSION.start(*(f"{side}_{language}" for side in ("old", "new") for language in LANGUAGES))
+    SESSION.start(*(f"{side}_{language}" for side in ("robot", "workstation") for language in LANGUAGES))
     SESSION.translate(**PARAMETERS)
 
 
@@ -81,18 +81,18 @@ class Services(unittest.TestCase):
 
     def test_a_server_that_went_is_gone(self):
         name, kind = "/goes", "std_srvs/Trigger"
-        SESSION.node("old_cpp").tell("serve", name, kind, "x0100000000")
-        processes.wait_until(lambda: SESSION.new.nodes(2, name), 15, f"{name} at the new side")
-        SESSION.node("old_cpp").tell("unserve", name)
-        processes.wait_until(lambda: not SESSION.new.nodes(2, name), 15, f"no {name} at the new side")
+        SESSION.node("robot_cpp").tell("serve", name, kind, "x0100000000")
+        processes.wait_until(lambda: SESSION.workstation.nodes(2, name), 15, f"{name} at the workstation side")
+        SESSION.node("robot_cpp").tell("unserve", name)
+        processes.wait_until(lambda: not SESSION.workstation.nodes(2, name), 15, f"no {name} at the workstation side")
 
     def test_a_dead_server_is_an_error_and_no_wait(self):
         name, kind = "/dies", "std_srvs/Trigger"
-        SESSION.node("old_cpp_dying").tell("serve", name, kind, "x0100000000")
-        processes.wait_until(lambda: SESSION.new.nodes(2, name), 15, f"{name} at the new side")
-        SESSION.end_node("old_cpp_dying", kill=True)
-        SESSION.node("new_python").tell("call", name, kind, "x")
-        self.assertEqual("failed", SESSION.node("new_python").wait_for("response", name, seconds=10)[0][0])
+        SESSION.node("robot_cpp_dying").tell("serve", name, kind, "x0100000000")
+        processes.wait_until(lambda: SESSION.workstation.nodes(2, name), 15, f"{name} at the workstation side")
+        SESSION.end_node("robot_cpp_dying", kill=True)
+        SESSION.node("workstation_python").tell("call", name, kind, "x")
+        self.assertEqual("failed", SESSION.node("workstation_python").wait_for("response", name, seconds=10)[0][0])
 
 
 class Actions(unittest.TestCase):
@@ -155,54 +155,54 @@ class Actions(unittest.TestCase):
 
     def test_goal_ids_and_stamps_are_unchanged(self):
         name, kind = "/ids", "moveit_msgs/Pickup"
-        server, client, old, new = SESSION.start("old_cpp", "new_cpp", "old_python", "new_python")
+        server, client, robot, workstation = SESSION.start("robot_cpp", "workstation_cpp", "robot_python", "workstation_python")
         server.tell("action_server", name, kind)
         client.tell("action_client", name, kind)
         goal = name + "/goal"
-        for node in (old, new):
+        for node in (robot, workstation):
             node.tell("subscribe", goal, kind + "ActionGoal")
         client.tell("wait_server", name, 20)
         self.assertEqual(["1"], client.wait_for("connected", name, seconds=25)[0])
-        processes.wait_until(lambda: {"/old_python", "/new_python"} <= set(SESSION.old.nodes(1, goal) +
-                                                                           SESSION.new.nodes(1, goal)), 5, "listeners")
+        processes.wait_until(lambda: {"/robot_python", "/workstation_python"} <= set(SESSION.robot.nodes(1, goal) +
+                                                                           SESSION.workstation.nodes(1, goal)), 5, "listeners")
 
         def both_heard():
-            client.tell("send_goal", name, eras.to_hex(self.random("new", kind, "Goal", 1)))
-            return old.heard("message", goal) and new.heard("message", goal)
+            client.tell("send_goal", name, eras.to_hex(self.random("workstation", kind, "Goal", 1)))
+            return robot.heard("message", goal) and workstation.heard("message", goal)
         processes.wait_until(both_heard, 10, "a goal at both sides")
         ids = [{(m.goal_id.id, m.goal_id.stamp.to_nsec()) for m in (
             eras.from_hex(SESSION.era_of(side).message(kind + "ActionGoal"), text)
-            for _, text in node.heard("message", goal))} for side, node in (("old", old), ("new", new))]
+            for _, text in node.heard("message", goal))} for side, node in (("robot", robot), ("workstation", workstation))]
         self.assertTrue(ids[0] & ids[1], ids)
 
     def test_all_five_topics_have_one_caller(self):
         """What actionlib's connection monitor wants."""
         name, kind = "/five", "control_msgs/FollowJointTrajectory"
-        SESSION.node("new_python").tell("action_server", name, kind)
+        SESSION.node("workstation_python").tell("action_server", name, kind)
         for index, part in ((1, "goal"), (1, "cancel"), (0, "status"), (0, "feedback"), (0, "result")):
-            processes.wait_until(lambda: NAME in SESSION.old.nodes(index, f"{name}/{part}"), 10, part)
+            processes.wait_until(lambda: NAME in SESSION.robot.nodes(index, f"{name}/{part}"), 10, part)
 
 
 class Parameters(unittest.TestCase):
     VALUES = {"name": "baxter", "count": 7, "rate": 2.5, "on": True, "list": [1, "two"], "nested": {"deep": {"x": 1.5}}}
 
     def test_prefixes_cross(self):
-        for source, target, prefix in (("old", "new", "/robot_info"), ("new", "old", "/tuning")):
+        for source, target, prefix in (("robot", "workstation", "/robot_info"), ("workstation", "robot", "/tuning")):
             for name, value in self.VALUES.items():
                 SESSION.master_of(source).ask("setParam", f"{prefix}/{name}", value)
             for name, value in self.VALUES.items():
                 self.until_param(target, f"{prefix}/{name}", value)
 
     def test_a_value_does_not_come_back(self):
-        """The prefix crosses both ways, and an old master tells a change to whoever made it."""
-        self.set_and_see("old", "new", 1)
-        self.set_and_see("new", "old", 2)
+        """The prefix crosses both ways, and the master of Indigo reports a change also to the node that made it."""
+        self.set_and_see("robot", "workstation", 1)
+        self.set_and_see("workstation", "robot", 2)
         for value in range(3, 23):
-            SESSION.old.ask("setParam", "/both_ways/value", value)
-        self.until_param("new", "/both_ways/value", 22)
-        self.set_and_see("new", "old", 99)
-        self.until_param("new", "/both_ways/value", 99)
-        self.set_and_see("old", "new", 100)
+            SESSION.robot.ask("setParam", "/both_ways/value", value)
+        self.until_param("workstation", "/both_ways/value", 22)
+        self.set_and_see("workstation", "robot", 99)
+        self.until_param("workstation", "/both_ways/value", 99)
+        self.set_and_see("robot", "workstation", 100)
 
     def set_and_see(self, source, target, value):
         SESSION.master_of(source).ask("setParam", "/both_ways/value", value)
@@ -213,10 +213,10 @@ class Parameters(unittest.TestCase):
         processes.wait_until(lambda: get() == value, 10, lambda: f"{name} at {side}: {get()}, not {value}")
 
     def test_other_parameters_stay(self):
-        SESSION.old.ask("setParam", "/private_value", 1)
-        SESSION.old.ask("setParam", "/robot_info/last", "here")
-        self.until_param("new", "/robot_info/last", "here")
-        self.assertFalse(SESSION.new.ask("hasParam", "/private_value"))
+        SESSION.robot.ask("setParam", "/private_value", 1)
+        SESSION.robot.ask("setParam", "/robot_info/last", "here")
+        self.until_param("workstation", "/robot_info/last", "here")
+        self.assertFalse(SESSION.workstation.ask("hasParam", "/private_value"))
 
 
 class Tools(unittest.TestCase):
@@ -225,7 +225,7 @@ class Tools(unittest.TestCase):
     def run_at(self, side, *words, seconds=15):
         master = SESSION.master_of(side)
         environment = master.environment()
-        era = {"old": "indigo", "new": "noetic"}[side]
+        era = {"robot": "indigo", "workstation": "noetic"}[side]
         environment["PYTHONPATH"] = f"{processes.ERAS / era / 'python'}:{environment.get('PYTHONPATH', '')}"
         return subprocess.run(master.place.command(words), env=environment, capture_output=True, text=True,
                               timeout=seconds)
@@ -239,41 +239,41 @@ class Tools(unittest.TestCase):
             processes.wait_until(lambda: NAME in SESSION.master_of(target).nodes(0, topic), 10, topic)
             done = self.run_at(target, "rostopic", "echo", "-n", "1", topic)
             self.assertIn("set_point: 4.25", done.stdout, done.stderr)
-            self.assertEqual(target == "new", "antiwindup" in done.stdout)
+            self.assertEqual(target == "workstation", "antiwindup" in done.stdout)
 
     def test_rosservice_call(self):
         name, kind = "/by_hand", "gazebo_msgs/GetModelState"
-        response = SESSION.era_of("old").service(kind)._response_class(success=True, status_message="found")
-        SESSION.node("old_cpp").tell("serve", name, kind, eras.to_hex(response))
-        processes.wait_until(lambda: SESSION.new.nodes(2, name), 10, name)
-        done = self.run_at("new", "rosservice", "call", name, "{model_name: box}")
+        response = SESSION.era_of("robot").service(kind)._response_class(success=True, status_message="found")
+        SESSION.node("robot_cpp").tell("serve", name, kind, eras.to_hex(response))
+        processes.wait_until(lambda: SESSION.workstation.nodes(2, name), 10, name)
+        done = self.run_at("workstation", "rosservice", "call", name, "{model_name: box}")
         self.assertIn('status_message: "found"', done.stdout, done.stderr)
         self.assertIn("header:", done.stdout)
 
     def test_the_translator_s_own_services(self):
-        old, new = SESSION.start("old_cpp", "new_cpp")
+        robot, workstation = SESSION.start("robot_cpp", "workstation_cpp")
         kind, topic = "control_msgs/JointControllerState", "/reload"
-        old.tell("advertise", topic, kind, 1)
-        old.tell("publish", topic, eras.to_hex(SESSION.message("old", kind, set_point=1.0)))
-        new.tell("subscribe", topic, kind)
-        new.wait_for("message", topic)
-        done = self.run_at("new", "rosservice", "call", NAME + "_home/reload_rules")
+        robot.tell("advertise", topic, kind, 1)
+        robot.tell("publish", topic, eras.to_hex(SESSION.message("robot", kind, set_point=1.0)))
+        workstation.tell("subscribe", topic, kind)
+        workstation.wait_for("message", topic)
+        done = self.run_at("workstation", "rosservice", "call", NAME + "_home/reload_rules")
         self.assertIn("success: True", done.stdout, done.stderr)
         # Plans are made anew and roscpp's subscribers are called back: they hear the latched message again.
-        new.wait_for("message", topic, 2)
-        done = self.run_at("new", "rosservice", "call", NAME + "_home/status")
+        workstation.wait_for("message", topic, 2)
+        done = self.run_at("workstation", "rosservice", "call", NAME + "_home/status")
         for word in (topic, kind, "c0d034a7", "convert"):
             self.assertIn(word, done.stdout, done.stderr)
 
     def test_rosbag_record(self):
         """A recorder takes any version: it gets the one of its side, with its definition."""
         topic, kind = "/recorded", "sensor_msgs/BatteryState"
-        node = SESSION.node("old_cpp")
+        node = SESSION.node("robot_cpp")
         node.tell("advertise", topic, kind, 1)
-        node.tell("publish", topic, eras.to_hex(SESSION.message("old", kind, voltage=12.5)))
+        node.tell("publish", topic, eras.to_hex(SESSION.message("robot", kind, voltage=12.5)))
         bag = SESSION.folder.path / "recorded.bag"
-        processes.wait_until(lambda: NAME in SESSION.new.nodes(0, topic), 10, topic)
-        done = self.run_at("new", "rosbag", "record", "-O", bag, "-l", "1", topic)
+        processes.wait_until(lambda: NAME in SESSION.workstation.nodes(0, topic), 10, topic)
+        done = self.run_at("workstation", "rosbag", "record", "-O", bag, "-l", "1", topic)
         self.assertTrue(bag.exists(), done.stdout + done.stderr)
         import rosbag
         with rosbag.Bag(str(bag)) as recorded:

@@ -21,7 +21,7 @@ PARAMETERS = {
     "diagnostics": {"period_s": 0.2, "topic_period_s": 0.2},
     "topics": {"deny": ["/to_be_killed"]},  # another translator's
     "services": {"deny": ["/translator_to_kill.*"]},
-    "old": {"hosts": ["127.0.0.1 known-robot"]},
+    "robot": {"hosts": ["127.0.0.1 known-robot"]},
 }
 
 
@@ -29,14 +29,14 @@ def setUpModule():
     global SESSION
     SESSION = Session(one_host=True)
     unittest.addModuleCleanup(SESSION.close)
-    SESSION.start("old_python", "new_cpp", "new_python")
+    SESSION.start("robot_python", "workstation_cpp", "workstation_python")
     SESSION.translate(**PARAMETERS)
 
 
 def status(*arguments, **environment):
     """What the tool prints of the running translator."""
     return subprocess.run([TOOL, "status", *arguments], capture_output=True, text=True, timeout=60,
-                          env={**SESSION.new.environment(), **environment})
+                          env={**SESSION.workstation.environment(), **environment})
 
 
 def status_text():
@@ -55,10 +55,10 @@ def numbers(node, topic):
 class ReferenceTopic(unittest.TestCase):
     def test_every_message_of_a_rospy_publisher_arrives(self):
         """The clock's measurement and the route want the same topic; rospy keeps one connection per caller id."""
-        source, target = SESSION.start("old_python", "new_cpp")
+        source, target = SESSION.start("robot_python", "workstation_cpp")
         source.tell("advertise", REFERENCE, STAMPED, 0)
         target.tell("subscribe", REFERENCE, STAMPED)
-        empty = eras.to_hex(SESSION.message("old", STAMPED))
+        empty = eras.to_hex(SESSION.message("robot", STAMPED))
 
         def arrived():
             source.tell("publish", REFERENCE, empty)
@@ -70,7 +70,7 @@ class ReferenceTopic(unittest.TestCase):
         processes.wait_until(lambda: count - 1 in numbers(target, REFERENCE), 10,
                              lambda: f"the last message; heard {len(numbers(target, REFERENCE))} of {count}")
         self.assertEqual(list(range(count)), numbers(target, REFERENCE))
-        with xmlrpc.client.ServerProxy(SESSION.old.ask("lookupNode", "/old_python")) as node:
+        with xmlrpc.client.ServerProxy(SESSION.robot.ask("lookupNode", "/robot_python")) as node:
             rows = [row for row in node.getBusInfo("/test")[2] if row[4] == REFERENCE]
         self.assertEqual([NAME], [row[1] for row in rows], "one connection")
         text = status_text()
@@ -81,7 +81,7 @@ class ReferenceTopic(unittest.TestCase):
 
     def test_connection_that_ends_again_and_again_is_a_problem(self):
         topic = "/flapping"
-        source, target, watcher = SESSION.start("old_python_flaps", "new_cpp", "new_python")
+        source, target, watcher = SESSION.start("robot_python_flaps", "workstation_cpp", "workstation_python")
         watcher.tell("subscribe", "/diagnostics", "diagnostic_msgs/DiagnosticArray")
         source.tell("advertise", topic, WORD, 0)
         target.tell("subscribe", topic, WORD)
@@ -94,7 +94,7 @@ class ReferenceTopic(unittest.TestCase):
         processes.wait_until(lambda: any(b"again and again" in bytes.fromhex(text[1:]) for _, text in
                                          watcher.heard("message", "/diagnostics")), 10, "diagnostics")
         self.assertIn("again and again", SESSION.translator.log.read_text())
-        SESSION.end_node("old_python_flaps")
+        SESSION.end_node("robot_python_flaps")
 
 
 class StatusTool(unittest.TestCase):
@@ -102,18 +102,18 @@ class StatusTool(unittest.TestCase):
         text = status_text()
         self.assertTrue(text.startswith("link: "), text)
         self.assertNotIn("\\n", text)
-        for word in ("old side master: " + SESSION.old.uri, "new side master: " + SESSION.new.uri, "topics:", "services:"):
+        for word in ("robot side master: " + SESSION.robot.uri, "workstation side master: " + SESSION.workstation.uri, "topics:", "services:"):
             self.assertIn(word, text)
 
     def test_the_masters_uri_may_be_given(self):
-        done = status("--node", NAME[1:] + "_home", "--master", SESSION.new.uri, ROS_MASTER_URI="http://127.0.0.1:9")
+        done = status("--node", NAME[1:] + "_home", "--master", SESSION.workstation.uri, ROS_MASTER_URI="http://127.0.0.1:9")
         self.assertEqual(0, done.returncode, done.stderr)
 
     def test_errors_name_what_is_missing(self):
         for arguments, environment, expected in (
-                ((), {}, rf"no translator /translator at {SESSION.new.uri}; give one of these with --node: "
+                ((), {}, rf"no translator /translator at {SESSION.workstation.uri}; give one of these with --node: "
                          rf".*{NAME}_home"),
-                (("--master", SESSION.old.uri), {}, "none runs there: roslaunch extperfc translator.launch"),
+                (("--master", SESSION.robot.uri), {}, "none runs there: roslaunch extperfc translator.launch"),
                 ((), {"ROS_MASTER_URI": "http://127.0.0.1:9"}, "no master at http://127.0.0.1:9.*--master"),
                 (("--timeout", "0"), {}, "--timeout")):
             done = status(*arguments, **environment)
@@ -123,25 +123,25 @@ class StatusTool(unittest.TestCase):
 
     def test_leaves_nothing_at_the_master(self):
         status_text()
-        self.assertNotIn("extperfc_translate_status", str(SESSION.new.ask("getSystemState")))
+        self.assertNotIn("extperfc_translate_status", str(SESSION.workstation.ask("getSystemState")))
 
 
 class Ends(unittest.TestCase):
     def end(self, name, kill):
         """Has a node heard, with its log, and ends it; returns its URI and its topic."""
-        topic, target = "/of_" + name, SESSION.node("new_python")
+        topic, target = "/of_" + name, SESSION.node("workstation_python")
         source = SESSION.node(name)
         source.tell("advertise", topic, WORD, 0)
         target.tell("subscribe", topic, WORD)
         SESSION.flow(source, target, topic, "alive")
-        uri = SESSION.old.ask("lookupNode", "/" + name)
+        uri = SESSION.robot.ask("lookupNode", "/" + name)
         processes.wait_until(lambda: {"/rosout", topic} <= self.topics_from(uri), 20, "it is heard")
         SESSION.end_node(name, kill=kill)
         processes.wait_until(lambda: not self.topics_from(uri), 20, "its end is noticed")
         return uri, topic
 
     def topics_from(self, uri):
-        with xmlrpc.client.ServerProxy(SESSION.old.ask("lookupNode", NAME)) as node:
+        with xmlrpc.client.ServerProxy(SESSION.robot.ask("lookupNode", NAME)) as node:
             return {row[4] for row in node.getBusInfo("/test")[2] if row[1] == uri}
 
     def warnings(self, uri):
@@ -149,10 +149,10 @@ class Ends(unittest.TestCase):
 
     def test_nodes_that_end_are_no_problem(self):
         """Every node publishes /rosout: its end is an ordinary event."""
-        SESSION.node("new_python").tell("subscribe", "/rosout", "rosgraph_msgs/Log")
-        ended = [self.end(f"old_{language}_ends", kill=False)[0] for language in ("cpp", "python")]
+        SESSION.node("workstation_python").tell("subscribe", "/rosout", "rosgraph_msgs/Log")
+        ended = [self.end(f"robot_{language}_ends", kill=False)[0] for language in ("cpp", "python")]
         # One that is killed stays on its master's list: its own topics are a problem, its log is none.
-        uri, topic = self.end("old_cpp_dies", kill=True)
+        uri, topic = self.end("robot_cpp_dies", kill=True)
         processes.wait_until(lambda: self.warnings(uri), 20, "its topic is missed")
         self.assertEqual([], [line for line in self.warnings(uri) if topic not in line])
         for uri in ended:
@@ -161,9 +161,9 @@ class Ends(unittest.TestCase):
     def test_rosnode_kill_ends_the_translator_whichever_of_its_nodes_is_named(self):
         """As rosnode does it: shutdown() of the node's own API."""
         topic, name = "/to_be_killed", "/translator_to_kill"
-        SESSION.node("old_python").tell("advertise", topic, WORD, 0)
-        SESSION.node("new_cpp").tell("subscribe", topic, WORD)
-        for side, ending in ((SESSION.old, ""), (SESSION.new, ""), (SESSION.new, "_home")):
+        SESSION.node("robot_python").tell("advertise", topic, WORD, 0)
+        SESSION.node("workstation_cpp").tell("subscribe", topic, WORD)
+        for side, ending in ((SESSION.robot, ""), (SESSION.workstation, ""), (SESSION.workstation, "_home")):
             with self.subTest(master=side.name, node=name + ending):
                 translator = SESSION.another_translator(name, {"topics": {"allow": [topic]},
                                                                   "services": {"allow": []}})
@@ -173,7 +173,7 @@ class Ends(unittest.TestCase):
                     self.assertEqual(1, node.shutdown("/rosnode", "user request")[0])
                 processes.wait_until(lambda: not translator.alive(), 10, translator.log_tail)
                 self.assertEqual(0, translator.process.returncode, translator.log_tail())
-                for master in (SESSION.old, SESSION.new):
+                for master in (SESSION.robot, SESSION.workstation):
                     self.assertEqual(set(), {node for node in SESSION.names(master) if node.startswith(name)})
 
 
@@ -181,10 +181,10 @@ class Advice(unittest.TestCase):
     def test_a_name_without_an_address_names_the_parameter(self):
         """A publisher advertises a name that this machine does not resolve."""
         topic = "/unresolved"
-        SESSION.node("new_cpp").tell("subscribe", topic, WORD)
-        SESSION.old.ask("registerPublisher", topic, WORD, "http://robot-without-address.invalid:1234/")
-        self.addCleanup(SESSION.old.ask, "unregisterPublisher", topic, "http://robot-without-address.invalid:1234/")
-        expected = rf"robot-without-address\.invalid.*add it to the parameter {NAME}_home/old/hosts"
+        SESSION.node("workstation_cpp").tell("subscribe", topic, WORD)
+        SESSION.robot.ask("registerPublisher", topic, WORD, "http://robot-without-address.invalid:1234/")
+        self.addCleanup(SESSION.robot.ask, "unregisterPublisher", topic, "http://robot-without-address.invalid:1234/")
+        expected = rf"robot-without-address\.invalid.*add it to the parameter {NAME}_home/robot/hosts"
         processes.wait_until(lambda: re.search(expected, SESSION.translator.log.read_text()), 20,
                              SESSION.translator.log_tail)
 

@@ -27,7 +27,7 @@ def setUpModule():
     global SESSION
     SESSION = Session()
     unittest.addModuleCleanup(SESSION.close)
-    SESSION.start("old_cpp", "new_cpp", "old_python", "new_python")
+    SESSION.start("robot_cpp", "workstation_cpp", "robot_python", "workstation_python")
     SESSION.translate(**PARAMETERS)
 
 
@@ -51,7 +51,7 @@ class Faults(unittest.TestCase):
 
     def restart_master(self, side):
         """What both sides had goes on, and what comes afterwards works without help."""
-        other = "new" if side == "old" else "old"
+        other = "workstation" if side == "robot" else "robot"
         master = SESSION.master_of(side)
         before = SESSION.start(f"{side}_cpp", f"{other}_cpp")
         for index, (source, target) in enumerate((before, before[::-1])):
@@ -69,33 +69,33 @@ class Faults(unittest.TestCase):
             self.latch(source, target, f"/{side}_master/latched_{index}", "kept")
         self.serve(mine, theirs, SESSION.master_of(other), f"/{side}_master/served_here")
         self.serve(theirs, mine, master, f"/{side}_master/served_there")
-        if side == "new":  # where the translator has its own node, with its reports
+        if side == "workstation":  # where the translator has its own node, with its reports
             processes.wait_until(lambda: f"{NAME}_home" in master.nodes(0, "/diagnostics"), 10, "reports again")
         # What was known before the restart is still offered to those who come after it.
         mine.tell("subscribe", f"/{side}_master/before_1", WORD)
         self.flow(before[1], mine, f"/{side}_master/before_1", "to_the_newcomer")
         SESSION.end_node(f"{side}_cpp_after_{side}")
 
-    def test_old_master_restarts(self):
-        self.restart_master("old")
+    def test_robot_master_restarts(self):
+        self.restart_master("robot")
 
-    def test_new_master_restarts(self):
-        self.restart_master("new")
+    def test_workstation_master_restarts(self):
+        self.restart_master("workstation")
 
     def test_publisher_is_killed_and_comes_back(self):
         topic = "/killed"
-        target = SESSION.node("new_python")
-        self.flow(SESSION.node("old_cpp_mortal"), target, topic, "first_life")
-        SESSION.end_node("old_cpp_mortal", kill=True)
-        self.flow(SESSION.node("old_cpp_mortal"), target, topic, "second_life")
-        self.latch(SESSION.node("old_cpp_mortal"), target, topic + "_latched", "third")
-        SESSION.end_node("old_cpp_mortal", kill=True)
+        target = SESSION.node("workstation_python")
+        self.flow(SESSION.node("robot_cpp_mortal"), target, topic, "first_life")
+        SESSION.end_node("robot_cpp_mortal", kill=True)
+        self.flow(SESSION.node("robot_cpp_mortal"), target, topic, "second_life")
+        self.latch(SESSION.node("robot_cpp_mortal"), target, topic + "_latched", "third")
+        SESSION.end_node("robot_cpp_mortal", kill=True)
 
     def test_no_stale_command_after_an_outage(self):
         """Commands go on while the network is away: what is delivered later is young, and soon flows again."""
         if not SESSION.separate:
             self.skipTest("needs network namespaces: run as root")
-        cable = SESSION.network.old_cable
+        cable = SESSION.network.robot_cable
         for seconds in (0.8, 1.0, 4.0):
             with self.subTest(outage_s=seconds):
                 self.outage(f"_lost_{int(10 * seconds)}", seconds, cable.cut, cable.mend)
@@ -104,17 +104,17 @@ class Faults(unittest.TestCase):
         """The kernel keeps packets for a neighbour that it cannot ask for its address, and sends them afterwards."""
         if not SESSION.separate:
             self.skipTest("needs network namespaces: run as root")
-        cable = SESSION.network.old_cable
+        cable = SESSION.network.robot_cable
         for seconds in (0.8, 1.0, 2.0, 3.0):
             with self.subTest(outage_s=seconds):
                 self.outage(f"_pulled_{int(10 * seconds)}", seconds, cable.pull, cable.plug)
 
     def outage(self, name, seconds, begin, end):
-        new, old = SESSION.start("new_cpp", "old_cpp")
+        workstation, robot = SESSION.start("workstation_cpp", "robot_cpp")
         # What a node behind the cut keeps in its own queue is its own: only commands to there are the translator's
         # to drop.
-        streams = [(new, old, "/command_to_old" + name), (new, old, "/plain_to_old" + name),
-                   (old, new, "/plain_to_new" + name)]
+        streams = [(workstation, robot, "/command_to_robot" + name), (workstation, robot, "/plain_to_robot" + name),
+                   (robot, workstation, "/plain_to_workstation" + name)]
         for source, target, topic in streams:
             target.tell("subscribe", topic, "std_msgs/Float64")
             source.tell("advertise", topic, "std_msgs/Float64", 0)
@@ -134,7 +134,7 @@ class Faults(unittest.TestCase):
                     ages = target.ages(topic, count)
                     self.assertLess(max(ages), MAX_AGE_S + 0.3, f"{topic}: {sorted(ages)[-5:]}")
                 self.assertLess(after[0].heard_at - mended, 8.0, f"{topic} flows again")
-        self.serve(old, SESSION.node("new_python"), SESSION.new, "/served_after_outage" + name)
+        self.serve(robot, SESSION.node("workstation_python"), SESSION.workstation, "/served_after_outage" + name)
         for source, _, topic in streams:
             source.tell("stop", topic)
 
@@ -142,7 +142,7 @@ class Faults(unittest.TestCase):
         """It gives up a connection that ends, for good: somebody has to call it back."""
         if not SESSION.separate:
             self.skipTest("needs network namespaces: run as root")
-        source, listener = SESSION.start("new_cpp", "old_python")
+        source, listener = SESSION.start("workstation_cpp", "robot_python")
         topic = "/command_to_rospy"
         listener.tell("subscribe", topic, "std_msgs/Float64")
         source.tell("advertise", topic, "std_msgs/Float64", 0)
@@ -150,10 +150,10 @@ class Faults(unittest.TestCase):
         listener.wait_for("message", topic, 50)
         for seconds in (1.0, 4.0):
             with self.subTest(outage_s=seconds):
-                SESSION.network.old_cable.cut()
+                SESSION.network.robot_cable.cut()
                 time.sleep(seconds)  # the outage itself
                 count = len(listener.heard("message", topic))
-                SESSION.network.old_cable.mend()
+                SESSION.network.robot_cable.mend()
                 mended = time.time()
                 listener.wait_for("message", topic, count + 200, seconds=20)
                 after = listener.heard("message", topic)[count:]
@@ -166,27 +166,27 @@ class Faults(unittest.TestCase):
         """The master tells it while nobody can hear; the translator's connection to the dead one looks alive."""
         if not SESSION.separate:
             self.skipTest("needs network namespaces: run as root")
-        topic, target = "/replaced", SESSION.node("new_python")
-        self.flow(SESSION.node("old_cpp_replaced"), target, topic, "before")
+        topic, target = "/replaced", SESSION.node("workstation_python")
+        self.flow(SESSION.node("robot_cpp_replaced"), target, topic, "before")
         for life, seconds in enumerate((0.0, 3.2)):
             with self.subTest(outage_s=seconds):
-                SESSION.network.old_cable.cut()
+                SESSION.network.robot_cable.cut()
                 cut = time.monotonic()
-                SESSION.end_node("old_cpp_replaced", kill=True)
-                source = SESSION.node("old_cpp_replaced")
+                SESSION.end_node("robot_cpp_replaced", kill=True)
+                source = SESSION.node("robot_cpp_replaced")
                 source.tell("advertise", topic, WORD, 0)
                 time.sleep(max(0.0, cut + seconds - time.monotonic()))  # the outage itself
-                SESSION.network.old_cable.mend()
+                SESSION.network.robot_cable.mend()
                 self.flow(source, target, topic, f"life_{life}")
-        SESSION.end_node("old_cpp_replaced")
+        SESSION.end_node("robot_cpp_replaced")
 
     def test_slow_network_that_loses_packets(self):
         """Images want twenty times what a cable carries, which drops the rest: commands that come are young."""
         if not SESSION.separate:
             self.skipTest("needs network namespaces: run as root")
         command, images, kind = "/command_slow", "/images_slow", "sensor_msgs/Image"
-        source, plain, rospy_node = SESSION.start("new_cpp", "old_cpp", "old_python")
-        image = eras.to_hex(SESSION.message("new", kind, width=100, height=333, step=300, data=bytes(100_000)))
+        source, plain, rospy_node = SESSION.start("workstation_cpp", "robot_cpp", "robot_python")
+        image = eras.to_hex(SESSION.message("workstation", kind, width=100, height=333, step=300, data=bytes(100_000)))
         for node in (plain, rospy_node):
             node.tell("subscribe", command, "std_msgs/Float64")
         plain.tell("subscribe", images, kind)
@@ -197,10 +197,10 @@ class Faults(unittest.TestCase):
         listeners = [(plain, command), (rospy_node, command), (plain, images)]
         for node, topic in listeners:
             node.wait_for("message", topic, 20)
-        SESSION.network.old_cable.slow(400)
+        SESSION.network.robot_cable.slow(400)
         time.sleep(6.0)  # it is slow
         before = [len(node.heard("message", topic)) for node, topic in listeners]
-        SESSION.network.old_cable.mend()
+        SESSION.network.robot_cable.mend()
         for (node, topic), count in zip(listeners, before):
             node.wait_for("message", topic, count + 50, seconds=20)
         for topic in (command, images):
@@ -212,12 +212,12 @@ class Faults(unittest.TestCase):
     def test_stopped_subscriber_costs_nobody_else(self):
         """Its queue is bounded, the others hear everything, and it hears the newest when it goes on."""
         kind, topic, count = "sensor_msgs/Image", "/images", 150
-        source, well = SESSION.start("old_cpp", "new_cpp")
-        stopped = SESSION.node("new_cpp_stopped")
+        source, well = SESSION.start("robot_cpp", "workstation_cpp")
+        stopped = SESSION.node("workstation_cpp_stopped")
         for node in (well, stopped):
             node.tell("subscribe", topic, kind)
         source.tell("advertise", topic, kind, 0)
-        image = eras.to_hex(SESSION.message("old", kind, width=500, height=500, step=1000, data=bytes(500_000)))
+        image = eras.to_hex(SESSION.message("robot", kind, width=500, height=500, step=1000, data=bytes(500_000)))
 
         def both_hear():
             source.tell("publish", topic, image)
@@ -234,14 +234,14 @@ class Faults(unittest.TestCase):
         got = len(stopped.heard("message", topic))
         source.tell("publish", topic, image)
         stopped.wait_for("message", topic, got + 1)
-        SESSION.end_node("new_cpp_stopped")
+        SESSION.end_node("workstation_cpp_stopped")
 
     def test_hostile_bytes(self):
         """Garbage, lies about lengths and half messages at every port: nothing falls, nothing leaks."""
-        source, target = SESSION.start("old_cpp", "new_cpp")
-        self.flow(source, target, "/hostile_new", "before")
-        self.flow(target, source, "/hostile_old", "before")
-        for side in ("old", "new"):
+        source, target = SESSION.start("robot_cpp", "workstation_cpp")
+        self.flow(source, target, "/hostile_workstation", "before")
+        self.flow(target, source, "/hostile_robot", "before")
+        for side in ("robot", "workstation"):
             master = SESSION.master_of(side)
             uri = master.ask("lookupNode", NAME)
             files = SESSION.translator.open_files()
@@ -252,15 +252,15 @@ class Faults(unittest.TestCase):
             processes.wait_until(lambda: SESSION.translator.open_files() <= files + 4, 10,
                                  lambda: f"{files} open files before, {SESSION.translator.open_files()} after")
         self.assertLess(SESSION.translator.memory_mb(), 300)
-        self.flow(source, target, "/hostile_new", "after")
-        self.flow(target, source, "/hostile_old", "after")
+        self.flow(source, target, "/hostile_workstation", "after")
+        self.flow(target, source, "/hostile_robot", "after")
 
     def test_strangers_are_told_why(self):
         """A version that nobody knows: the refusal names the type, its MD5 and what to do."""
-        source, target = SESSION.start("old_cpp", "new_cpp")
+        source, target = SESSION.start("robot_cpp", "workstation_cpp")
         self.flow(source, target, "/strange", "before")
-        uri = SESSION.new.ask("lookupNode", NAME)
-        with raw_peer.connect(SESSION.new.place, raw_peer.topic_address(SESSION.new.place, uri, "/strange")) as stream:
+        uri = SESSION.workstation.ask("lookupNode", NAME)
+        with raw_peer.connect(SESSION.workstation.place, raw_peer.topic_address(SESSION.workstation.place, uri, "/strange")) as stream:
             stream.sendall(raw_peer.header(topic="/strange", type="std_msgs/String", md5sum="1" * 32,
                                            callerid="/stranger"))
             refusal = raw_peer.read_header(stream)["error"]
@@ -269,12 +269,12 @@ class Faults(unittest.TestCase):
 
     def test_action_server_is_killed_and_comes_back(self):
         name, kind = "/mortal", "control_msgs/FollowJointTrajectory"
-        client = SESSION.node("new_cpp")
+        client = SESSION.node("workstation_cpp")
         client.tell("action_client", name, kind)
-        goal = eras.to_hex(SESSION.message("new", kind + "Goal"))
-        result = eras.to_hex(SESSION.message("old", kind + "Result"))
+        goal = eras.to_hex(SESSION.message("workstation", kind + "Goal"))
+        result = eras.to_hex(SESSION.message("robot", kind + "Result"))
         for life in (1, 2):
-            server = SESSION.node("old_python_server")
+            server = SESSION.node("robot_python_server")
             server.tell("action_server", name, kind)
             client.tell("wait_server", name, 20)
             self.assertEqual(["1"], client.wait_for("connected", name, life, seconds=25)[-1])
@@ -289,14 +289,14 @@ class Faults(unittest.TestCase):
                     server.tell("succeed", name, result, "well")
                     answered += 1
                 time.sleep(0.02)
-            SESSION.end_node("old_python_server", kill=True)
+            SESSION.end_node("robot_python_server", kill=True)
 
     def test_publishers_that_lie(self):
         """A publisher whose messages end early or are absurdly long loses its connection, not the others theirs."""
-        source, target = SESSION.start("old_cpp", "new_cpp")
+        source, target = SESSION.start("robot_cpp", "workstation_cpp")
         self.flow(source, target, "/liar", "before")
         md5 = "992ce8a1687cec8c8bd883ec73ca41d1"
-        with raw_peer.FakePublisher(SESSION.old, "/liar", "std_msgs/String", md5) as liar:
+        with raw_peer.FakePublisher(SESSION.robot, "/liar", "std_msgs/String", md5) as liar:
             for body in (struct.pack("<I", 0xfffffff0), struct.pack("<II", 4, 1000),
                          struct.pack("<II", 8, 0xffffffff) + b"abcd", struct.pack("<I", 100) + b"short"):
                 liar.greet(body)
@@ -306,12 +306,12 @@ class Faults(unittest.TestCase):
     def test_versions_that_do_not_convert_are_reported(self):
         """No silence: the subscriber's and the publisher's types differ and no rule joins them."""
         topic = "/no_way"
-        old, new = SESSION.start("old_cpp", "new_cpp")
-        listener = SESSION.node("new_python")
+        robot, workstation = SESSION.start("robot_cpp", "workstation_cpp")
+        listener = SESSION.node("workstation_python")
         listener.tell("subscribe", "/diagnostics", "diagnostic_msgs/DiagnosticArray")
-        old.tell("advertise", topic, "std_msgs/Float64", 0)
-        new.tell("subscribe", topic, "std_msgs/String")
-        kind = SESSION.era_of("new").message("diagnostic_msgs/DiagnosticArray")
+        robot.tell("advertise", topic, "std_msgs/Float64", 0)
+        workstation.tell("subscribe", topic, "std_msgs/String")
+        kind = SESSION.era_of("workstation").message("diagnostic_msgs/DiagnosticArray")
 
         def report():
             for _, content in listener.heard("message", "/diagnostics")[-5:]:
@@ -342,8 +342,8 @@ class Clocks(unittest.TestCase):
 
     def reference(self):
         kind = "sensor_msgs/JointState"
-        old, new = SESSION.start("old_cpp", "new_cpp")
-        for source, target, topic in ((old, new, "/shift/states"), (new, old, "/shift/back")):
+        robot, workstation = SESSION.start("robot_cpp", "workstation_cpp")
+        for source, target, topic in ((robot, workstation, "/shift/states"), (workstation, robot, "/shift/back")):
             source.tell("advertise", topic, kind, 0)
             target.tell("subscribe", topic, kind)
 
@@ -357,16 +357,16 @@ class Clocks(unittest.TestCase):
             return [(e.heard_at, eras.from_hex(read, e[1]).header.stamp.to_sec()) for e in node.heard("message", topic)]
 
         def shifted():
-            send(old, "old", "/shift/states", time.time() + self.AHEAD_S)
-            return any(abs(at - stamp) < 0.3 for at, stamp in stamps(new, "new", "/shift/states")[-3:])
-        processes.wait_until(shifted, 20, "a stamp of the old side in the new side's time")
+            send(robot, "robot", "/shift/states", time.time() + self.AHEAD_S)
+            return any(abs(at - stamp) < 0.3 for at, stamp in stamps(workstation, "workstation", "/shift/states")[-3:])
+        processes.wait_until(shifted, 20, "a stamp of the robot side in the workstation side's time")
 
         def shifted_back():
-            send(new, "new", "/shift/back", time.time())
-            send(new, "new", "/shift/back", 0)
-            return any(abs(stamp - at - self.AHEAD_S) < 0.3 for at, stamp in stamps(old, "old", "/shift/back")[-4:])
-        processes.wait_until(shifted_back, 20, "a stamp of the new side in the old side's time")
-        processes.wait_until(lambda: 0.0 in [stamp for _, stamp in stamps(old, "old", "/shift/back")], 20,
+            send(workstation, "workstation", "/shift/back", time.time())
+            send(workstation, "workstation", "/shift/back", 0)
+            return any(abs(stamp - at - self.AHEAD_S) < 0.3 for at, stamp in stamps(robot, "robot", "/shift/back")[-4:])
+        processes.wait_until(shifted_back, 20, "a stamp of the workstation side in the robot side's time")
+        processes.wait_until(lambda: 0.0 in [stamp for _, stamp in stamps(robot, "robot", "/shift/back")], 20,
                              "a stamp of 0, which is none and stays none")
 
 

@@ -21,7 +21,7 @@ def setUpModule():
     global SESSION
     SESSION = Session(one_host=True)
     unittest.addModuleCleanup(SESSION.close)
-    SESSION.start("old_python", "new_python", "new_cpp")
+    SESSION.start("robot_python", "workstation_python", "workstation_cpp")
     SESSION.translate(**PARAMETERS)
 
 
@@ -41,67 +41,67 @@ class Rospy(unittest.TestCase):
     def test_listener_whose_connection_was_given_up_is_called_back(self):
         """It stood still for longer than commands live; its connection ended meanwhile."""
         topic = "/command_large"
-        source, target = SESSION.start("new_cpp", "old_python_stops")
+        source, target = SESSION.start("workstation_cpp", "robot_python_stops")
         self.begin(source, target, topic)
         # Before the large ones: not in the middle of a long line of its output.
         target.process.send_signal(signal.SIGSTOP)
         try:
             source.tell("repeat", topic, 50, 1_000_000, SESSION.word("x" * 400_000))
-            processes.wait_until(lambda: not subscribers(SESSION.old, topic), 20, "the translator gives it up")
+            processes.wait_until(lambda: not subscribers(SESSION.robot, topic), 20, "the translator gives it up")
         finally:
             target.process.send_signal(signal.SIGCONT)
         source.tell("stop", topic)
         SESSION.flow(source, target, topic, "again")
-        SESSION.end_node("old_python_stops")
+        SESSION.end_node("robot_python_stops")
 
     def test_listener_that_is_killed_and_started_again_hears(self):
         topic = "/command_to_mortal"
-        source, target = SESSION.start("new_python", "old_python_mortal")
+        source, target = SESSION.start("workstation_python", "robot_python_mortal")
         self.begin(source, target, topic)
-        SESSION.end_node("old_python_mortal", kill=True)
-        target = SESSION.node("old_python_mortal")
+        SESSION.end_node("robot_python_mortal", kill=True)
+        target = SESSION.node("robot_python_mortal")
         target.tell("subscribe", topic, WORD)
         SESSION.flow(source, target, topic, "second_life")
-        self.assertEqual(["/old_python_mortal"], subscribers(SESSION.old, topic))
-        SESSION.end_node("old_python_mortal")
+        self.assertEqual(["/robot_python_mortal"], subscribers(SESSION.robot, topic))
+        SESSION.end_node("robot_python_mortal")
 
     def test_listener_that_unsubscribed_is_left_alone(self):
         topic = "/command_unwanted"
-        source, target = SESSION.start("new_cpp", "old_python")
+        source, target = SESSION.start("workstation_cpp", "robot_python")
         self.begin(source, target, topic)
         target.tell("unsubscribe", topic)
-        processes.wait_until(lambda: not subscribers(SESSION.old, topic), 20, "it leaves")
+        processes.wait_until(lambda: not subscribers(SESSION.robot, topic), 20, "it leaves")
         heard = len(target.heard("message", topic))
         target.tell("subscribe", topic, WORD)
         SESSION.flow(source, target, topic, "wanted_again")
         self.assertGreater(len(target.heard("message", topic)), heard)
-        self.assertEqual(1, len(subscribers(SESSION.old, topic)), "one connection, not two")
+        self.assertEqual(1, len(subscribers(SESSION.robot, topic)), "one connection, not two")
 
     def test_talker_that_is_replaced_while_the_translator_stands_still(self):
         """Same name, other process: what the master tells us of it waits, or is lost."""
         topic = "/state_of_mortal"
-        source, target = SESSION.start("old_python_talker", "new_python")
+        source, target = SESSION.start("robot_python_talker", "workstation_python")
         self.begin(source, target, topic)
         SESSION.translator.process.send_signal(signal.SIGSTOP)
         try:
-            SESSION.end_node("old_python_talker", kill=True)
-            source = SESSION.node("old_python_talker")
+            SESSION.end_node("robot_python_talker", kill=True)
+            source = SESSION.node("robot_python_talker")
             source.tell("advertise", topic, WORD, 0)
             time.sleep(1.0)  # it stands still
         finally:
             SESSION.translator.process.send_signal(signal.SIGCONT)
         SESSION.flow(source, target, topic, "second_talker")
-        SESSION.end_node("old_python_talker", kill=True)
+        SESSION.end_node("robot_python_talker", kill=True)
 
     def test_reloading_rules_brings_everybody_back(self):
         """All connections end and begin anew, both ways, also when rospy sees the end after the call."""
-        old, new = SESSION.start("old_python", "new_python")
-        streams = [(old, new, "/reloaded_to_new"), (new, old, "/reloaded_to_old"), (new, old, "/command_reloaded")]
+        robot, workstation = SESSION.start("robot_python", "workstation_python")
+        streams = [(robot, workstation, "/reloaded_to_workstation"), (workstation, robot, "/reloaded_to_robot"), (workstation, robot, "/command_reloaded")]
         for stream in streams:
             self.begin(*stream)
         for life in range(3):
-            new.tell("call", f"{NAME}_home/reload_rules", "std_srvs/Trigger", "x")
-            self.assertEqual("ok", new.wait_for("response", f"{NAME}_home/reload_rules", life + 1)[life][0])
+            workstation.tell("call", f"{NAME}_home/reload_rules", "std_srvs/Trigger", "x")
+            self.assertEqual("ok", workstation.wait_for("response", f"{NAME}_home/reload_rules", life + 1)[life][0])
             for stream in streams:
                 SESSION.flow(*stream, f"life_{life}")
 

@@ -70,7 +70,7 @@ class Soak(unittest.TestCase):
         done = subprocess.run(words, capture_output=True, text=True, timeout=240, env=os.environ)
         self.assertEqual(0, done.returncode, done.stdout + done.stderr)
         self.assertIn("0 problems", done.stdout)
-        self.assertIn("/soak/old/convert", done.stdout)
+        self.assertIn("/soak/robot/convert", done.stdout)
 
 
 if __name__ == "__main__":

@@ -23,12 +23,12 @@ def topics_of(side):
         f"/soak/{side}/latched": (String, True),
         f"/soak/{side}/latched_convert": (JointControllerState, True),
     }
-    if side == "new":
+    if side == "workstation":
         topics["/robot/limb/left/joint_command_timeout"] = (Float64, False)
     return topics
 
 
-SERVICE = "/soak/old/service"
+SERVICE = "/soak/robot/service"
 STEP = 1e7  # numbers of one life of a talker, packed with its run into a float64
 
 
@@ -66,7 +66,7 @@ def talk(arguments, notes):
     topics = topics_of(arguments.side)
     publishers = {name: rospy.Publisher(name, kind, queue_size=100, latch=latched, tcp_nodelay=True)
                   for name, (kind, latched) in topics.items()}
-    if arguments.side == "old":
+    if arguments.side == "robot":
         rospy.Service(SERVICE, Trigger, lambda _: TriggerResponse(True, "here"))
     for name, (kind, latched) in topics.items():
         if latched:
@@ -96,10 +96,10 @@ def call(notes):
 
 
 def listen(arguments, notes):
-    for name, (kind, _) in topics_of("new" if arguments.side == "old" else "old").items():
+    for name, (kind, _) in topics_of("workstation" if arguments.side == "robot" else "robot").items():
         rospy.Subscriber(name, kind, lambda message, topic: notes.write("heard", topic, *unpack(message)), name,
                          queue_size=1000, tcp_nodelay=True)
-    if arguments.side == "new" and arguments.role == "listener":
+    if arguments.side == "workstation" and arguments.role == "listener":
         threading.Thread(target=call, args=(notes,), daemon=True).start()
     rospy.spin()
 
@@ -107,7 +107,7 @@ def listen(arguments, notes):
 def main():
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--role", choices=("talker", "listener", "late"), required=True)
-    parser.add_argument("--side", choices=("old", "new"), required=True)
+    parser.add_argument("--side", choices=("robot", "workstation"), required=True)
     parser.add_argument("--run", type=int, default=0)
     parser.add_argument("--rate", type=float, default=20.0)
     parser.add_argument("--file", required=True)

@@ -22,7 +22,7 @@ class Faults:
             self.all.append(self.network_drops)
 
     def _side(self):
-        return self._random.choice(("old", "new"))
+        return self._random.choice(("robot", "workstation"))
 
     def shuffled(self):
         """Endless: every fault once, in random order, then again."""
@@ -90,7 +90,7 @@ class Faults:
             return []
         at = urllib.parse.urlparse(uri)
         places = [(at.hostname, at.port)]
-        other = "new" if master is self._soak.session.old else "old"
+        other = "workstation" if master is self._soak.session.robot else "robot"
         with contextlib.suppress(OSError, xmlrpc.client.Error), master.place.inside(), xmlrpc.client.ServerProxy(uri) as node:
             code, _, answer = node.requestTopic("/soak", f"/soak/{other}/pass", [["TCPROS"]])
             if code == 1:

@@ -36,7 +36,7 @@ class Node(processes.Child):
         role, side = name.split("_")[:2]
         master = getattr(soak.session, side)
         environment = master.environment()
-        era = "indigo" if side == "old" else "noetic"
+        era = "indigo" if side == "robot" else "noetic"
         environment["PYTHONPATH"] = f"{processes.ERAS / era / 'python'}:{environment.get('PYTHONPATH', '')}"
         self.run = run
         self.file = soak.folder / f"{name}.txt"
@@ -101,7 +101,7 @@ class Soak:
     def check_late(self, side):
         """A listener that comes now gets everything that is latched on the other side."""
         name = f"late_{side}"
-        due = self.latched_now("new" if side == "old" else "old")
+        due = self.latched_now("workstation" if side == "robot" else "robot")
         self._runs += 1
         node = Node(self, name, self._runs)
         begin = time.monotonic()
@@ -120,7 +120,7 @@ class Soak:
     def streams(self):
         """By topic, from the files of talkers and listeners."""
         found = {}
-        for side, other in (("old", "new"), ("new", "old")):
+        for side, other in (("robot", "workstation"), ("workstation", "robot")):
             sent = soak_checks.read_notes(self.folder / f"talker_{side}.txt")
             heard = soak_checks.read_notes(self.folder / f"listener_{other}.txt")
             for topic, (_, latched) in soak_node.topics_of(side).items():
@@ -130,7 +130,7 @@ class Soak:
         return found
 
     def calls(self):
-        notes = soak_checks.read_notes(self.folder / "listener_new.txt")
+        notes = soak_checks.read_notes(self.folder / "listener_workstation.txt")
         return [n for n in notes if n.kind in ("called", "failed")]
 
 
@@ -154,7 +154,7 @@ def say(begin, text):
 
 
 def begin_all(soak, begin):
-    soak.start(*(f"{role}_{side}" for role in ("talker", "listener") for side in ("old", "new")))
+    soak.start(*(f"{role}_{side}" for role in ("talker", "listener") for side in ("robot", "workstation")))
     networks = "two network namespaces" if soak.session.separate else "one host"
     say(begin, f"two masters, {networks}, four nodes at {soak.rate:g} Hz per topic")
     soak.pass_time(time.monotonic() + 5.0)
@@ -167,7 +167,7 @@ def run(soak, arguments):
     period = arguments.fault_period
     lengths_s = [length for length in (1.0, 3.0, 10.0) if length <= period / 2] or [0.5]
     order = Faults(soak, random.Random(arguments.seed), lengths_s).shuffled()
-    side_of_late = "new"
+    side_of_late = "workstation"
     stop = begin + 60 * arguments.minutes
     while time.monotonic() + period < stop:
         started = time.monotonic()
@@ -176,17 +176,17 @@ def run(soak, arguments):
         soak.sample()
         say(begin, f"{text} (translator: {soak.memory[-1][1]:.1f} MB)")
         soak.pass_time(started + period - 4.0 if period > 12 else started + 0.7 * period)
-        side_of_late = "old" if side_of_late == "new" else "new"
+        side_of_late = "robot" if side_of_late == "workstation" else "workstation"
         line = soak.check_late(side_of_late)
         say(begin, line)
         soak.pass_time(started + period)
-    for side in ("old", "new"):
+    for side in ("robot", "workstation"):
         say(begin, soak.check_late(side))
 
 
 def check(soak, streams, end):
     problems = list(soak.problems)
-    blind = [fault for fault in soak.faults if "stopped" in fault.text or "network of new" in fault.text]
+    blind = [fault for fault in soak.faults if "stopped" in fault.text or "network of workstation" in fault.text]
     for stream in streams.values():
         stream.check(soak.faults, end)
         # A command that waited too long is dropped on purpose; but commands must come again after a fault.

@@ -20,14 +20,14 @@
 /// definitions differ.
 namespace extperfc::translate {
 
-/// The two sides: by convention `old` is the robot's, `new` the workstation's.
-enum class End : std::uint8_t { kOld = 0, kNew = 1 };
-[[nodiscard]] constexpr End other(End end) {
-  return end == End::kOld ? End::kNew : End::kOld;
+/// The two sides that a bridge joins: the robot and the workstation.
+enum class Side : std::uint8_t { kRobot = 0, kWorkstation = 1 };
+[[nodiscard]] constexpr Side other(Side side) {
+  return side == Side::kRobot ? Side::kWorkstation : Side::kRobot;
 }
-[[nodiscard]] const char* to_string(End end);  ///< "old", "new"
+[[nodiscard]] const char* to_string(Side side);  ///< "robot", "workstation"
 
-enum class Directions : std::uint8_t { kBoth, kOldToNew, kNewToOld };
+enum class Directions : std::uint8_t { kBoth, kRobotToWorkstation, kWorkstationToRobot };
 
 /// What crosses: a name crosses when an `allow` expression matches all of it and no `deny` expression does
 /// (ECMAScript regular expressions over absolute names).
@@ -49,7 +49,7 @@ struct TopicProfile {
   PlanOptions::Slash frame_slash{PlanOptions::Slash::kKeep};
 };
 
-struct EndParams {
+struct SideParams {
   PeerParams peer;
   /// Sets of the definition store in which this side's own version of a type is looked up, in order; for
   /// subscribers that take any MD5 (rosbag) and for types that nobody has told yet.
@@ -58,25 +58,26 @@ struct EndParams {
 
 struct ClockParams {
   bool shift_stamps{false};  ///< add the measured offset to every `time` field
-  /// Topics of the old side whose first field is a Header; the smallest (receive time - stamp) of a window is
-  /// the offset plus the shortest delay.
+  /// Topics of the robot side whose first field is a Header; the smallest (receive time - stamp) of a window
+  /// is the offset plus the shortest delay.
   std::vector<std::string> reference_topics;
-  std::string ntp_server;  ///< SNTP host of the old side; preferred to topics; empty: none
+  std::string ntp_server;  ///< SNTP host of the robot side; preferred to topics; empty: none
   std::uint16_t ntp_port{123};
   double window_s{10.0};
   double report_above_s{0.1};  ///< diagnostics warn above
 };
 
 struct BridgeParams {
-  std::array<EndParams, 2> ends;  ///< by End
-  double poll_period_s{1.0};      ///< between looks at the graphs
+  std::array<SideParams, 2> sides;  ///< by Side
+  double poll_period_s{1.0};        ///< between looks at the graphs
   NameFilter topics, services;
   std::vector<TopicProfile> profiles;  ///< what matches none has TopicProfile's defaults
-  std::vector<std::string> params_old_to_new, params_new_to_old;  ///< prefixes; none by default
-  bool clock{false};  ///< let /clock cross, in this direction only
-  Directions clock_direction{Directions::kOldToNew};
-  bool rosout{true};                   ///< let /rosout cross, old to new
-  std::uint8_t rosout_least_level{4};  ///< rosgraph_msgs/Log: 1 debug, 2 info, 4 warn, 8 error, 16 fatal
+  std::vector<std::string> params_robot_to_workstation,
+      params_workstation_to_robot;  ///< prefixes; none by default
+  bool clock{false};                ///< let /clock cross, in this direction only
+  Directions clock_direction{Directions::kRobotToWorkstation};
+  bool rosout{true};                 ///< let /rosout cross, robot to workstation
+  std::uint8_t rosout_min_level{4};  ///< rosgraph_msgs/Log: 1 debug, 2 info, 4 warn, 8 error, 16 fatal
   double service_timeout_s{60.0};
   double schema_patience_s{3.0};  ///< how long a subscriber waits for the publisher's definition
   ClockParams clocks;
@@ -85,14 +86,14 @@ struct BridgeParams {
 /// One topic in one direction, for diagnostics.
 struct TopicStatus {
   std::string topic;
-  End from{End::kOld};
-  struct Version {
+  Side from{Side::kRobot};
+  struct Target {
     std::string type, md5;
     std::string plan;  ///< "pass", "convert", or why there is none
     std::size_t subscribers{0};
   };
   std::string from_type, from_md5;
-  std::vector<Version> to;
+  std::vector<Target> to;
   std::size_t publishers{0};
   std::uint64_t messages{0}, bytes{0};
   std::uint64_t dropped{0};  ///< queue, age and rate limit
@@ -106,26 +107,26 @@ struct TopicStatus {
 
 struct ServiceStatus {
   std::string service;
-  End from{End::kOld};  ///< where the server is
+  Side from{Side::kRobot};  ///< where the server is
   std::string type, md5, plan, problem;
   std::uint64_t calls{0}, failed{0};
   double latency_mean_s{0};
 };
 
 struct BridgeStatus {
-  struct EndStatus {
+  struct SideStatus {
     std::string master_uri, uri, problem;
     bool reachable{false};
     std::uint64_t restarts{0};
     std::size_t topics{0}, services{0};
   };
-  std::array<EndStatus, 2> ends;
+  std::array<SideStatus, 2> sides;
   std::vector<TopicStatus> topics;
   std::vector<ServiceStatus> services;
   std::size_t params{0};
   struct Clock {
     bool known{false};
-    double offset_s{0};  ///< the old side's clock minus ours (the new side's)
+    double offset_s{0};  ///< the robot's clock minus ours (the workstation side's)
     std::string source;  ///< "ntp host", "topic /robot/joint_states"
     double age_s{0};
     std::string problem;  ///< of a reference topic; empty when all is well

@@ -14,12 +14,12 @@ namespace extperfc::translate {
 [[nodiscard]] double wall_clock_s();
 [[nodiscard]] double wall_clock_s(SteadyTime moment);
 
-/// How far the old side's clock is ahead of ours: offset = old clock - our clock, in seconds, from two kinds
+/// How far the robot's clock is ahead of ours: offset = robot clock - our clock, in seconds, from two kinds
 /// of measurements. Times are seconds since 1970 of the named clock. One thread; bounded memory; O(1) per
 /// sample.
 ///
-/// Stamps: a message stamped `stamp` by the old clock and received at `receive` by ours took a delay that is
-/// not negative, so stamp - receive = offset - delay is a LOWER bound of the offset. The largest one of a
+/// Stamps: a message stamped `stamp` by the robot's clock and received at `receive` by ours took a delay that
+/// is not negative, so stamp - receive = offset - delay is a LOWER bound of the offset. The largest one of a
 /// sliding window belongs to the shortest delay, and is the estimate. It is too low by that shortest delay:
 /// stamps that are shifted with it, in either direction, never lie in the receiver's future.
 ///
@@ -54,8 +54,8 @@ class ClockOffset {
 
   /// Stamps of 0 (not set), and what is not finite, do not count.
   void add_stamp_sample(double receive_time_s, double stamp_s);
-  /// t0: our clock when the request left; t1, t2: the old clock when it came and when the answer left; t3:
-  /// ours when that came. Samples that no order of events can make do not count.
+  /// t0: our clock when the request left; t1, t2: the robot's clock when it came and when the answer left;
+  /// t3: ours when that came. Samples that no order of events can make do not count.
   void add_ntp_sample(double t0, double t1, double t2, double t3);
 
   /// Nothing before the first kAgree stamps or the first NTP sample. Stays, and ages, when samples stop.

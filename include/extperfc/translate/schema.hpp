@@ -73,7 +73,7 @@ class MessageSchema {
   /// Bytes on the wire when every instance has the same number, e.g. 24 of geometry_msgs/Point.
   [[nodiscard]] std::optional<std::size_t> fixed_size() const { return fixed_size_; }
   /// The fewest bytes that an instance takes.
-  [[nodiscard]] std::size_t least_size() const { return least_size_; }
+  [[nodiscard]] std::size_t min_size() const { return min_size_; }
   /// True when a `time` is in it, at any depth.
   [[nodiscard]] bool has_time() const { return has_time_; }
   /// Definitions that embed one another below this one: 0 when it embeds none.
@@ -93,7 +93,7 @@ class MessageSchema {
   std::vector<Constant> constants_;
   std::string md5_;
   std::optional<std::size_t> fixed_size_;
-  std::size_t least_size_{0};
+  std::size_t min_size_{0};
   std::size_t depth_{0};
   std::size_t expanded_fields_{0};
   bool has_time_{false};

@@ -22,19 +22,19 @@ namespace {
 using std::chrono::milliseconds;
 using translate::BridgeParams;
 using translate::Directions;
-using translate::End;
-using translate::EndParams;
 using translate::PlanOptions;
 using translate::Priority;
+using translate::Side;
+using translate::SideParams;
 using translate::TopicProfile;
 using Strings = std::vector<std::string>;
 
-constexpr double kMostBytes = 2147483647.0;  // of a 32-bit parameter
+constexpr double kMaxBytes = 2147483647.0;  // of a 32-bit parameter
 
 const Words<Directions>& directions() {
   static const Words<Directions> words{{"both", Directions::kBoth},
-                                       {"old_to_new", Directions::kOldToNew},
-                                       {"new_to_old", Directions::kNewToOld}};
+                                       {"robot_to_workstation", Directions::kRobotToWorkstation},
+                                       {"workstation_to_robot", Directions::kWorkstationToRobot}};
   return words;
 }
 const Words<Priority>& priorities() {
@@ -178,59 +178,59 @@ std::string host_of_environment() {
   return {};
 }
 
-void read_end(ParamReader& reader, const ros::NodeHandle& handle, EndParams& end) {
-  reader.read("name", end.peer.name);
-  reader.read("advertised_host", end.peer.advertised_host);
-  reader.read("bind_address", end.peer.bind_address);
-  read_hosts(reader, handle, end.peer.hosts);
-  read_strings(reader, handle, "definitions", end.definitions);
-  read_seconds(reader, "master_period_s", end.peer.master_period, {0.1, 60.0});
-  read_seconds(reader, "master_timeout_s", end.peer.master_timeout, {0.1, 60.0});
-  read_seconds(reader, "node_timeout_s", end.peer.node_timeout, {0.1, 60.0});
-  check_name(reader, handle, end.peer.name);
-  end.peer.hosts_remedy = "add it to the parameter " + handle.resolveName("hosts");
-  end.peer.advertised_host_remedy = "set the parameter " + handle.resolveName("advertised_host");
+void read_side(ParamReader& reader, const ros::NodeHandle& handle, SideParams& side) {
+  reader.read("name", side.peer.name);
+  reader.read("advertised_host", side.peer.advertised_host);
+  reader.read("bind_address", side.peer.bind_address);
+  read_hosts(reader, handle, side.peer.hosts);
+  read_strings(reader, handle, "definitions", side.definitions);
+  read_seconds(reader, "master_period_s", side.peer.master_period, {0.1, 60.0});
+  read_seconds(reader, "master_timeout_s", side.peer.master_timeout, {0.1, 60.0});
+  read_seconds(reader, "node_timeout_s", side.peer.node_timeout, {0.1, 60.0});
+  check_name(reader, handle, side.peer.name);
+  side.peer.hosts_remedy = "add it to the parameter " + handle.resolveName("hosts");
+  side.peer.advertised_host_remedy = "set the parameter " + handle.resolveName("advertised_host");
 }
 
-void read_old(ParamReader& reader, const ros::NodeHandle& handle, EndParams& end) {
-  reader.require("master_uri", end.peer.master_uri,
-                 "the robot's master, e.g. http://<serial>.local:11311 (launch argument old_master_uri)");
-  check_uri(reader, handle, end.peer.master_uri);
-  read_end(reader, handle, end);
+void read_robot(ParamReader& reader, const ros::NodeHandle& handle, SideParams& side) {
+  reader.require("master_uri", side.peer.master_uri,
+                 "the robot's master, e.g. http://<serial>.local:11311 (launch argument robot_master_uri)");
+  check_uri(reader, handle, side.peer.master_uri);
+  read_side(reader, handle, side);
 }
 
-void read_new(ParamReader& reader, const ros::NodeHandle& handle, EndParams& end,
-              const std::string& node_name) {
-  reader.read("master_uri", end.peer.master_uri);
-  if (end.peer.master_uri.empty()) end.peer.master_uri = ros::master::getURI();
-  check_uri(reader, handle, end.peer.master_uri);
-  read_end(reader, handle, end);
-  if (end.peer.advertised_host.empty()) end.peer.advertised_host = host_of_environment();
-  if (end.peer.name == node_name)
+void read_workstation(ParamReader& reader, const ros::NodeHandle& handle, SideParams& side,
+                      const std::string& node_name) {
+  reader.read("master_uri", side.peer.master_uri);
+  if (side.peer.master_uri.empty()) side.peer.master_uri = ros::master::getURI();
+  check_uri(reader, handle, side.peer.master_uri);
+  read_side(reader, handle, side);
+  if (side.peer.advertised_host.empty()) side.peer.advertised_host = host_of_environment();
+  if (side.peer.name == node_name)
     reader.complain(handle.resolveName("name") + ": '" + node_name +
                     "' is the name of this very node: its master would end one of the two; use another name");
 }
 
-void read_connections(ParamReader& reader, std::array<EndParams, 2>& ends) {
-  auto tcpros = ends[0].peer.tcpros;
-  auto rpc = ends[0].peer.rpc;
-  constexpr int kMost = static_cast<int>(kMostBytes);
+void read_connections(ParamReader& reader, std::array<SideParams, 2>& sides) {
+  auto tcpros = sides[0].peer.tcpros;
+  auto rpc = sides[0].peer.rpc;
+  constexpr int kMax = static_cast<int>(kMaxBytes);
   read_seconds(reader, "handshake_s", tcpros.handshake, {0.1, 60.0});
   read_seconds(reader, "unacknowledged_s", tcpros.unacknowledged, {0.1, 600.0});
   read_seconds(reader, "keep_alive_s", tcpros.keep_alive, {1.0, 7200.0});
   read_seconds(reader, "retry_first_s", tcpros.retry_first, {0.01, 60.0});
   read_seconds(reader, "retry_last_s", tcpros.retry_last, {0.01, 600.0});
-  read_size(reader, "most_links", tcpros.links, {1, 100000});
-  read_size(reader, "largest_message_bytes", tcpros.message_bytes, {1000, kMost});
-  read_size(reader, "largest_header_bytes", tcpros.header_bytes, {1000, kMost});
+  read_size(reader, "max_links", tcpros.links, {1, 100000});
+  read_size(reader, "max_message_bytes", tcpros.message_bytes, {1000, kMax});
+  read_size(reader, "max_header_bytes", tcpros.header_bytes, {1000, kMax});
   read_size(reader, "read_at_once_bytes", tcpros.read_at_once, {4096, 1 << 30});
-  read_size(reader, "rpc_most_connections", rpc.connections, {4, 100000});
-  read_size(reader, "rpc_largest_body_bytes", rpc.body_bytes, {1000, kMost});
+  read_size(reader, "rpc_max_connections", rpc.connections, {4, 100000});
+  read_size(reader, "rpc_max_body_bytes", rpc.body_bytes, {1000, kMax});
   read_seconds(reader, "rpc_idle_s", rpc.idle, {1.0, 7200.0});
   read_seconds(reader, "rpc_request_s", rpc.request, {0.1, 600.0});
-  for (auto& end : ends) {
-    end.peer.tcpros = tcpros;
-    end.peer.rpc = rpc;
+  for (auto& side : sides) {
+    side.peer.tcpros = tcpros;
+    side.peer.rpc = rpc;
   }
 }
 
@@ -245,7 +245,7 @@ void read_clocks(ParamReader& reader, const ros::NodeHandle& handle, translate::
   clocks.ntp_port = static_cast<std::uint16_t>(port);
   if (clocks.shift_stamps && clocks.reference_topics.empty() && clocks.ntp_server.empty())
     reader.complain(handle.resolveName("shift_stamps") +
-                    " needs a measurement: name reference_topics of the old side, or an ntp_server");
+                    " needs a measurement: name reference_topics of the robot side, or an ntp_server");
 }
 
 void read_definitions(ParamReader& reader, const ros::NodeHandle& handle, TranslatorDefinitions& params) {
@@ -268,10 +268,10 @@ void read_rules(ParamReader& reader, const ros::NodeHandle& handle, TranslatorRu
 void read_diagnostics(ParamReader& reader, TranslatorDiagnostics& params) {
   reader.read("period_s", params.period_s, {0.1, 3600.0});
   reader.read("topic_period_s", params.topic_period_s, {0.1, 3600.0});
-  reader.read("most", params.most, {0, 10000});
+  reader.read("max_items", params.max_items, {0, 10000});
 }
 
-constexpr std::array<const char*, 12> kGroups{"old",         "new",         "topics", "services",
+constexpr std::array<const char*, 12> kGroups{"robot",       "workstation", "topics", "services",
                                               "parameters",  "clock",       "clocks", "rosout",
                                               "connections", "definitions", "rules",  "diagnostics"};
 
@@ -286,37 +286,37 @@ void read_top(ParamReader& reader, const ros::NodeHandle& handle, TranslatorPara
 }
 
 /// The groups of BridgeParams but the two sides.
-void read_crossing(GroupReader& groups, BridgeParams& bridge) {
+void read_bridging(GroupReader& groups, BridgeParams& bridge) {
   using Handle = const ros::NodeHandle&;
   groups.group("topics",
                [&](ParamReader& reader, Handle handle) { read_filter(reader, handle, bridge.topics); });
   groups.group("services",
                [&](ParamReader& reader, Handle handle) { read_filter(reader, handle, bridge.services); });
   groups.group("parameters", [&](ParamReader& reader, Handle handle) {
-    read_prefixes(reader, handle, "old_to_new", bridge.params_old_to_new);
-    read_prefixes(reader, handle, "new_to_old", bridge.params_new_to_old);
+    read_prefixes(reader, handle, "robot_to_workstation", bridge.params_robot_to_workstation);
+    read_prefixes(reader, handle, "workstation_to_robot", bridge.params_workstation_to_robot);
   });
   groups.group("clock", [&](ParamReader& reader, Handle handle) {
-    static const Words<Directions> one_way{{"old_to_new", Directions::kOldToNew},
-                                           {"new_to_old", Directions::kNewToOld}};
-    reader.read("cross", bridge.clock);
+    static const Words<Directions> one_way{{"robot_to_workstation", Directions::kRobotToWorkstation},
+                                           {"workstation_to_robot", Directions::kWorkstationToRobot}};
+    reader.read("bridge", bridge.clock);
     read_word(reader, handle, "direction", bridge.clock_direction, one_way);
   });
   groups.group("rosout", [&](ParamReader& reader, Handle handle) {
-    reader.read("cross", bridge.rosout);
-    read_word(reader, handle, "least_level", bridge.rosout_least_level, levels());
+    reader.read("bridge", bridge.rosout);
+    read_word(reader, handle, "min_level", bridge.rosout_min_level, levels());
   });
   groups.group("clocks",
                [&](ParamReader& reader, Handle handle) { read_clocks(reader, handle, bridge.clocks); });
 }
 
-void check_masters(GroupReader& groups, const std::array<EndParams, 2>& ends) {
-  const auto old_master = translate::parse_uri(ends[0].peer.master_uri);
-  const auto new_master = translate::parse_uri(ends[1].peer.master_uri);
-  if (old_master && new_master && old_master->host == new_master->host &&
-      old_master->port == new_master->port)
-    groups.complain("old/master_uri and new/master_uri are the same master, " + ends[0].peer.master_uri +
-                    ": a translator stands between two");
+void check_masters(GroupReader& groups, const std::array<SideParams, 2>& sides) {
+  const auto robot_master = translate::parse_uri(sides[0].peer.master_uri);
+  const auto workstation_master = translate::parse_uri(sides[1].peer.master_uri);
+  if (robot_master && workstation_master && robot_master->host == workstation_master->host &&
+      robot_master->port == workstation_master->port)
+    groups.complain("robot/master_uri and workstation/master_uri are the same master, " +
+                    sides[0].peer.master_uri + ": a translator stands between two");
 }
 
 }  // namespace
@@ -326,19 +326,20 @@ Result<TranslatorParams> load_translator_params(const ros::NodeHandle& private_h
   using Handle = const ros::NodeHandle&;
   TranslatorParams params;
   auto& bridge = params.bridge;
-  for (auto& end : bridge.ends) end.peer.name = "/extperfc_translator";
-  auto& old_end = bridge.ends[static_cast<std::size_t>(End::kOld)];
-  auto& new_end = bridge.ends[static_cast<std::size_t>(End::kNew)];
-  old_end.definitions = {"indigo"};
-  new_end.definitions = {"installed", "noetic"};
+  for (auto& side : bridge.sides) side.peer.name = "/extperfc_translator";
+  auto& robot = bridge.sides[static_cast<std::size_t>(Side::kRobot)];
+  auto& workstation = bridge.sides[static_cast<std::size_t>(Side::kWorkstation)];
+  robot.definitions = {"indigo"};
+  workstation.definitions = {"installed", "noetic"};
   GroupReader groups(private_handle);
   groups.group("", [&](ParamReader& reader, Handle handle) { read_top(reader, handle, params); });
-  groups.group("connections", [&](ParamReader& reader, Handle) { read_connections(reader, bridge.ends); });
-  groups.group("old", [&](ParamReader& reader, Handle handle) { read_old(reader, handle, old_end); });
-  groups.group("new",
-               [&](ParamReader& reader, Handle handle) { read_new(reader, handle, new_end, node_name); });
-  check_masters(groups, bridge.ends);
-  read_crossing(groups, bridge);
+  groups.group("connections", [&](ParamReader& reader, Handle) { read_connections(reader, bridge.sides); });
+  groups.group("robot", [&](ParamReader& reader, Handle handle) { read_robot(reader, handle, robot); });
+  groups.group("workstation", [&](ParamReader& reader, Handle handle) {
+    read_workstation(reader, handle, workstation, node_name);
+  });
+  check_masters(groups, bridge.sides);
+  read_bridging(groups, bridge);
   bridge.services.deny.push_back(node_name + "/.*");  // our own are of this side
   groups.group("definitions", [&](ParamReader& reader, Handle handle) {
     read_definitions(reader, handle, params.definitions);

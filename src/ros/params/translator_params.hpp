@@ -31,7 +31,7 @@ struct TranslatorRules {
 struct TranslatorDiagnostics {
   double period_s{1.0};        ///< of the link's status, [0.1, 3600]
   double topic_period_s{4.0};  ///< of the topics' and services', [0.1, 3600]; aggregators call 5 s stale
-  int most{200};               ///< topics and services in one report, the worst first, [0, 10000]
+  int max_items{200};          ///< topics and services in one report, the worst first, [0, 10000]
 };
 
 struct TranslatorParams {

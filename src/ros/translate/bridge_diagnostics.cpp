@@ -13,8 +13,8 @@ namespace {
 using diagnostic_msgs::DiagnosticArray;
 using diagnostic_msgs::DiagnosticStatus;
 using translate::BridgeStatus;
-using translate::End;
 using translate::ServiceStatus;
+using translate::Side;
 using translate::TopicStatus;
 
 std::string number(double value, int decimals) {
@@ -32,7 +32,7 @@ std::string short_md5(const std::string& md5) {
   return md5.empty() ? "?" : md5.substr(0, kDigits);
 }
 
-std::string way(End from) {
+std::string direction(Side from) {
   return std::string(translate::to_string(from)) + " to " + translate::to_string(translate::other(from));
 }
 
@@ -61,9 +61,9 @@ bool works(const std::string& plan) {
 std::string problem_of(const TopicStatus& topic) {
   if (!topic.problem.empty()) return topic.problem;
   if (topic.publishers == 0) return {};  // plans are made when somebody publishes
-  for (const auto& version : topic.to)
-    if (!works(version.plan))
-      return "no plan to " + version.type + " " + short_md5(version.md5) + ": " + version.plan;
+  for (const auto& target : topic.to)
+    if (!works(target.plan))
+      return "no plan to " + target.type + " " + short_md5(target.md5) + ": " + target.plan;
   return {};
 }
 
@@ -75,7 +75,7 @@ std::string problem_of(const ServiceStatus& service) {
 /// "pass", "convert", "pass, convert" with several versions; "idle" when nobody listens.
 std::string plans_of(const TopicStatus& topic) {
   std::vector<std::string> plans;
-  for (const auto& version : topic.to) plans.push_back(works(version.plan) ? version.plan : "none");
+  for (const auto& target : topic.to) plans.push_back(works(target.plan) ? target.plan : "none");
   std::sort(plans.begin(), plans.end());
   plans.erase(std::unique(plans.begin(), plans.end()), plans.end());
   std::string all;
@@ -83,18 +83,18 @@ std::string plans_of(const TopicStatus& topic) {
   return all.empty() ? "idle" : all;
 }
 
-void add_end(DiagnosticStatus& status, const BridgeStatus& bridge, End end) {
-  const auto& one = bridge.ends[static_cast<std::size_t>(end)];
-  const std::string side = std::string(translate::to_string(end)) + " side ";
-  add(status, side + "master", one.master_uri);
-  add(status, side + "reachable", one.reachable ? "yes" : "no");
-  add(status, side + "restarts", std::to_string(one.restarts));
-  add(status, side + "our address", one.uri);
-  add(status, side + "topics that cross", std::to_string(one.topics));
-  add(status, side + "services that cross", std::to_string(one.services));
+void add_side(DiagnosticStatus& status, const BridgeStatus& bridge, Side side) {
+  const auto& one = bridge.sides[static_cast<std::size_t>(side)];
+  const std::string label = std::string(translate::to_string(side)) + " side ";
+  add(status, label + "master", one.master_uri);
+  add(status, label + "reachable", one.reachable ? "yes" : "no");
+  add(status, label + "restarts", std::to_string(one.restarts));
+  add(status, label + "our address", one.uri);
+  add(status, label + "bridged topics", std::to_string(one.topics));
+  add(status, label + "bridged services", std::to_string(one.services));
   if (!one.reachable)
     merge(status, DiagnosticStatus::ERROR,
-          side + "master " + one.master_uri + " is not reachable" +
+          label + "master " + one.master_uri + " is not reachable" +
               (one.problem.empty() ? "" : ": " + one.problem));
 }
 
@@ -113,7 +113,7 @@ void add_clock(DiagnosticStatus& status, const BridgeStatus::Clock& clock, const
   add(status, "stamps", params.shift_stamps ? "shifted" : "not shifted");
   if (params.shift_stamps || std::abs(clock.offset_s) <= params.offset_warn_s) return;
   merge(status, DiagnosticStatus::WARN,
-        "the old side's clock is " + number(std::abs(clock.offset_s), 3) + " s " +
+        "the robot's clock is " + number(std::abs(clock.offset_s), 3) + " s " +
             (clock.offset_s > 0 ? "ahead" : "behind") +
             " and stamps are not shifted: set the clock, or clocks/shift_stamps");
 }
@@ -136,11 +136,11 @@ std::vector<const T*> worst_first(const std::vector<T>& items) {
 
 std::string row(const TopicStatus& topic) {
   char text[160];
-  std::snprintf(text, sizeof text,
-                "  %-10s %-8s %8.1f Hz  %8.3f ms mean %8.3f ms max %8llu dropped %6llu failed  ",
-                way(topic.from).c_str(), plans_of(topic).c_str(), topic.rate_hz, 1e3 * topic.latency_mean_s,
-                1e3 * topic.latency_max_s, static_cast<unsigned long long>(topic.dropped),
-                static_cast<unsigned long long>(topic.failed));
+  std::snprintf(
+      text, sizeof text, "  %-20s %-8s %8.1f Hz  %8.3f ms mean %8.3f ms max %8llu dropped %6llu failed  ",
+      direction(topic.from).c_str(), plans_of(topic).c_str(), topic.rate_hz, 1e3 * topic.latency_mean_s,
+      1e3 * topic.latency_max_s, static_cast<unsigned long long>(topic.dropped),
+      static_cast<unsigned long long>(topic.failed));
   const auto problem = problem_of(topic);
   return text + topic.topic + " [" + topic.from_type + " " + short_md5(topic.from_md5) + "]" +
          (problem.empty() ? "" : "  PROBLEM: " + problem) + "\n";
@@ -159,16 +159,16 @@ std::string row(const ServiceStatus& service) {
 DiagnosticStatus link_status(const BridgeStatus& status, const ReportParams& params) {
   DiagnosticStatus link;
   link.name = params.node + ": link";
-  link.hardware_id = status.ends[static_cast<std::size_t>(End::kOld)].master_uri;
+  link.hardware_id = status.sides[static_cast<std::size_t>(Side::kRobot)].master_uri;
   link.message = "both masters answer";
-  for (const auto end : {End::kOld, End::kNew}) add_end(link, status, end);
+  for (const auto side : {Side::kRobot, Side::kWorkstation}) add_side(link, status, side);
   add_clock(link, status.clock, params);
   const auto troubled = problems_in(status.topics) + problems_in(status.services);
   const auto all = status.topics.size() + status.services.size();
   add(link, "topics and services", std::to_string(all));
   add(link, "with a problem", std::to_string(troubled));
-  add(link, "not shown one by one", std::to_string(all - std::min(all, params.most)));
-  add(link, "parameters that cross", std::to_string(status.params));
+  add(link, "not shown one by one", std::to_string(all - std::min(all, params.max_items)));
+  add(link, "bridged parameters", std::to_string(status.params));
   if (troubled > 0)
     merge(link, DiagnosticStatus::WARN,
           std::to_string(troubled) +
@@ -178,14 +178,14 @@ DiagnosticStatus link_status(const BridgeStatus& status, const ReportParams& par
 
 DiagnosticStatus topic_status(const TopicStatus& topic, const ReportParams& params) {
   DiagnosticStatus status;
-  status.name = params.node + ": topic " + topic.topic + ", " + way(topic.from);
+  status.name = params.node + ": topic " + topic.topic + ", " + direction(topic.from);
   status.message = plans_of(topic);
   if (const auto problem = problem_of(topic); !problem.empty())
     merge(status, DiagnosticStatus::WARN, problem);
   add(status, "from", topic.from_type + " " + short_md5(topic.from_md5));
-  for (const auto& version : topic.to)
-    add(status, "to " + version.type + " " + short_md5(version.md5),
-        version.plan + ", subscribers: " + std::to_string(version.subscribers));
+  for (const auto& target : topic.to)
+    add(status, "to " + target.type + " " + short_md5(target.md5),
+        target.plan + ", subscribers: " + std::to_string(target.subscribers));
   add(status, "publishers", std::to_string(topic.publishers));
   add(status, "rate [Hz]", number(topic.rate_hz, 1));
   add(status, "latency mean [ms]", milliseconds(topic.latency_mean_s));
@@ -220,19 +220,19 @@ DiagnosticArray to_diagnostics(const BridgeStatus& status, const ReportParams& p
   if (!details) return report;
   std::vector<DiagnosticStatus> items;
   for (const auto* topic : worst_first(status.topics)) {
-    if (items.size() == params.most) break;
+    if (items.size() == params.max_items) break;
     items.push_back(topic_status(*topic, params));
   }
   for (const auto* service : worst_first(status.services)) items.push_back(service_status(*service, params));
   std::stable_partition(items.begin(), items.end(),
                         [](const auto& item) { return item.level != DiagnosticStatus::OK; });
-  if (items.size() > params.most) items.resize(params.most);
+  if (items.size() > params.max_items) items.resize(params.max_items);
   std::move(items.begin(), items.end(), std::back_inserter(report.status));
   return report;
 }
 
 std::string to_text(const BridgeStatus& status, ReportParams params) {
-  params.most = status.topics.size() + status.services.size();  // all are shown one by one
+  params.max_items = status.topics.size() + status.services.size();  // all are shown one by one
   const auto link = link_status(status, params);
   std::string text = "link: " + link.message + "\n";
   for (const auto& value : link.values) text += "  " + value.key + ": " + value.value + "\n";

@@ -12,10 +12,10 @@
 namespace extperfc::translator {
 
 struct ReportParams {
-  std::string node;           ///< its name; statuses are "<node>: link", "<node>: topic /x, old to new", ...
+  std::string node;  ///< its name; statuses are "<node>: link", "<node>: topic /x, robot to workstation", ...
   double offset_warn_s{0.1};  ///< WARN when the clocks differ by more and stamps are not shifted
   bool shift_stamps{false};
-  std::size_t most{200};  ///< topics and services in a report; those with problems first
+  std::size_t max_items{200};  ///< topics and services in a report; those with problems first
 };
 
 /// The link as a whole. ERROR while a master cannot be reached; WARN when something does not cross, or the
@@ -29,8 +29,8 @@ struct ReportParams {
 [[nodiscard]] diagnostic_msgs::DiagnosticStatus service_status(const translate::ServiceStatus& service,
                                                                const ReportParams& params);
 
-/// The link, and with `details` the topics and services: ReportParams::most at most, problems first, then by
-/// name.
+/// The link, and with `details` the topics and services: up to ReportParams::max_items, problems first, then
+/// by name.
 [[nodiscard]] diagnostic_msgs::DiagnosticArray to_diagnostics(const translate::BridgeStatus& status,
                                                               const ReportParams& params,
                                                               const ros::Time& stamp, bool details);

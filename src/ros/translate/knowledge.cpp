@@ -12,7 +12,7 @@ namespace {
 namespace fs = std::filesystem;
 using translate::DefinitionStore;
 
-/// What embeds a type that its folder lacks, in packages that are installed: they are of the new era.
+/// What embeds a type that its folder lacks, in packages that are installed: they are Noetic's.
 constexpr const char* kInstalledFallback = "noetic";
 
 Result<void> add_folder(DefinitionStore& definitions, const ros_params::TranslatorDefinitions::Folder& folder,

@@ -82,8 +82,8 @@ int run() {
   (*node)->start();
   ros::AsyncSpinner spinner(2);  // a report must not wait for rules that are read again
   spinner.start();
-  ROS_INFO("joins %s (old) and %s (new)", params->bridge.ends[0].peer.master_uri.c_str(),
-           params->bridge.ends[1].peer.master_uri.c_str());
+  ROS_INFO("bridging %s (robot) and %s (workstation)", params->bridge.sides[0].peer.master_uri.c_str(),
+           params->bridge.sides[1].peer.master_uri.c_str());
   wait_for_end();
   (*node)->shut_down();
   (void)std::signal(SIGALRM, on_alarm);

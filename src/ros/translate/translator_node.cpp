@@ -68,7 +68,7 @@ TranslatorNode::TranslatorNode(const ros::NodeHandle& handle, const ros::NodeHan
   report_params_.node = ros::this_node::getName().substr(1);
   report_params_.offset_warn_s = params_.bridge.clocks.report_above_s;
   report_params_.shift_stamps = params_.bridge.clocks.shift_stamps;
-  report_params_.most = static_cast<std::size_t>(params_.diagnostics.most);
+  report_params_.max_items = static_cast<std::size_t>(params_.diagnostics.max_items);
 }
 
 TranslatorNode::~TranslatorNode() {
@@ -145,7 +145,7 @@ void TranslatorNode::report() {
     diagnostics_.publish(report);
     return;
   }
-  const auto restarts = status->ends[static_cast<std::size_t>(translate::End::kNew)].restarts;
+  const auto restarts = status->sides[static_cast<std::size_t>(translate::Side::kWorkstation)].restarts;
   if (std::exchange(restarts_, restarts) != restarts) offer_again();
   const auto now = translate::EventLoop::now();
   const bool details = !details_due_ || now >= *details_due_;

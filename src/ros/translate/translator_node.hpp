@@ -20,8 +20,8 @@
 namespace extperfc::translator {
 
 /// The ROS node around a bridge: it has the parameters, the log, diagnostics and two services. What crosses
-/// does not pass through roscpp: the bridge has nodes of its own at both masters (parameters old/name and
-/// new/name).
+/// does not pass through roscpp: the bridge has nodes of its own at both masters (parameters robot/name and
+/// workstation/name).
 ///
 /// Publishes: diagnostics (diagnostic_msgs/DiagnosticArray).
 /// Services (private, std_srvs/Trigger):
@@ -38,7 +38,7 @@ namespace extperfc::translator {
 /// Threads: the bridge's event loop has one; reports and services run in the caller's spinner and ask it.
 class TranslatorNode {
  public:
-  /// Reads definitions and rules, opens the bridge's ports. The old side's master need not be there.
+  /// Reads definitions and rules, opens the bridge's ports. The robot side's master need not be there.
   [[nodiscard]] static Result<std::unique_ptr<TranslatorNode>> make(const ros::NodeHandle& handle,
                                                                     const ros::NodeHandle& private_handle,
                                                                     ros_params::TranslatorParams params);

@@ -8,25 +8,25 @@
 
 namespace extperfc::translate {
 
-const char* to_string(End end) {
-  return end == End::kOld ? "old" : "new";
+const char* to_string(Side side) {
+  return side == Side::kRobot ? "robot" : "workstation";
 }
 
 namespace {
 
-std::string unknown_set(End end, const std::string& set, const std::string& known) {
-  return std::string(to_string(end)) + " side: there is no set of definitions '" + set +
+std::string unknown_set(Side side, const std::string& set, const std::string& known) {
+  return std::string(to_string(side)) + " side: there is no set of definitions '" + set +
          "'; there are:" + known;
 }
 
 Result<void> check_sets(const BridgeParams& params, const DefinitionStore& definitions) {
   const auto known = definitions.sets();
-  for (const auto end : {End::kOld, End::kNew})
-    for (const auto& set : params.ends[static_cast<std::size_t>(end)].definitions)
+  for (const auto side : {Side::kRobot, Side::kWorkstation})
+    for (const auto& set : params.sides[static_cast<std::size_t>(side)].definitions)
       if (std::find(known.begin(), known.end(), set) == known.end()) {
         std::string names;
         for (const auto& name : known) names.append(" ").append(name);
-        return fail(ErrorCode::kNotFound, unknown_set(end, set, names));
+        return fail(ErrorCode::kNotFound, unknown_set(side, set, names));
       }
   return {};
 }
@@ -36,9 +36,9 @@ Result<void> check_numbers(const BridgeParams& params) {
     return fail(ErrorCode::kInvalidArgument, "poll_period_s must be above 0 s");
   if (!(params.service_timeout_s > 0.0))
     return fail(ErrorCode::kInvalidArgument, "service_timeout_s must be above 0 s");
-  if (params.ends[0].peer.master_uri == params.ends[1].peer.master_uri)
-    return fail(ErrorCode::kInvalidArgument, "both sides have the master " + params.ends[0].peer.master_uri +
-                                                 ": name the old robot's and the new one");
+  if (params.sides[0].peer.master_uri == params.sides[1].peer.master_uri)
+    return fail(ErrorCode::kInvalidArgument, "both sides have the master " + params.sides[0].peer.master_uri +
+                                                 ": name the robot's and the workstation's");
   return {};
 }
 
@@ -48,13 +48,13 @@ Result<std::unique_ptr<Bridge>> Bridge::make(EventLoop& loop, BridgeParams param
                                              DefinitionStore definitions, RuleSet rules, Handlers handlers) {
   if (auto checked = check_numbers(params); !checked) return tl::unexpected(checked.error());
   if (auto checked = check_sets(params, definitions); !checked) return tl::unexpected(checked.error());
-  auto crossing_rules = CrossingRules::make(params);
-  if (!crossing_rules) return tl::unexpected(crossing_rules.error());
+  auto selector = BridgeSelector::make(params);
+  if (!selector) return tl::unexpected(selector.error());
   auto profiles = Profiles::make(params.profiles);
   if (!profiles) return tl::unexpected(profiles.error());
   auto bridge =
       std::make_unique<BridgeImpl>(loop, std::move(params), std::move(definitions), std::move(rules),
-                                   std::move(handlers), std::move(*crossing_rules), std::move(*profiles));
+                                   std::move(handlers), std::move(*selector), std::move(*profiles));
   if (auto opened = bridge->open(); !opened) return tl::unexpected(opened.error());
   return bridge;
 }

@@ -11,20 +11,20 @@ namespace {
 // A publisher that is started again within this time finds its route, and its listeners, still there.
 constexpr auto kGrace = std::chrono::seconds(3);
 
-std::size_t index(End end) {
-  return static_cast<std::size_t>(end);
+std::size_t index(Side side) {
+  return static_cast<std::size_t>(side);
 }
 
 }  // namespace
 
 BridgeImpl::BridgeImpl(EventLoop& loop, BridgeParams params, DefinitionStore definitions, RuleSet rules,
-                       Handlers handlers, CrossingRules crossing_rules, Profiles profiles)
+                       Handlers handlers, BridgeSelector selector, Profiles profiles)
     : loop_(loop),
       params_(std::move(params)),
       definitions_(std::move(definitions)),
       plans_(definitions_, std::move(rules)),
       handlers_(std::move(handlers)),
-      crossing_rules_(std::move(crossing_rules)),
+      selector_(std::move(selector)),
       profiles_(std::move(profiles)),
       context_{loop_,
                frames_,
@@ -35,53 +35,53 @@ BridgeImpl::BridgeImpl(EventLoop& loop, BridgeParams params, DefinitionStore def
                  if (handlers_.on_log) handlers_.on_log(line);
                },
                [this](const std::string& line) { tell(line); },
-               [this](End from) { return clock_ ? clock_->shift_ns(from) : 0; }} {}
+               [this](Side from) { return clock_ ? clock_->shift_ns(from) : 0; }} {}
 
 BridgeImpl::~BridgeImpl() {
   loop_.cancel(timer_);
 }
 
 Result<void> BridgeImpl::open() {
-  resolver_ = std::make_unique<Resolver>(loop_, params_.ends[index(End::kOld)].peer.hosts,
-                                         params_.ends[index(End::kOld)].peer.hosts_remedy);
-  for (const auto end : {End::kOld, End::kNew})
-    if (auto opened = open_end(end); !opened) return opened;
-  clock_ = std::make_unique<ClockWatch>(context_, *resolver_);
-  for (const auto& prefix : params_.params_old_to_new)
-    param_routes_.emplace_back(End::kOld,
-                               std::make_unique<ParamRoute>(context_, written_, prefix, End::kOld));
-  for (const auto& prefix : params_.params_new_to_old)
-    param_routes_.emplace_back(End::kNew,
-                               std::make_unique<ParamRoute>(context_, written_, prefix, End::kNew));
+  resolver_ = std::make_unique<Resolver>(loop_, params_.sides[index(Side::kRobot)].peer.hosts,
+                                         params_.sides[index(Side::kRobot)].peer.hosts_remedy);
+  for (const auto side : {Side::kRobot, Side::kWorkstation})
+    if (auto opened = open_side(side); !opened) return opened;
+  clock_ = std::make_unique<ClockMonitor>(context_, *resolver_);
+  for (const auto& prefix : params_.params_robot_to_workstation)
+    param_routes_.emplace_back(Side::kRobot,
+                               std::make_unique<ParamRoute>(context_, written_, prefix, Side::kRobot));
+  for (const auto& prefix : params_.params_workstation_to_robot)
+    param_routes_.emplace_back(Side::kWorkstation,
+                               std::make_unique<ParamRoute>(context_, written_, prefix, Side::kWorkstation));
   timer_ = loop_.after(std::chrono::nanoseconds(0), [this] { look(); });
   return {};
 }
 
-Result<void> BridgeImpl::open_end(End end) {
+Result<void> BridgeImpl::open_side(Side side) {
   Peer::Handlers handlers;
-  const std::string side = std::string(to_string(end)) + " side: ";
-  handlers.on_master = [this, end](const Peer::MasterStatus& status) { on_master(end, status); };
-  handlers.on_log = [this, side](const std::string& line) { context_.log(side + line); };
+  const std::string label = std::string(to_string(side)) + " side: ";
+  handlers.on_master = [this, side](const Peer::MasterStatus& status) { on_master(side, status); };
+  handlers.on_log = [this, label](const std::string& line) { context_.log(label + line); };
   handlers.on_shutdown = [this] {
     if (handlers_.on_shutdown) handlers_.on_shutdown();
   };
-  auto peer = Peer::make(loop_, frames_, params_.ends[index(end)].peer, std::move(handlers));
-  if (!peer) return fail(peer.error().code, side + peer.error().message);
-  peers_[index(end)] = std::move(*peer);
-  context_.peers[index(end)] = peers_[index(end)].get();
+  auto peer = Peer::make(loop_, frames_, params_.sides[index(side)].peer, std::move(handlers));
+  if (!peer) return fail(peer.error().code, label + peer.error().message);
+  peers_[index(side)] = std::move(*peer);
+  context_.peers[index(side)] = peers_[index(side)].get();
   return {};
 }
 
-void BridgeImpl::on_master(End end, const Peer::MasterStatus& status) {
-  const std::string side = std::string(to_string(end)) + " side: the master ";
+void BridgeImpl::on_master(Side side, const Peer::MasterStatus& status) {
+  const std::string label = std::string(to_string(side)) + " side: the master ";
   if (!status.reachable) {  // each time, not once
-    if (handlers_.on_problem) handlers_.on_problem(side + "is not reachable: " + status.problem);
+    if (handlers_.on_problem) handlers_.on_problem(label + "is not reachable: " + status.problem);
     return;
   }
-  if (std::exchange(restarts_[index(end)], status.restarts) == status.restarts) return;
-  context_.log(side + "was started again");
+  if (std::exchange(restarts_[index(side)], status.restarts) == status.restarts) return;
+  context_.log(label + "was started again");
   for (auto& [from, route] : param_routes_)
-    if (other(from) == end) route->write_again();
+    if (other(from) == side) route->write_again();
 }
 
 void BridgeImpl::schedule() {
@@ -94,17 +94,17 @@ void BridgeImpl::schedule() {
 
 void BridgeImpl::look() {
   answers_awaited_ = 2;
-  for (const auto end : {End::kOld, End::kNew})
-    peers_[index(end)]->graph([this, end, alive = std::weak_ptr<bool>(alive_)](Result<GraphState> graph) {
-      if (!alive.expired()) on_graph(end, std::move(graph));
+  for (const auto side : {Side::kRobot, Side::kWorkstation})
+    peers_[index(side)]->graph([this, side, alive = std::weak_ptr<bool>(alive_)](Result<GraphState> graph) {
+      if (!alive.expired()) on_graph(side, std::move(graph));
     });
 }
 
 /// A master that does not answer leaves its side as it was: connections outlive masters.
-void BridgeImpl::on_graph(End end, Result<GraphState> graph) {
+void BridgeImpl::on_graph(Side side, Result<GraphState> graph) {
   if (graph) {
-    graphs_[index(end)] = std::move(*graph);
-    known_[index(end)] = true;
+    graphs_[index(side)] = std::move(*graph);
+    known_[index(side)] = true;
   }
   if (--answers_awaited_ > 0 || closing_) return;
   update_topics();
@@ -115,65 +115,65 @@ void BridgeImpl::on_graph(End end, Result<GraphState> graph) {
 }
 
 void BridgeImpl::update_topics() {
-  const auto crossings = crossing_rules_.topics(graphs_);
-  end_old(crossings);
-  open_new(crossings);
+  const auto bridged = selector_.topics(graphs_);
+  close_routes(bridged);
+  open_routes(bridged);
 }
 
-void BridgeImpl::end_old(const TopicCrossings& crossings) {
+void BridgeImpl::close_routes(const BridgedTopics& bridged) {
   const auto now = EventLoop::now();
   for (auto held = topics_.begin(); held != topics_.end();) {
     const auto& [topic, from] = held->first;
-    const bool wanted = crossings.count(held->first) != 0;
+    const bool wanted = bridged.count(held->first) != 0;
     const bool stays = wanted || !peers_[index(from)]->master().reachable || held->second.route->alive();
     if (stays) held->second.missing_since = now;
     held = now - held->second.missing_since > kGrace ? topics_.erase(held) : std::next(held);
   }
 }
 
-void BridgeImpl::open_new(const TopicCrossings& crossings) {
-  for (const auto& [key, crossing] : crossings) {
+void BridgeImpl::open_routes(const BridgedTopics& bridged) {
+  for (const auto& [key, entry] : bridged) {
     const auto& [topic, from] = key;
     const auto held = topics_.find(key);
     if (held != topics_.end()) {
       const auto& present = held->second.route->params();
-      if (present.eager == crossing.eager && present.action == crossing.action) {
-        held->second.route->look(crossing.listeners, publishers_of(topic, from));
+      if (present.eager == entry.eager && present.action == entry.action) {
+        held->second.route->look(entry.listeners, publishers_of(topic, from));
         continue;
       }
       topics_.erase(held);  // it became part of an action, or ceased to be
     }
     TopicRoute::Params params;
     params.topic = topic;
-    params.type = crossing.type.empty() ? "*" : crossing.type;
+    params.type = entry.type.empty() ? "*" : entry.type;
     params.from = from;
     params.profile = profiles_.of(topic);
-    params.action = crossing.action;
-    params.eager = crossing.eager;
+    params.action = entry.action;
+    params.eager = entry.eager;
     auto route = std::make_unique<TopicRoute>(context_, std::move(params));
-    route->look(crossing.listeners, publishers_of(topic, from));
+    route->look(entry.listeners, publishers_of(topic, from));
     topics_[key] = {std::move(route), EventLoop::now()};
   }
 }
 
 /// As the master lists them now, ourselves left out.
-std::size_t BridgeImpl::publishers_of(const std::string& topic, End from) const {
+std::size_t BridgeImpl::publishers_of(const std::string& topic, Side from) const {
   const auto& topics = graphs_[index(from)].topics;
   const auto found = topics.find(topic);
   if (found == topics.end()) return 0;
   const auto& nodes = found->second.publishers;
-  const auto own = std::count(nodes.begin(), nodes.end(), params_.ends[index(from)].peer.name);
+  const auto own = std::count(nodes.begin(), nodes.end(), params_.sides[index(from)].peer.name);
   return nodes.size() - static_cast<std::size_t>(own);
 }
 
 void BridgeImpl::update_services() {
-  const auto crossings = crossing_rules_.services(graphs_);
+  const auto bridged = selector_.services(graphs_);
   for (auto held = services_.begin(); held != services_.end();) {
-    const auto wanted = crossings.find(held->first);
-    const bool stays = wanted != crossings.end() && wanted->second == held->second.first;
+    const auto wanted = bridged.find(held->first);
+    const bool stays = wanted != bridged.end() && wanted->second == held->second.first;
     held = stays ? std::next(held) : services_.erase(held);
   }
-  for (const auto& [name, from] : crossings) {
+  for (const auto& [name, from] : bridged) {
     const auto& providers = graphs_[index(from)].services[name];
     auto& route = services_[name];
     if (!route.second) {
@@ -186,7 +186,7 @@ void BridgeImpl::update_services() {
 }
 
 void BridgeImpl::tell(const std::string& problem) {
-  if (told_.size() >= kMostTold) told_.clear();
+  if (told_.size() >= kMaxTold) told_.clear();
   if (told_.insert(problem).second && handlers_.on_problem) handlers_.on_problem(problem);
 }
 
@@ -200,9 +200,9 @@ void BridgeImpl::replace_rules(RuleSet rules) {
 
 BridgeStatus BridgeImpl::status() {
   BridgeStatus status;
-  for (const auto end : {End::kOld, End::kNew}) {
-    auto& one = status.ends[index(end)];
-    const auto& peer = *peers_[index(end)];
+  for (const auto side : {Side::kRobot, Side::kWorkstation}) {
+    auto& one = status.sides[index(side)];
+    const auto& peer = *peers_[index(side)];
     one.master_uri = peer.params().master_uri;
     one.uri = peer.uri();
     one.reachable = peer.master().reachable;
@@ -211,11 +211,11 @@ BridgeStatus BridgeImpl::status() {
   }
   for (const auto& [key, held] : topics_) {
     status.topics.push_back(held.route->status());
-    ++status.ends[index(key.second)].topics;
+    ++status.sides[index(key.second)].topics;
   }
   for (const auto& [name, held] : services_) {
     status.services.push_back(held.second->status());
-    ++status.ends[index(held.first)].services;
+    ++status.sides[index(held.first)].services;
   }
   for (const auto& [from, route] : param_routes_) status.params += route->count();
   if (clock_) status.clock = clock_->status();

@@ -11,11 +11,11 @@
 #include "extperfc/translate/bridge.hpp"
 #include "extperfc/translate/frame.hpp"
 
-#include "clock_watch.hpp"
+#include "bridge_selector.hpp"
+#include "clock_monitor.hpp"
 #include "context.hpp"
-#include "crossings.hpp"
 #include "param_route.hpp"
-#include "plan_book.hpp"
+#include "plan_cache.hpp"
 #include "service_route.hpp"
 #include "topic_route.hpp"
 
@@ -25,7 +25,7 @@ namespace extperfc::translate {
 class BridgeImpl final : public Bridge {
  public:
   BridgeImpl(EventLoop& loop, BridgeParams params, DefinitionStore definitions, RuleSet rules,
-             Handlers handlers, CrossingRules crossing_rules, Profiles profiles);
+             Handlers handlers, BridgeSelector selector, Profiles profiles);
   ~BridgeImpl() override;
 
   [[nodiscard]] Result<void> open();
@@ -35,33 +35,33 @@ class BridgeImpl final : public Bridge {
   void shut_down(std::chrono::milliseconds patience, std::function<void()> done) override;
 
  private:
-  [[nodiscard]] Result<void> open_end(End end);
-  void on_master(End end, const Peer::MasterStatus& status);
+  [[nodiscard]] Result<void> open_side(Side side);
+  void on_master(Side side, const Peer::MasterStatus& status);
   void look();
-  void on_graph(End end, Result<GraphState> graph);
+  void on_graph(Side side, Result<GraphState> graph);
   void update_topics();
-  void open_new(const TopicCrossings& crossings);
-  void end_old(const TopicCrossings& crossings);
-  [[nodiscard]] std::size_t publishers_of(const std::string& topic, End from) const;
+  void open_routes(const BridgedTopics& bridged);
+  void close_routes(const BridgedTopics& bridged);
+  [[nodiscard]] std::size_t publishers_of(const std::string& topic, Side from) const;
   void update_services();
   void schedule();
   void tell(const std::string& problem);
 
-  static constexpr std::size_t kMostTold = 1000;  // problems remembered, so that each is told once
+  static constexpr std::size_t kMaxTold = 1000;  // problems remembered, so that each is told once
 
   EventLoop& loop_;
   BridgeParams params_;
   DefinitionStore definitions_;
-  PlanBook plans_;
+  PlanCache plans_;
   Handlers handlers_;
-  CrossingRules crossing_rules_;
+  BridgeSelector selector_;
   Profiles profiles_;
   FramePool frames_;
   BridgeContext context_;
   std::set<std::string> told_;
   std::array<std::uint64_t, 2> restarts_{};
 
-  CrossingRules::Graphs graphs_;
+  BridgeSelector::Graphs graphs_;
   std::array<bool, 2> known_{};  ///< the master was seen at least once
   int answers_awaited_{0};
   EventLoop::TimerId timer_{0};
@@ -71,16 +71,16 @@ class BridgeImpl final : public Bridge {
   // The order matters: routes end before the nodes that carry them.
   std::unique_ptr<Resolver> resolver_;
   std::array<std::unique_ptr<Peer>, 2> peers_;
-  std::unique_ptr<ClockWatch> clock_;
+  std::unique_ptr<ClockMonitor> clock_;
   struct HeldTopic {
     std::unique_ptr<TopicRoute> route;
     SteadyTime missing_since{};  ///< the masters no longer list what it carries
   };
-  std::map<std::pair<std::string, End>, HeldTopic> topics_;
-  std::map<std::string, std::pair<End, std::unique_ptr<ServiceRoute>>> services_;
+  std::map<std::pair<std::string, Side>, HeldTopic> topics_;
+  std::map<std::string, std::pair<Side, std::unique_ptr<ServiceRoute>>> services_;
   std::map<std::string, std::vector<std::string>> providers_;
   ParamRoute::Written written_;
-  std::vector<std::pair<End, std::unique_ptr<ParamRoute>>> param_routes_;
+  std::vector<std::pair<Side, std::unique_ptr<ParamRoute>>> param_routes_;
 };
 
 }  // namespace extperfc::translate

@@ -11,15 +11,15 @@ namespace {
 /// Receive times that go back by more than this are another setting of our clock.
 constexpr double kBackwardsS = 1.0;
 /// No clock is read finer over a network; keeps a lone sample's uncertainty from being 0.
-constexpr double kLeastUncertaintyS = 1e-3;
+constexpr double kMinUncertaintyS = 1e-3;
 /// ROS stamps have 32 bits of seconds.
 constexpr double kLastStampS = 4294967296.0;
 
 }  // namespace
 
 ClockOffset::ClockOffset(Params params) : params_(params) {
-  constexpr double kLeastWindowS = 0.1;
-  params_.window_s = std::max(params_.window_s, kLeastWindowS);
+  constexpr double kMinWindowS = 0.1;
+  params_.window_s = std::max(params_.window_s, kMinWindowS);
 }
 
 double wall_clock_s() {
@@ -171,7 +171,7 @@ std::optional<ClockOffset::Estimate> ClockOffset::from_stamps(double now_s) cons
   if (all.count == 0) return std::nullopt;
   const double excess_s = all.best - all.sum / static_cast<double>(all.count);
   const double age_s = std::max(0.0, now_s - all.last_s);
-  return Estimate{all.best, std::max(excess_s, kLeastUncertaintyS) + params_.drift * age_s, Source::kStamps,
+  return Estimate{all.best, std::max(excess_s, kMinUncertaintyS) + params_.drift * age_s, Source::kStamps,
                   age_s};
 }
 

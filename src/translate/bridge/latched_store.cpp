@@ -8,9 +8,9 @@
 
 namespace extperfc::translate {
 
-void LatchedStore::keep(const std::string& origin, const Version& version, FramePtr frame) {
+void LatchedStore::keep(const std::string& origin, const MessageDefinition& definition, FramePtr frame) {
   forget(origin);
-  entries_.push_back({origin, version, std::move(frame)});
+  entries_.push_back({origin, definition, std::move(frame)});
 }
 
 void LatchedStore::forget(const std::string& origin) {
@@ -25,7 +25,7 @@ std::optional<LatchedStore::Entry> LatchedStore::merged_transforms(FramePool& fr
   std::uint64_t count = 0;
   for (const auto& entry : entries_) {
     const auto payload = entry.frame->payload();
-    if (payload.size < sizeof(std::uint32_t) || entry.version.md5 != entries_.front().version.md5)
+    if (payload.size < sizeof(std::uint32_t) || entry.definition.md5 != entries_.front().definition.md5)
       return std::nullopt;
     count += load_u32(payload.data);
     bytes += payload.size - sizeof(std::uint32_t);
@@ -40,7 +40,7 @@ std::optional<LatchedStore::Entry> LatchedStore::merged_transforms(FramePool& fr
     std::memcpy(out, payload.data + sizeof(std::uint32_t), payload.size - sizeof(std::uint32_t));
     out += payload.size - sizeof(std::uint32_t);
   }
-  return Entry{"", entries_.front().version, std::move(frame)};
+  return Entry{"", entries_.front().definition, std::move(frame)};
 }
 
 }  // namespace extperfc::translate

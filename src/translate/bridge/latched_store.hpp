@@ -7,7 +7,7 @@
 
 #include "extperfc/translate/frame.hpp"
 
-#include "plan_book.hpp"
+#include "plan_cache.hpp"
 
 namespace extperfc::translate {
 
@@ -17,11 +17,11 @@ class LatchedStore {
  public:
   struct Entry {
     std::string origin;  ///< caller id
-    Version version;
+    MessageDefinition definition;
     FramePtr frame;
   };
 
-  void keep(const std::string& origin, const Version& version, FramePtr frame);
+  void keep(const std::string& origin, const MessageDefinition& definition, FramePtr frame);
   void forget(const std::string& origin);
   /// The oldest message first.
   [[nodiscard]] const std::vector<Entry>& entries() const { return entries_; }

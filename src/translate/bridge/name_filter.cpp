@@ -7,7 +7,7 @@ namespace extperfc::translate {
 
 namespace {
 
-constexpr std::size_t kMostRemembered = 20'000;
+constexpr std::size_t kMaxRemembered = 20'000;
 
 Result<std::vector<std::regex>> make_all(const std::vector<std::string>& texts, const std::string& what) {
   std::vector<std::regex> expressions;
@@ -35,20 +35,20 @@ Result<std::regex> make_expression(const std::string& text, const std::string& w
   }
 }
 
-Result<Crossing> Crossing::make(const NameFilter& filter, const std::string& what) {
+Result<NameMatcher> NameMatcher::make(const NameFilter& filter, const std::string& what) {
   auto allow = make_all(filter.allow, what + "/allow");
   if (!allow) return tl::unexpected(allow.error());
   auto deny = make_all(filter.deny, what + "/deny");
   if (!deny) return tl::unexpected(deny.error());
-  Crossing crossing;
-  crossing.allow_ = std::move(*allow);
-  crossing.deny_ = std::move(*deny);
-  return crossing;
+  NameMatcher matcher;
+  matcher.allow_ = std::move(*allow);
+  matcher.deny_ = std::move(*deny);
+  return matcher;
 }
 
-bool Crossing::crosses(const std::string& name) {
+bool NameMatcher::matches(const std::string& name) {
   if (const auto found = known_.find(name); found != known_.end()) return found->second;
-  if (known_.size() >= kMostRemembered) known_.clear();
+  if (known_.size() >= kMaxRemembered) known_.clear();
   return known_[name] = any_matches(allow_, name) && !any_matches(deny_, name);
 }
 

@@ -10,10 +10,10 @@
 namespace extperfc::translate {
 
 /// A NameFilter ready for use. Answers are remembered: the same names are asked at every look at the graph.
-class Crossing {
+class NameMatcher {
  public:
-  [[nodiscard]] static Result<Crossing> make(const NameFilter& filter, const std::string& what);
-  [[nodiscard]] bool crosses(const std::string& name);
+  [[nodiscard]] static Result<NameMatcher> make(const NameFilter& filter, const std::string& what);
+  [[nodiscard]] bool matches(const std::string& name);
 
  private:
   std::vector<std::regex> allow_, deny_;

@@ -18,7 +18,7 @@ std::string without_slash_at_end(std::string name) {
 
 }  // namespace
 
-ParamRoute::ParamRoute(BridgeContext& context, Written& written, std::string prefix, End from)
+ParamRoute::ParamRoute(BridgeContext& context, Written& written, std::string prefix, Side from)
     : context_(context), written_(written), prefix_(without_slash_at_end(std::move(prefix))), from_(from) {
   context_.peer(from_).watch_param(
       prefix_, [this, alive = std::weak_ptr<bool>(alive_)](const auto& name, const auto& value) {

@@ -17,7 +17,7 @@ class ParamRoute {
   /// writes.
   using Written = std::array<std::map<std::string, XmlValue>, 2>;
 
-  ParamRoute(BridgeContext& context, Written& written, std::string prefix, End from);
+  ParamRoute(BridgeContext& context, Written& written, std::string prefix, Side from);
 
   /// The other side's master has lost its parameters: writes all of them again.
   void write_again();
@@ -30,7 +30,7 @@ class ParamRoute {
   BridgeContext& context_;
   Written& written_;
   std::string prefix_;
-  End from_;
+  Side from_;
   std::set<std::string> names_;
   std::shared_ptr<bool> alive_{std::make_shared<bool>(true)};
 };

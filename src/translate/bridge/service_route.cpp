@@ -4,7 +4,7 @@
 
 namespace extperfc::translate {
 
-ServiceRoute::ServiceRoute(BridgeContext& context, std::string service, End server_at)
+ServiceRoute::ServiceRoute(BridgeContext& context, std::string service, Side server_at)
     : context_(context), service_(std::move(service)), server_at_(server_at) {
   ServiceServer::Handlers handlers;
   handlers.on_request = [this](std::shared_ptr<ServiceRequest> request) { on_request(std::move(request)); };
@@ -61,7 +61,7 @@ void ServiceRoute::ask_server() {
 }
 
 /// Nothing when the bytes go through; else both plans; an error when there can be none.
-Result<std::optional<PlanBook::ServiceCarriage>> ServiceRoute::carriage_for(
+Result<std::optional<PlanCache::ServiceConversion>> ServiceRoute::conversion_for(
     const ConnectionHeader& header) const {
   const auto md5 = value_of(header, "md5sum");
   auto type = value_of(header, "type");
@@ -74,21 +74,21 @@ Result<std::optional<PlanBook::ServiceCarriage>> ServiceRoute::carriage_for(
     return fail(ErrorCode::kNotFound, "there is no definition of service " + type + " with MD5 " + missing +
                                           ": add its package to the translator's definitions");
   }
-  auto there = context_.plans.carriage(*client, *server_->schema, options());
+  auto there = context_.plans.conversion(*client, *server_->schema, options());
   if (!there.possible()) return fail(ErrorCode::kUnsupported, there.describe());
   return there;
 }
 
 void ServiceRoute::answer(ServiceRequest& request) {
   if (request.probe()) return answer_probe(request);
-  const auto carriage = carriage_for(request.header());
-  if (!carriage) {
-    problem_ = service_ + ": " + carriage.error().message;
+  const auto conversion = conversion_for(request.header());
+  if (!conversion) {
+    problem_ = service_ + ": " + conversion.error().message;
     context_.problem(problem_);
     return request.refuse(problem_);
   }
-  plan_ = *carriage ? (*carriage)->describe() : "pass";
-  clients_[request.link()] = {*carriage, nullptr};
+  plan_ = *conversion ? (*conversion)->describe() : "pass";
+  clients_[request.link()] = {*conversion, nullptr};
   const auto md5 = value_of(request.header(), "md5sum");
   request.accept(server_->type, md5 == "*" ? server_->md5 : md5, server_->request_type,
                  server_->response_type);
@@ -99,7 +99,7 @@ void ServiceRoute::answer(ServiceRequest& request) {
 void ServiceRoute::answer_probe(ServiceRequest& request) {
   const auto native = context_.native_service(other(server_at_), server_->type);
   const bool converts =
-      native && server_->schema && context_.plans.carriage(*native, *server_->schema, options()).possible();
+      native && server_->schema && context_.plans.conversion(*native, *server_->schema, options()).possible();
   request.accept(server_->type, converts ? native->md5 : server_->md5, server_->request_type,
                  server_->response_type);
 }
@@ -109,10 +109,10 @@ void ServiceRoute::on_call(Call call) {
   if (found == clients_.end()) return refuse(call, "the connection has ended");
   ++calls_;
   auto& client = found->second;
-  if (client.carriage && !client.carriage->request.raw()) {
+  if (client.conversion && !client.conversion->request.raw()) {
     auto converted = context_.frames.take(call.request->payload().size);
-    const auto result = client.carriage->request.plan->convert(call.request->payload(), converted->buffer(),
-                                                               context_.shift_ns(other(server_at_)));
+    const auto result = client.conversion->request.plan->convert(call.request->payload(), converted->buffer(),
+                                                                 context_.shift_ns(other(server_at_)));
     if (!result) return refuse(call, "the request cannot be converted: " + result.error().message);
     converted->seal();
     call.request = std::move(converted);
@@ -148,11 +148,11 @@ void ServiceRoute::finish(const Call& call, const Result<FramePtr>& response) {
   problem_.clear();
   const auto client = clients_.find(call.client);
   if (client == clients_.end()) return;
-  const auto& carriage = client->second.carriage;
-  if (!carriage || carriage->response.raw()) return call.reply(true, (*response)->payload());
+  const auto& conversion = client->second.conversion;
+  if (!conversion || conversion->response.raw()) return call.reply(true, (*response)->payload());
   ByteBuffer converted((*response)->payload().size);
   const auto result =
-      carriage->response.plan->convert((*response)->payload(), converted, context_.shift_ns(server_at_));
+      conversion->response.plan->convert((*response)->payload(), converted, context_.shift_ns(server_at_));
   if (!result) return refuse(call, "the response cannot be converted: " + result.error().message);
   call.reply(true, converted.view());
 }

@@ -14,7 +14,7 @@ namespace extperfc::translate {
 /// the server, so that a slow call of one does not hold another up.
 class ServiceRoute {
  public:
-  ServiceRoute(BridgeContext& context, std::string service, End server_at);
+  ServiceRoute(BridgeContext& context, std::string service, Side server_at);
 
   [[nodiscard]] ServiceStatus status() const;
   /// The server may be another now: its type is asked again.
@@ -26,7 +26,7 @@ class ServiceRoute {
     ServicePtr schema;
   };
   struct Client {
-    std::optional<PlanBook::ServiceCarriage> carriage;  ///< nothing: the bytes go through as they are
+    std::optional<PlanCache::ServiceConversion> conversion;  ///< nothing: the bytes go through as they are
     std::shared_ptr<ServiceLink> link;
   };
   struct Call {
@@ -44,14 +44,14 @@ class ServiceRoute {
   void forward(const std::shared_ptr<Call>& call, ServiceLink& link);
   void finish(const Call& call, const Result<FramePtr>& response);
   void refuse(const Call& call, const std::string& reason);
-  [[nodiscard]] Result<std::optional<PlanBook::ServiceCarriage>> carriage_for(
+  [[nodiscard]] Result<std::optional<PlanCache::ServiceConversion>> conversion_for(
       const ConnectionHeader& header) const;
   [[nodiscard]] PlanOptions options() const;
   [[nodiscard]] std::function<bool()> alive() const;
 
   BridgeContext& context_;
   std::string service_;
-  End server_at_;
+  Side server_at_;
   std::optional<Server> server_;
   bool asking_{false};
   std::vector<std::shared_ptr<ServiceRequest>> waiting_;

@@ -9,7 +9,7 @@ namespace {
 
 constexpr auto kLinger = std::chrono::seconds(5);  // a subscription outlives its last listener by this much
 constexpr auto kQuiet = std::chrono::seconds(2);   // between two complaints of one route
-constexpr double kLeastPatienceS =
+constexpr double kMinPatienceS =
     0.3;  // for an acknowledgement: one lost packet is sent again after 0.2 s at least
 
 std::chrono::milliseconds milliseconds(double seconds) {
@@ -23,7 +23,7 @@ SendParams send_params(const TopicProfile& profile) {
   params.priority = profile.priority;
   // What the kernel still holds when a network returns is delivered then. For commands that must not happen.
   if (profile.max_age_s > 0)
-    params.unacknowledged = std::max(milliseconds(profile.max_age_s), milliseconds(kLeastPatienceS));
+    params.unacknowledged = std::max(milliseconds(profile.max_age_s), milliseconds(kMinPatienceS));
   return params;
 }
 
@@ -103,10 +103,10 @@ void TopicRoute::answer_waiting() {
 }
 
 void TopicRoute::answer(SubscriberRequest& request) {
-  const auto target = wanted_version(request.header());
+  const auto target = wanted_definition(request.header());
   if (target.md5 == "*" || target.md5.empty())
     return request.refuse("no publisher of " + params_.topic + " answers yet");
-  const auto reason = obstacle(target);
+  const auto reason = refusal_reason(target);
   if (!reason.empty()) {
     complain(reason);
     return request.refuse(reason);
@@ -115,61 +115,62 @@ void TopicRoute::answer(SubscriberRequest& request) {
 }
 
 /// What a subscriber asked for; of one that takes anything, this side's own version or else the publishers'.
-Version TopicRoute::wanted_version(const ConnectionHeader& header) const {
+MessageDefinition TopicRoute::wanted_definition(const ConnectionHeader& header) const {
   const auto md5 = value_of(header, "md5sum");
   auto type = value_of(header, "type");
   if (type.empty() || type == "*")
-    type = sources_.empty() ? params_.type : sources_.begin()->second.version.type;
-  if (md5 == "*") return any_version();
+    type = sources_.empty() ? params_.type : sources_.begin()->second.definition.type;
+  if (md5 == "*") return any_definition();
   // Of equal MD5s the publisher's text is the better witness: a subscriber of roscpp sends none.
-  const auto definition = value_of(header, "message_definition");
-  if (definition.empty())
+  const auto text = value_of(header, "message_definition");
+  if (text.empty())
     for (const auto& [link, source] : sources_)
-      if (source.version.md5 == md5) return {type, md5, source.version.schema};
-  return context_.plans.version(type, md5, definition);
+      if (source.definition.md5 == md5) return {type, md5, source.definition.schema};
+  return context_.plans.definition(type, md5, text);
 }
 
-Version TopicRoute::any_version() const {
+MessageDefinition TopicRoute::any_definition() const {
   if (sources_.empty()) {
     if (const auto native = context_.native(other(params_.from), params_.type))
       return {params_.type, native->md5(), native};
     return {params_.type, "*", nullptr};
   }
-  const auto& source = sources_.begin()->second.version;
+  const auto& source = sources_.begin()->second.definition;
   if (const auto native = context_.native(other(params_.from), source.type)) {
-    Version version{source.type, native->md5(), native};
-    if (context_.plans.carriage(source, version, options()).possible) return version;
+    MessageDefinition definition{source.type, native->md5(), native};
+    if (context_.plans.conversion(source, definition, options()).possible) return definition;
   }
   return source;
 }
 
 /// Why no publisher's messages can become this version; empty when some can.
-std::string TopicRoute::obstacle(const Version& target) const {
+std::string TopicRoute::refusal_reason(const MessageDefinition& target) const {
   std::string reason;
   for (const auto& [link, source] : sources_) {
-    const auto carriage = context_.plans.carriage(source.version, target, options());
-    if (carriage.possible) return {};
-    reason = params_.topic + ": " + carriage.problem;
+    const auto conversion = context_.plans.conversion(source.definition, target, options());
+    if (conversion.possible) return {};
+    reason = params_.topic + ": " + conversion.problem;
   }
   return reason;
 }
 
-void TopicRoute::accept(SubscriberRequest& request, const Version& version) {
-  const auto link = request.accept(version.type, version.md5,
-                                   version.schema ? version.schema->full_text() : "", latching());
+void TopicRoute::accept(SubscriberRequest& request, const MessageDefinition& definition) {
+  const auto link = request.accept(definition.type, definition.md5,
+                                   definition.schema ? definition.schema->full_text() : "", latching());
   if (link == 0) return;
-  targets_[link] = {version, value_of(request.header(), "callerid")};
-  send_latched(link, version);
+  targets_[link] = {definition, value_of(request.header(), "callerid")};
+  send_latched(link, definition);
 }
 
-void TopicRoute::send_latched(LinkId link, const Version& version) {
+void TopicRoute::send_latched(LinkId link, const MessageDefinition& definition) {
   const auto now = EventLoop::now();
   if (merges_transforms())
     if (const auto merged = latched_.merged_transforms(context_.frames))
-      if (const auto frame = carried(merged->version, version, merged->frame))
+      if (const auto frame = convert_frame(merged->definition, definition, merged->frame))
         return publication_->send(link, frame, now);
   for (const auto& entry : latched_.entries())
-    if (const auto frame = carried(entry.version, version, entry.frame)) publication_->send(link, frame, now);
+    if (const auto frame = convert_frame(entry.definition, definition, entry.frame))
+      publication_->send(link, frame, now);
 }
 
 bool TopicRoute::latching() const {
@@ -203,10 +204,11 @@ void TopicRoute::subscribe() {
 bool TopicRoute::on_up(const PublisherLink& link) {
   Source source;
   source.link = link;
-  source.version = context_.plans.version(value_of(link.header, "type"), value_of(link.header, "md5sum"),
-                                          value_of(link.header, "message_definition"));
+  source.definition =
+      context_.plans.definition(value_of(link.header, "type"), value_of(link.header, "md5sum"),
+                                value_of(link.header, "message_definition"));
   source.latching = value_of(link.header, "latching") == "1";
-  if (params_.type.empty() || params_.type == "*") params_.type = source.version.type;
+  if (params_.type.empty() || params_.type == "*") params_.type = source.definition.type;
   sources_[link.id] = std::move(source);
   problem_.clear();
   answer_waiting();

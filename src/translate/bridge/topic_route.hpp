@@ -19,7 +19,7 @@ class TopicRoute {
   struct Params {
     std::string topic;
     std::string type;  ///< as the master knows it; "*" when it does not
-    End from{End::kOld};
+    Side from{Side::kRobot};
     TopicProfile profile;
     std::string action;  ///< name of the action it belongs to, or empty
     bool eager{false};   ///< subscribe at once, whoever listens: actions, profiles that are not lazy
@@ -45,11 +45,11 @@ class TopicRoute {
  private:
   struct Source {
     PublisherLink link;
-    Version version;
+    MessageDefinition definition;
     bool latching{false};
   };
   struct Target {
-    Version version;
+    MessageDefinition definition;
     std::string name;  ///< caller id of the subscriber
   };
   struct Waiting {
@@ -60,11 +60,11 @@ class TopicRoute {
   void on_request(const std::shared_ptr<SubscriberRequest>& request);
   void answer(SubscriberRequest& request);
   void answer_waiting();
-  [[nodiscard]] Version wanted_version(const ConnectionHeader& header) const;
-  [[nodiscard]] Version any_version() const;
-  [[nodiscard]] std::string obstacle(const Version& target) const;
-  void accept(SubscriberRequest& request, const Version& version);
-  void send_latched(LinkId link, const Version& version);
+  [[nodiscard]] MessageDefinition wanted_definition(const ConnectionHeader& header) const;
+  [[nodiscard]] MessageDefinition any_definition() const;
+  [[nodiscard]] std::string refusal_reason(const MessageDefinition& target) const;
+  void accept(SubscriberRequest& request, const MessageDefinition& definition);
+  void send_latched(LinkId link, const MessageDefinition& definition);
 
   void subscribe();
   bool on_up(const PublisherLink& link);
@@ -72,8 +72,9 @@ class TopicRoute {
   void on_gone(const PublisherLink& link);
   [[nodiscard]] bool too_fast(SteadyTime now);
   [[nodiscard]] bool filtered(const FramePtr& frame) const;
-  void deliver(const Version& from, const FramePtr& frame, SteadyTime since);
-  [[nodiscard]] FramePtr carried(const Version& from, const Version& to, const FramePtr& frame);
+  void deliver(const MessageDefinition& from, const FramePtr& frame, SteadyTime since);
+  [[nodiscard]] FramePtr convert_frame(const MessageDefinition& from, const MessageDefinition& to,
+                                       const FramePtr& frame);
   [[nodiscard]] PlanOptions options() const;
   [[nodiscard]] bool merges_transforms() const;
   [[nodiscard]] bool latching() const;

@@ -30,7 +30,7 @@ void TopicRoute::on_message(const PublisherLink& link, const FramePtr& frame, St
   const auto& source = found->second;
   ++counts_.messages;
   counts_.bytes += frame->payload().size;
-  if (source.latching) latched_.keep(value_of(link.header, "callerid"), source.version, frame);
+  if (source.latching) latched_.keep(value_of(link.header, "callerid"), source.definition, frame);
   if (targets_.empty() || filtered(frame)) return;
   if (too_fast(received)) {
     ++counts_.dropped;
@@ -39,24 +39,25 @@ void TopicRoute::on_message(const PublisherLink& link, const FramePtr& frame, St
   // A listener keeps the last message of a connection for those who come later in its process.
   if (source.latching && merges_transforms()) {
     if (const auto merged = latched_.merged_transforms(context_.frames))
-      return deliver(merged->version, merged->frame, received);
+      return deliver(merged->definition, merged->frame, received);
   }
-  deliver(source.version, frame, received);
+  deliver(source.definition, frame, received);
 }
 
-void TopicRoute::deliver(const Version& from, const FramePtr& frame, SteadyTime since) {
+void TopicRoute::deliver(const MessageDefinition& from, const FramePtr& frame, SteadyTime since) {
   // Subscribers of one version share the converted frame. Few versions are in use at a time.
-  std::vector<std::pair<const Version*, FramePtr>> done;
+  std::vector<std::pair<const MessageDefinition*, FramePtr>> done;
   for (const auto& [link, target] : targets_) {
-    const auto same = std::find_if(done.begin(), done.end(), [&, &version = target.version](const auto& one) {
-      return one.first->md5 == version.md5 && one.first->schema == version.schema;
-    });
+    const auto same =
+        std::find_if(done.begin(), done.end(), [&, &definition = target.definition](const auto& one) {
+          return one.first->md5 == definition.md5 && one.first->schema == definition.schema;
+        });
     FramePtr out;
     if (same != done.end()) {
       out = same->second;
     } else {
-      out = carried(from, target.version, frame);
-      done.emplace_back(&target.version, out);
+      out = convert_frame(from, target.definition, frame);
+      done.emplace_back(&target.definition, out);
     }
     if (out) publication_->send(link, std::move(out), since);
   }
@@ -67,17 +68,18 @@ void TopicRoute::deliver(const Version& from, const FramePtr& frame, SteadyTime 
 }
 
 /// The frame as the target wants it; null when it cannot be, which is counted and told.
-FramePtr TopicRoute::carried(const Version& from, const Version& to, const FramePtr& frame) {
-  const auto carriage = context_.plans.carriage(from, to, options());
-  if (carriage.possible && carriage.raw()) return frame;
-  if (!carriage.possible) {
+FramePtr TopicRoute::convert_frame(const MessageDefinition& from, const MessageDefinition& to,
+                                   const FramePtr& frame) {
+  const auto conversion = context_.plans.conversion(from, to, options());
+  if (conversion.possible && conversion.raw()) return frame;
+  if (!conversion.possible) {
     ++counts_.failed;
-    complain(params_.topic + ": " + carriage.problem);
+    complain(params_.topic + ": " + conversion.problem);
     return nullptr;
   }
   auto converted = context_.frames.take(frame->payload().size);
   const auto result =
-      carriage.plan->convert(frame->payload(), converted->buffer(), context_.shift_ns(params_.from));
+      conversion.plan->convert(frame->payload(), converted->buffer(), context_.shift_ns(params_.from));
   if (!result) {
     ++counts_.failed;
     complain(params_.topic + ": a message was dropped: " + result.error().message);
@@ -99,7 +101,7 @@ bool TopicRoute::too_fast(SteadyTime now) {
 bool TopicRoute::filtered(const FramePtr& frame) const {
   if (params_.topic != "/rosout") return false;
   const auto level = log_level(frame->payload());
-  return !level || *level < context_.params.rosout_least_level;
+  return !level || *level < context_.params.rosout_min_level;
 }
 
 PlanOptions TopicRoute::options() const {
@@ -127,7 +129,7 @@ TopicStatus TopicRoute::status() const {
   status.from = params_.from;
   status.from_type = params_.type;
   status.publishers = sources_.size();
-  if (!sources_.empty()) status.from_md5 = sources_.begin()->second.version.md5;
+  if (!sources_.empty()) status.from_md5 = sources_.begin()->second.definition.md5;
   status.messages = counts_.messages;
   status.bytes = counts_.bytes;
   status.failed = counts_.failed;
@@ -135,15 +137,15 @@ TopicStatus TopicRoute::status() const {
   for (const auto& [link, target] : targets_) {
     const auto stats = publication_->stats(link);
     status.dropped += stats.dropped_queue + stats.dropped_age;
-    auto known =
-        std::find_if(status.to.begin(), status.to.end(),
-                     [&, &md5 = target.version.md5](const auto& version) { return version.md5 == md5; });
+    auto known = std::find_if(
+        status.to.begin(), status.to.end(),
+        [&, &md5 = target.definition.md5](const auto& definition) { return definition.md5 == md5; });
     if (known == status.to.end()) {
       std::string plan = "unknown: no publisher is connected";
       if (!sources_.empty())
-        plan =
-            context_.plans.carriage(sources_.begin()->second.version, target.version, options()).describe();
-      status.to.push_back({target.version.type, target.version.md5, plan, 0});
+        plan = context_.plans.conversion(sources_.begin()->second.definition, target.definition, options())
+                   .describe();
+      status.to.push_back({target.definition.type, target.definition.md5, plan, 0});
       known = std::prev(status.to.end());
     }
     ++known->subscribers;

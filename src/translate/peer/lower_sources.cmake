@@ -1,5 +1,5 @@
 set(EXTPERFC_PEER_LOWER_SOURCES
-  absentees.cpp
+  missing_subscribers.cpp
   event_loop.cpp
   frame_pool.cpp
   graph_state.cpp

@@ -8,7 +8,7 @@
 
 #include "extperfc/translate/peer.hpp"
 
-#include "carrier_watch.hpp"
+#include "carrier_monitor.hpp"
 #include "master_link.hpp"
 #include "tcpros_half_open.hpp"
 #include "tcpros_handshake.hpp"
@@ -58,7 +58,7 @@ class PeerCore : public std::enable_shared_from_this<PeerCore> {
   RpcServer server;
   TcprosListener listener;
   HalfOpenNotices half_open;
-  CarrierWatch carrier;
+  CarrierMonitor carrier;
   std::unique_ptr<MasterLink> master;
   bool closed{false};
 

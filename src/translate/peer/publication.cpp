@@ -62,7 +62,7 @@ PublicationState::PublicationState(std::shared_ptr<PeerCore> core, std::string t
       topic_(std::move(topic)),
       handlers_(std::move(handlers)),
       params_(params),
-      absent_(
+      missing_subscribers_(
           core_->loop, [this] { call_back(); }, core_->params.tcpros.call_back_first,
           core_->params.tcpros.call_back_last) {}
 
@@ -81,7 +81,7 @@ void PublicationState::close() {
   end_registration(*core_, core_->publications, topic_, this);
   while (!pending_.empty()) refuse(pending_.begin()->first, "the publisher of " + topic_ + " goes away");
   links_.clear();
-  absent_.clear();
+  missing_subscribers_.clear();
 }
 
 void PublicationState::incoming(Incoming incoming) {
@@ -151,7 +151,7 @@ LinkId PublicationState::accept(LinkId id, ConnectionHeader header) {
   apply(placed);
   placed.queue.push_header(std::move(frame));
   watch_link(id, placed);
-  absent_.forget(placed.caller);
+  missing_subscribers_.forget(placed.caller);
   flush(id, placed);
   if (!placed.dead) return id;
   links_.erase(id);
@@ -233,7 +233,7 @@ void PublicationState::give_up(LinkId id, const std::string& reason) {
   abort_connection(found->second->socket);
   break_link(id, reason);
   core_->half_open.tell(found->second->ends, [weak = weak_from_this()] {
-    if (const auto self = weak.lock()) self->absent_.hurry();
+    if (const auto self = weak.lock()) self->missing_subscribers_.hurry();
   });
 }
 
@@ -241,7 +241,7 @@ void PublicationState::expect(const Link& link) {
   const bool has_another = std::any_of(links_.begin(), links_.end(), [&](const auto& one) {
     return !one.second->dead && one.second->caller == link.caller;
   });
-  if (!has_another) absent_.expect(link.caller);
+  if (!has_another) missing_subscribers_.expect(link.caller);
 }
 
 void PublicationState::call_back() {
@@ -251,13 +251,13 @@ void PublicationState::call_back() {
 
 void PublicationState::on_registered(const Result<XmlValue>& subscribers) {
   const bool called_back = std::exchange(calling_back_, false);
-  if (absent_.empty() || !subscribers || subscribers->as<XmlArray>() == nullptr) return;
+  if (missing_subscribers_.empty() || !subscribers || subscribers->as<XmlArray>() == nullptr) return;
   const auto listed = uris_in(*subscribers);
-  if (listed.empty()) return absent_.clear();
+  if (listed.empty()) return missing_subscribers_.clear();
   // Registered for another reason: the master came back, so they may be reachable again as well.
-  if (!called_back) return absent_.hurry();
-  if (absent_.calls() < 2) return;  // most are on their way
-  const auto names = absent_.names();
+  if (!called_back) return missing_subscribers_.hurry();
+  if (missing_subscribers_.calls() < 2) return;  // most are on their way
+  const auto names = missing_subscribers_.names();
   for (const auto& name : names) ask_whether_listed(name, listed);
 }
 
@@ -270,7 +270,7 @@ void PublicationState::ask_whether_listed(const std::string& caller, const std::
                         const bool unknown = !answer && answer.error().code == ErrorCode::kNotFound;
                         const bool elsewhere =
                             uri != nullptr && std::find(listed.begin(), listed.end(), *uri) == listed.end();
-                        if (unknown || elsewhere) self->absent_.forget(caller);
+                        if (unknown || elsewhere) self->missing_subscribers_.forget(caller);
                       });
 }
 

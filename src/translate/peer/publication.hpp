@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "absentees.hpp"
+#include "missing_subscribers.hpp"
 #include "peer_core.hpp"
 #include "tcpros_send_queue.hpp"
 #include "tcpros_stall.hpp"
@@ -92,8 +92,8 @@ class PublicationState : public std::enable_shared_from_this<PublicationState> {
   MasterLink::RegistrationId registration_{0};
   std::map<LinkId, Pending> pending_;
   std::map<LinkId, std::unique_ptr<Link>> links_;
-  Absentees absent_;          ///< subscribers by caller id
-  bool calling_back_{false};  ///< the next registration is that of call_back()
+  MissingSubscribers missing_subscribers_;  ///< subscribers by caller id
+  bool calling_back_{false};                ///< the next registration is that of call_back()
   bool closed_{false};
 };
 

@@ -10,7 +10,7 @@
 namespace extperfc::translate {
 namespace {
 
-constexpr std::size_t kMostCalls = 1000;
+constexpr std::size_t kMaxCalls = 1000;
 
 /// The connection and the calls that wait; one is under way at a time.
 class LinkState : public std::enable_shared_from_this<LinkState> {
@@ -74,7 +74,7 @@ void LinkState::fail_later(ServiceLink::Done done, const std::string& reason) {
 
 void LinkState::call(FramePtr request, std::chrono::milliseconds timeout, ServiceLink::Done done) {
   if (!socket_) return fail_later(std::move(done), "the connection is closed");
-  if (calls_.size() >= kMostCalls) return fail_later(std::move(done), "too many calls wait for it");
+  if (calls_.size() >= kMaxCalls) return fail_later(std::move(done), "too many calls wait for it");
   const auto id = ++last_call_;
   const auto timer = core_->loop.after(timeout, [weak = weak_from_this(), id] {
     if (const auto self = weak.lock()) self->time_out(id);
@@ -124,11 +124,11 @@ void LinkState::finish(std::shared_ptr<Frame> response, bool ok) {
   core_->loop.cancel(call.timer);
   send_next();
   if (ok) return call.done(FramePtr(std::move(response)));
-  constexpr std::size_t kMostText = 4096;
+  constexpr std::size_t kMaxText = 4096;
   const auto text = response->payload();
   call.done(tl::unexpected<Error>(call_error(
       service_, "the server failed: " +
-                    std::string(reinterpret_cast<const char*>(text.data), std::min(text.size, kMostText)))));
+                    std::string(reinterpret_cast<const char*>(text.data), std::min(text.size, kMaxText)))));
 }
 
 void LinkState::time_out(std::uint64_t id) {

@@ -12,7 +12,7 @@ SubscriptionState::SubscriptionState(std::shared_ptr<PeerCore> core, std::string
     : core_(std::move(core)),
       topic_(std::move(topic)),
       params_(std::move(params)),
-      absent_(
+      missing_publishers_(
           core_->loop, [this] { core_->master->renew(registration_); }, core_->params.tcpros.call_back_first,
           core_->params.tcpros.call_back_last) {}
 
@@ -30,7 +30,7 @@ void SubscriptionState::close() {
   end_registration(*core_, core_->subscriptions, topic_, this);
   for (auto& [uri, source] : sources_) stop(*source);
   sources_.clear();
-  absent_.clear();
+  missing_publishers_.clear();
 }
 
 Consumers::ConsumerPtr SubscriptionState::join(Subscription::Handlers handlers,
@@ -139,7 +139,7 @@ void SubscriptionState::remove(const SourcePtr& source) {
   const bool was_up = source->step == Step::kUp;
   stop(*source);
   sources_.erase(source->link.uri);
-  absent_.forget(source->link.uri);
+  missing_publishers_.forget(source->link.uri);
   if (was_up) consumers_.down(source->link, "the master no longer lists the publisher");
   consumers_.gone(source->link);
 }
@@ -220,7 +220,7 @@ void SubscriptionState::connected_to(const SourcePtr& source, Result<Outgoing> o
 
 void SubscriptionState::bring_up(const SourcePtr& source, Outgoing outgoing) {
   source->step = Step::kUp;
-  absent_.forget(source->link.uri);
+  missing_publishers_.forget(source->link.uri);
   source->up_since = EventLoop::now();
   source->down_since.reset();
   source->problem.clear();
@@ -310,7 +310,7 @@ std::string SubscriptionState::problem() const {
 void SubscriptionState::reject(const SourcePtr& source, const std::string& reason) {
   stop(*source);
   source->step = Step::kRejected;
-  absent_.forget(source->link.uri);
+  missing_publishers_.forget(source->link.uri);
   if (!reason.empty()) tell_problem(*source, reason);
 }
 
@@ -325,7 +325,7 @@ void SubscriptionState::fail_attempt(const SourcePtr& source, const std::string&
 }
 
 void SubscriptionState::retry_later(const SourcePtr& source) {
-  absent_.expect(source->link.uri);
+  missing_publishers_.expect(source->link.uri);
   const auto& limits = core_->params.tcpros;
   const auto delay =
       std::clamp(source->delay, limits.retry_first, std::max(limits.retry_first, limits.retry_last));
@@ -362,7 +362,7 @@ void SubscriptionState::compare(std::size_t publishers) {
   }
   if (++unequal_looks_ < patience_) return;
   unequal_looks_ = 0;
-  patience_ = std::min(2 * patience_, kMostLooks);
+  patience_ = std::min(2 * patience_, kMaxLooks);
   core_->master->renew(registration_);
 }
 

@@ -10,7 +10,7 @@
 #include <string>
 #include <vector>
 
-#include "absentees.hpp"
+#include "missing_subscribers.hpp"
 #include "peer_core.hpp"
 #include "subscription_consumers.hpp"
 #include "tcpros_frame_reader.hpp"
@@ -45,7 +45,7 @@ class SubscriptionState : public std::enable_shared_from_this<SubscriptionState>
   [[nodiscard]] std::vector<BusLink> bus() const;
 
  private:
-  static constexpr unsigned kLooks = 3, kMostLooks = 64;
+  static constexpr unsigned kLooks = 3, kMaxLooks = 64;
   static constexpr std::size_t kFlaps = 3;  ///< lost connections within TcprosParams::flap_window
   enum class Step : std::uint8_t { kAsking, kConnecting, kUp, kWaiting, kRejected, kGone };
   /// One publisher.
@@ -102,7 +102,7 @@ class SubscriptionState : public std::enable_shared_from_this<SubscriptionState>
   unsigned unequal_looks_{0}, patience_{kLooks};  ///< of compare()
   /// Publishers by URI. The master's word that one was replaced is lost when it comes while the network is
   /// away, so it is asked again.
-  Absentees absent_;
+  MissingSubscribers missing_publishers_;
   bool closed_{false};
 };
 

@@ -31,9 +31,9 @@ void Consumers::remove(const ConsumerPtr& consumer) {
 }
 
 Priority Consumers::priority() const {
-  auto most_urgent = Priority::kBulk;
-  for (const auto& consumer : *consumers_) most_urgent = std::min(most_urgent, consumer->priority);
-  return most_urgent;
+  auto highest_priority = Priority::kBulk;
+  for (const auto& consumer : *consumers_) highest_priority = std::min(highest_priority, consumer->priority);
+  return highest_priority;
 }
 
 bool Consumers::want(LinkId link) const {

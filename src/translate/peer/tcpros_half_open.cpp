@@ -10,7 +10,7 @@
 namespace extperfc::translate {
 namespace {
 
-constexpr std::size_t kMost = 1024;  ///< notices at once; more subscribers must find out by themselves
+constexpr std::size_t kMax = 1024;  ///< notices at once; more subscribers must find out by themselves
 constexpr auto kPeriod = std::chrono::seconds(1);
 constexpr int kTries = 120;  ///< by then the other end's own keep-alive has noticed
 
@@ -46,7 +46,7 @@ HalfOpenNotices::~HalfOpenNotices() {
 }
 
 void HalfOpenNotices::tell(const ConnectionEnds& ends, std::function<void()> done) {
-  if (ends.size == 0 || notices_.size() >= kMost) return;
+  if (ends.size == 0 || notices_.size() >= kMax) return;
   const auto id = ++last_id_;
   notices_[id].ends = ends;
   notices_[id].done = std::move(done);

@@ -22,9 +22,9 @@ HeaderReader::Outcome HeaderReader::fail_with(std::string problem) {
 HeaderReader::Outcome HeaderReader::length_is_known() {
   size_ = 0;
   for (unsigned i = 0; i < length_.size(); ++i) size_ |= static_cast<std::size_t>(length_[i]) << (8U * i);
-  if (size_ > most_) {
+  if (size_ > max_bytes_) {
     return fail_with("its connection header has " + std::to_string(size_) + " bytes; at most " +
-                     std::to_string(most_) + " are taken");
+                     std::to_string(max_bytes_) + " are taken");
   }
   return Outcome::kWaiting;
 }

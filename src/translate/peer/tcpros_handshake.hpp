@@ -20,7 +20,7 @@ namespace extperfc::translate {
 class HeaderReader {
  public:
   enum class Outcome : std::uint8_t { kWaiting, kDone, kFailed };
-  explicit HeaderReader(std::size_t header_bytes) : most_(header_bytes) {}
+  explicit HeaderReader(std::size_t header_bytes) : max_bytes_(header_bytes) {}
 
   [[nodiscard]] Outcome read(int descriptor);
   [[nodiscard]] ConnectionHeader& header() { return header_; }
@@ -31,7 +31,7 @@ class HeaderReader {
   [[nodiscard]] Outcome fail_with(std::string problem);
   [[nodiscard]] Outcome length_is_known();
 
-  std::size_t most_;
+  std::size_t max_bytes_;
   std::array<std::uint8_t, 4> length_{};
   std::size_t have_{0}, size_{0};
   ByteBuffer body_;

@@ -8,7 +8,7 @@ namespace {
 
 constexpr std::size_t kLength = 4;
 /// ROS itself sends ten fields at most.
-constexpr std::size_t kMostFields = 256;
+constexpr std::size_t kMaxFields = 256;
 
 void put_length(std::uint8_t* at, std::size_t value) {
   for (unsigned i = 0; i < kLength; ++i) at[i] = static_cast<std::uint8_t>(value >> (8U * i));
@@ -40,8 +40,8 @@ Result<ConnectionHeader> decode_header(ByteView bytes) {
   std::size_t fields = 0;
   for (std::size_t at = 0; at < bytes.size;) {
     const auto where = " at byte " + std::to_string(at) + " of a connection header";
-    if (++fields > kMostFields) {
-      return fail(ErrorCode::kCorrupt, "more than " + std::to_string(kMostFields) + " fields" + where);
+    if (++fields > kMaxFields) {
+      return fail(ErrorCode::kCorrupt, "more than " + std::to_string(kMaxFields) + " fields" + where);
     }
     if (bytes.size - at < kLength) return fail(ErrorCode::kCorrupt, "a length is cut off" + where);
     const auto size = length_at(bytes.data + at);

@@ -41,9 +41,9 @@ void SendQueue::drop(std::size_t index) {
 void SendQueue::drop_excess() {
   const auto first = begun();
   const auto begun_bytes = first == 0 ? 0 : entries_.front().frame->wire().size;
-  const auto most = std::max<std::size_t>(params_.queue, 1);
+  const auto max_waiting = std::max<std::size_t>(params_.queue, 1);
   while (entries_.size() > first + 1 &&
-         (entries_.size() - first > most || waiting_bytes_ - begun_bytes > params_.queue_bytes)) {
+         (entries_.size() - first > max_waiting || waiting_bytes_ - begun_bytes > params_.queue_bytes)) {
     drop(first);
     ++stats_.dropped_queue;
   }

@@ -1,5 +1,5 @@
 set(EXTPERFC_PEER_UPPER_SOURCES
-  carrier_watch.cpp
+  carrier_monitor.cpp
   peer.cpp
   peer_core.cpp
   peer_slave_api.cpp

@@ -15,8 +15,8 @@ bool writes(OpCode code) {
 }  // namespace
 
 std::uint32_t CodeWriter::narrow(std::uint64_t size) {
-  constexpr std::uint64_t kMost = std::numeric_limits<std::uint32_t>::max();
-  if (size <= kMost) return static_cast<std::uint32_t>(size);
+  constexpr std::uint64_t kMax = std::numeric_limits<std::uint32_t>::max();
+  if (size <= kMax) return static_cast<std::uint32_t>(size);
   overflowed_ = true;
   return 0;
 }

@@ -44,8 +44,8 @@ bool is_stamp(Primitive primitive) {
 
 /// Larger sizes never pass: a message has less than 4 GiB.
 std::uint32_t narrow(std::size_t size) {
-  constexpr std::size_t kMost = std::numeric_limits<std::uint32_t>::max();
-  return static_cast<std::uint32_t>(size < kMost ? size : kMost);
+  constexpr std::size_t kMax = std::numeric_limits<std::uint32_t>::max();
+  return static_cast<std::uint32_t>(size < kMax ? size : kMax);
 }
 
 std::string arity_text(const Field& field) {
@@ -63,17 +63,17 @@ Field element_of(const Field& field) {
   return element;
 }
 
-std::size_t least_element_size(const Field& field) {
-  if (field.primitive == Primitive::kMessage) return field.message->least_size();
+std::size_t min_element_size(const Field& field) {
+  if (field.primitive == Primitive::kMessage) return field.message->min_size();
   return size_of(field.primitive).value_or(kCountSize);
 }
 
-std::size_t least_size(const Field& field) {
+std::size_t min_size(const Field& field) {
   if (field.arity == Arity::kVariable) return kCountSize;
-  const auto size = least_element_size(field);
+  const auto size = min_element_size(field);
   if (field.arity == Arity::kSingle || size == 0) return size;
-  constexpr std::size_t kMost = std::numeric_limits<std::size_t>::max();
-  return field.fixed_count > kMost / size ? kMost : size * field.fixed_count;
+  constexpr std::size_t kMax = std::numeric_limits<std::size_t>::max();
+  return field.fixed_count > kMax / size ? kMax : size * field.fixed_count;
 }
 
 tl::unexpected<Error> Compiler::mismatch(const Field& from, const Field& to, const std::string& path,
@@ -122,9 +122,9 @@ Result<void> Compiler::array(const Field& from, const Field& to, const How& how,
   if (!whole) return tl::unexpected(whole.error());
   if (*whole) return {};
   Op op{OpCode::kLoop};
-  op.size = narrow(least_element_size(from));
-  const auto least_target = least_element_size(to);
-  if (op.size == 0 || least_target > op.size) op.extra = narrow(least_target);
+  op.size = narrow(min_element_size(from));
+  const auto min_target = min_element_size(to);
+  if (op.size == 0 || min_target > op.size) op.extra = narrow(min_target);
   const auto at = out_.begin(op, path);
   if (auto done = element(element_of(from), element_of(to), how, path + "[]"); !done) return done;
   out_.end_loop(at);
@@ -262,7 +262,7 @@ Result<void> Compiler::skip(const Field& field, const std::string& path) {
     return {};
   }
   Op op{fixed ? OpCode::kRepeat : OpCode::kLoop};
-  op.size = fixed ? field.fixed_count : narrow(least_element_size(field));
+  op.size = fixed ? field.fixed_count : narrow(min_element_size(field));
   const auto at = out_.begin(op, path);
   auto done = skip_element(field, path + "[]");
   if (fixed) {

@@ -59,7 +59,7 @@ Result<Code> Compiler::compile(const MessageSchema& from, const MessageSchema& t
   if (out_.overflowed())
     return fail(ErrorCode::kUnsupported, "the definitions are too large: their fixed parts exceed 4 GiB");
   auto& code = out_.code();
-  code.growth = to.least_size() > from.least_size() ? to.least_size() - from.least_size() : 0;
+  code.growth = to.min_size() > from.min_size() ? to.min_size() - from.min_size() : 0;
   return std::move(code);
 }
 
@@ -193,7 +193,7 @@ Result<void> Compiler::piece(Pair& pair, const Piece& one) {
   if (one.source != nullptr) return paired(pair, one);
   if (one.rule == nullptr) {
     note(NoteKind::kDefaulted, path, "new: zero or empty");
-    out_.zero(least_size(*one.target), path);
+    out_.zero(min_size(*one.target), path);
     return {};
   }
   note(NoteKind::kRule, path, in_words(*one.rule));

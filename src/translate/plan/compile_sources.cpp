@@ -119,7 +119,7 @@ Result<void> Compiler::from_fields(Pair& pair, const Source& from, const Field& 
     for (const auto& [name, inner] : from.fields)
       if (name == field.name) given = &inner;
     if (given == nullptr) {
-      out_.zero(least_size(field), inner_path);
+      out_.zero(min_size(field), inner_path);
     } else if (auto done = source(pair, *given, field, inner_path); !done) {
       return done;
     }
@@ -193,8 +193,8 @@ Result<void> Compiler::navigate(Pair& pair, const Path& path, Field& leaf, std::
 
 Result<void> Compiler::enter_element(Field& leaf, std::size_t index, const std::string& path,
                                      std::vector<std::size_t>& jumps) {
-  constexpr std::size_t kMostIndex = 0xFFFFFFFF;
-  if (leaf.arity == Arity::kSingle || index > kMostIndex ||
+  constexpr std::size_t kMaxIndex = 0xFFFFFFFF;
+  if (leaf.arity == Arity::kSingle || index > kMaxIndex ||
       (leaf.arity == Arity::kFixed && index >= leaf.fixed_count))
     return fail(ErrorCode::kInvalidArgument,
                 "path " + path + ": " + leaf.name + " has no element " + std::to_string(index));

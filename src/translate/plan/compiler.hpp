@@ -119,8 +119,8 @@ struct Chain {
 /// A field as one element of it.
 [[nodiscard]] Field element_of(const Field& field);
 /// The fewest bytes of an element or of a field.
-[[nodiscard]] std::size_t least_element_size(const Field& field);
-[[nodiscard]] std::size_t least_size(const Field& field);
+[[nodiscard]] std::size_t min_element_size(const Field& field);
+[[nodiscard]] std::size_t min_size(const Field& field);
 /// True when a source is one whole field of the source message, so that it can be read where it stands.
 [[nodiscard]] bool is_whole_field(const Source& source);
 /// "from speed, times 0.01".

@@ -14,7 +14,7 @@ namespace extperfc::translate {
 
 namespace {
 
-constexpr std::size_t kMostBytes = 0xFFFFFFFF;  // of a message: its length is a uint32
+constexpr std::size_t kMaxBytes = 0xFFFFFFFF;  // of a message: its length is a uint32
 constexpr std::int64_t kNanosecondsPerSecond = 1'000'000'000;
 
 tl::unexpected<Error> refuse(const std::string& text, const Field& field) {
@@ -93,7 +93,7 @@ bool append_scalar(const std::string& text, Primitive to, ByteBuffer& out) {
     const auto size = static_cast<std::uint32_t>(text.size());
     out.append(&size, sizeof size);
     out.append(text.data(), text.size());
-    return text.size() <= kMostBytes;
+    return text.size() <= kMaxBytes;
   }
   if (to == Primitive::kBool) return append_bool(text, out);
   if (to == Primitive::kFloat32 || to == Primitive::kFloat64) return append_floating(text, to, out);
@@ -129,8 +129,8 @@ Result<void> append_fields(const Literal& value, const MessageSchema& schema, By
       if (auto done = append_value(*given, field, out); !done) return done;
       continue;
     }
-    const auto size = plan::least_size(field);
-    if (size > kMostBytes) return fail(ErrorCode::kUnsupported, to_string(field) + " exceeds 4 GiB");
+    const auto size = plan::min_size(field);
+    if (size > kMaxBytes) return fail(ErrorCode::kUnsupported, to_string(field) + " exceeds 4 GiB");
     if (size != 0) std::memset(out.extend(size), 0, size);
   }
   return {};
@@ -159,8 +159,8 @@ Result<void> serialize(const Literal& value, const Field& field, ByteBuffer& out
 }
 
 void serialize_default(const MessageSchema& schema, ByteBuffer& out) {
-  const auto size = schema.least_size();  // zero numbers, empty strings and empty arrays: all bytes are zero
-  if (size > kMostBytes) throw std::length_error(schema.type() + " exceeds 4 GiB");
+  const auto size = schema.min_size();  // zero numbers, empty strings and empty arrays: all bytes are zero
+  if (size > kMaxBytes) throw std::length_error(schema.type() + " exceeds 4 GiB");
   if (size != 0) std::memset(out.extend(size), 0, size);
 }
 

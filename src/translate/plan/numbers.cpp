@@ -51,9 +51,9 @@ struct Fitted {
 template <typename To, typename From>
 Fitted<To> to_floating(From value) {
   if constexpr (std::is_same_v<From, double> && std::is_same_v<To, float>) {
-    constexpr double kMost = std::numeric_limits<float>::max();
-    if (std::isfinite(value) && std::abs(value) > kMost)
-      return {static_cast<float>(std::copysign(kMost, value)), false};
+    constexpr double kMax = std::numeric_limits<float>::max();
+    if (std::isfinite(value) && std::abs(value) > kMax)
+      return {static_cast<float>(std::copysign(kMax, value)), false};
   }
   return {static_cast<To>(value)};
 }

@@ -54,10 +54,10 @@ Result<std::shared_ptr<const Plan>> Plan::compile(const SchemaPtr& from, const S
     return fail(code, name_of(*from) + " does not become " + name_of(*to) + ": " + reason);
   };
   for (const auto* schema : {from.get(), to.get()})
-    if (schema->least_size() > options.max_message_bytes)
-      return refuse(ErrorCode::kUnsupported,
-                    name_of(*schema) + " has " + std::to_string(schema->least_size()) +
-                        " bytes at least, max_message_bytes is " + std::to_string(options.max_message_bytes));
+    if (schema->min_size() > options.max_message_bytes)
+      return refuse(ErrorCode::kUnsupported, name_of(*schema) + " has " + std::to_string(schema->min_size()) +
+                                                 " bytes at least, max_message_bytes is " +
+                                                 std::to_string(options.max_message_bytes));
   auto compiled = compile_stages(from, to, rules, options);
   if (!compiled) return refuse(compiled.error().code, compiled.error().message);
   auto program = std::make_unique<Program>();

@@ -20,22 +20,22 @@ std::uint32_t load_count(const std::uint8_t* bytes) {
 
 }  // namespace
 
-Output::Output(ByteBuffer& buffer, std::size_t most, std::size_t expected)
-    : buffer_(buffer), start_(buffer.size()), most_(most) {
-  buffer_.reserve(start_ + std::min(expected, most));
+Output::Output(ByteBuffer& buffer, std::size_t max_bytes, std::size_t expected)
+    : buffer_(buffer), start_(buffer.size()), max_bytes_(max_bytes) {
+  buffer_.reserve(start_ + std::min(expected, max_bytes));
   at_ = buffer_.data() + start_;
   update_end();
 }
 
 void Output::update_end() {
   const auto capacity = buffer_.capacity() - start_;
-  end_ = buffer_.data() + start_ + std::min(capacity, most_);
+  end_ = buffer_.data() + start_ + std::min(capacity, max_bytes_);
 }
 
 bool Output::grow(std::size_t bytes) {
   const auto used = written();
-  if (bytes > most_ - used) return false;
-  buffer_.reserve(start_ + std::min(most_, std::max(used + bytes, 2 * used)));
+  if (bytes > max_bytes_ - used) return false;
+  buffer_.reserve(start_ + std::min(max_bytes_, std::max(used + bytes, 2 * used)));
   at_ = buffer_.data() + start_ + used;
   update_end();
   return true;
@@ -159,11 +159,11 @@ inline bool Runner::skip(std::size_t bytes, const Op& op) {
   return true;
 }
 
-inline bool Runner::read_count(std::size_t least_size, const Op& op, std::uint32_t& count) {
+inline bool Runner::read_count(std::size_t min_size, const Op& op, std::uint32_t& count) {
   if (left() < kCount) return fail(Failure::Kind::kEnds, op, left(), kCount);
   count = load_count(at_);
   at_ += kCount;
-  if (static_cast<std::uint64_t>(count) * least_size > left())
+  if (static_cast<std::uint64_t>(count) * min_size > left())
     return fail(Failure::Kind::kCount, op, count, left());
   return true;
 }
@@ -196,8 +196,8 @@ inline bool Runner::skip_strings(const Op& op) {
 bool Runner::loop(const Op& op) {
   std::uint32_t count = 0;
   if (!read_count(op.size, op, count)) return false;
-  if (op.extra != 0 && static_cast<std::uint64_t>(count) * op.extra > out_.most())
-    return fail(Failure::Kind::kTooLong, op, 0, out_.most());
+  if (op.extra != 0 && static_cast<std::uint64_t>(count) * op.extra > out_.max_bytes())
+    return fail(Failure::Kind::kTooLong, op, 0, out_.max_bytes());
   return repeat(op, count);
 }
 
@@ -227,7 +227,7 @@ bool Runner::index(const Op*& op) {
 inline bool Runner::flush(const Op& op) {
   const auto size = static_cast<std::size_t>(at_ - anchor_);
   if (size == 0) return true;
-  if (!out_.room(size)) return fail(Failure::Kind::kTooLong, op, 0, out_.most());
+  if (!out_.room(size)) return fail(Failure::Kind::kTooLong, op, 0, out_.max_bytes());
   std::memcpy(out_.take(size), anchor_, size);
   anchor_ = at_;
   return true;
@@ -241,14 +241,14 @@ inline bool Runner::seek(const Op& op) {
 
 bool Runner::emit(const Op& op, const void* bytes, std::size_t size) {
   if (!flush(op)) return false;
-  if (!out_.room(size)) return fail(Failure::Kind::kTooLong, op, 0, out_.most());
+  if (!out_.room(size)) return fail(Failure::Kind::kTooLong, op, 0, out_.max_bytes());
   if (size != 0) std::memcpy(out_.take(size), bytes, size);
   return true;
 }
 
 inline bool Runner::zero(const Op& op, std::size_t size) {
   if (!flush(op)) return false;
-  if (!out_.room(size)) return fail(Failure::Kind::kTooLong, op, 0, out_.most());
+  if (!out_.room(size)) return fail(Failure::Kind::kTooLong, op, 0, out_.max_bytes());
   if (size != 0) std::memset(out_.take(size), 0, size);
   return true;
 }
@@ -281,7 +281,7 @@ bool Runner::numbers(const Op& op, std::size_t count) {
   const auto* source = replace(count * size, op);
   if (source == nullptr) return count == 0 && failure_.kind == Failure::Kind::kNone;
   const auto bytes = count * *size_of(op.to);
-  if (!out_.room(bytes)) return fail(Failure::Kind::kTooLong, op, 0, out_.most());
+  if (!out_.room(bytes)) return fail(Failure::Kind::kTooLong, op, 0, out_.max_bytes());
   auto* target = out_.take(bytes);
   const bool saturate = (op.flags & kSaturate) != 0;
   const auto fitted =
@@ -306,7 +306,7 @@ bool Runner::slash(const Op& op) {
     while (leading < count && text[leading] == '/') ++leading;
   const std::uint32_t added = add && count != 0 && text[0] != '/' ? 1 : 0;
   const std::uint32_t size = count - leading + added;
-  if (!out_.room(kCount + size)) return fail(Failure::Kind::kTooLong, op, 0, out_.most());
+  if (!out_.room(kCount + size)) return fail(Failure::Kind::kTooLong, op, 0, out_.max_bytes());
   auto* target = out_.take(kCount + size);
   std::memcpy(target, &size, kCount);
   if (added != 0) target[kCount] = '/';
@@ -338,7 +338,7 @@ bool Runner::map(const Op*& op) {
 bool Runner::poses(const Op& op, std::size_t count) {
   const auto* source = replace(count * kPoseSize, op);
   if (source == nullptr) return count == 0 && failure_.kind == Failure::Kind::kNone;
-  if (!out_.room(count * kPoseSize)) return fail(Failure::Kind::kTooLong, op, 0, out_.most());
+  if (!out_.room(count * kPoseSize)) return fail(Failure::Kind::kTooLong, op, 0, out_.max_bytes());
   compose_poses(slots_[op.extra], source, out_.take(count * kPoseSize), count);
   return true;
 }
@@ -365,7 +365,7 @@ bool run_stages(const Stages& stages, ByteView source, Output& out, std::int64_t
   for (std::size_t i = 0; i + 1 < stages.size(); ++i) {
     auto& buffer = *buffers[i % 2];
     buffer.clear();
-    Output between(buffer, out.most(), source.size + stages[i].growth);
+    Output between(buffer, out.max_bytes(), source.size + stages[i].growth);
     if (!Runner(stages[i], source, between, time_shift_ns, failure).run()) return false;
     between.finish();
     source = buffer.view();

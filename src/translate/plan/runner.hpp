@@ -37,8 +37,8 @@ struct Failure {
 /// Where converted bytes go: the end of a buffer, which grows as needed up to a bound.
 class Output {
  public:
-  /// `most` bytes may be written; room for `expected` is made at once.
-  Output(ByteBuffer& buffer, std::size_t most, std::size_t expected);
+  /// Up to `max_bytes` may be written; room for `expected` is made at once.
+  Output(ByteBuffer& buffer, std::size_t max_bytes, std::size_t expected);
 
   [[nodiscard]] bool room(std::size_t bytes) {
     return static_cast<std::size_t>(end_ - at_) >= bytes || grow(bytes);
@@ -52,7 +52,7 @@ class Output {
   [[nodiscard]] std::size_t written() const {
     return static_cast<std::size_t>(at_ - buffer_.data()) - start_;
   }
-  [[nodiscard]] std::size_t most() const { return most_; }
+  [[nodiscard]] std::size_t max_bytes() const { return max_bytes_; }
   /// Makes what was written part of the buffer.
   void finish() { buffer_.resize(start_ + written()); }
 
@@ -62,7 +62,7 @@ class Output {
 
   ByteBuffer& buffer_;
   std::size_t start_;
-  std::size_t most_;
+  std::size_t max_bytes_;
   std::uint8_t* at_{nullptr};
   std::uint8_t* end_{nullptr};  ///< of the capacity, or of what may be written
 };
@@ -84,7 +84,7 @@ class [[gnu::visibility("hidden")]] Runner {  // of this library alone: calls ma
     return static_cast<std::size_t>(end_ - at_);
   }
   bool skip(std::size_t bytes, const Op& op);
-  bool read_count(std::size_t least_size, const Op& op, std::uint32_t& count);
+  bool read_count(std::size_t min_size, const Op& op, std::uint32_t& count);
   bool skip_array(const Op& op);
   bool skip_strings(const Op& op);
   bool loop(const Op& op);

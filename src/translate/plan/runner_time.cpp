@@ -9,8 +9,8 @@ namespace {
 
 constexpr std::size_t kStampSize = 8;
 constexpr std::int64_t kNanosecondsPerSecond = 1'000'000'000;
-constexpr std::int64_t kMostSeconds = 0xFFFFFFFF;
-constexpr std::int64_t kMostNanoseconds = kMostSeconds * kNanosecondsPerSecond + kNanosecondsPerSecond - 1;
+constexpr std::int64_t kMaxSeconds = 0xFFFFFFFF;
+constexpr std::int64_t kMaxNanoseconds = kMaxSeconds * kNanosecondsPerSecond + kNanosecondsPerSecond - 1;
 
 struct Stamp {
   std::uint32_t seconds{0};
@@ -23,8 +23,8 @@ Stamp shifted(Stamp stamp, std::int64_t by_ns) {
   if (stamp.seconds == 0 && stamp.nanoseconds == 0) return stamp;
   const std::int64_t before = stamp.seconds * kNanosecondsPerSecond + stamp.nanoseconds;
   std::int64_t after = 0;
-  if (__builtin_add_overflow(before, by_ns, &after)) after = by_ns > 0 ? kMostNanoseconds : 0;
-  after = std::clamp<std::int64_t>(after, 0, kMostNanoseconds);
+  if (__builtin_add_overflow(before, by_ns, &after)) after = by_ns > 0 ? kMaxNanoseconds : 0;
+  after = std::clamp<std::int64_t>(after, 0, kMaxNanoseconds);
   return {static_cast<std::uint32_t>(after / kNanosecondsPerSecond),
           static_cast<std::uint32_t>(after % kNanosecondsPerSecond)};
 }
@@ -34,7 +34,7 @@ Stamp shifted(Stamp stamp, std::int64_t by_ns) {
 bool Runner::shift(const Op& op, std::size_t count) {
   const auto size = count * kStampSize;
   if (left() < size) return fail(Failure::Kind::kEnds, op, left(), size);
-  if (!out_.room(size)) return fail(Failure::Kind::kTooLong, op, 0, out_.most());
+  if (!out_.room(size)) return fail(Failure::Kind::kTooLong, op, 0, out_.max_bytes());
   auto* target = out_.take(size);
   if (time_shift_ns_ == 0) {
     if (size != 0) std::memcpy(target, at_, size);

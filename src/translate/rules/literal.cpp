@@ -71,9 +71,9 @@ Result<void> resolve_names(Literal& literal, const Field& field, const MessageSc
 }  // namespace
 
 bool Budget::take(Problems& problems, int line) {
-  if (++used_ == kMostNodes + 1)
-    problems.add(line, "", "the file has more than " + std::to_string(kMostNodes) + " values: divide it");
-  return used_ <= kMostNodes;
+  if (++used_ == kMaxNodes + 1)
+    problems.add(line, "", "the file has more than " + std::to_string(kMaxNodes) + " values: divide it");
+  return used_ <= kMaxNodes;
 }
 
 Literal read_literal(const YAML::Node& node, const std::string& where, Problems& problems, Budget& budget,

@@ -13,7 +13,7 @@ namespace extperfc::translate::rules {
 /// Deepest nesting of what a rule writes, and the most nodes of one file (aliases count wherever they stand):
 /// a YAML text of 100 bytes can describe a tree of any size.
 inline constexpr int kDeepest = 16;
-inline constexpr std::size_t kMostNodes = 100'000;
+inline constexpr std::size_t kMaxNodes = 100'000;
 
 /// Counts nodes of one file.
 class Budget {

@@ -17,7 +17,7 @@ using rules::Draft;
 using rules::Problems;
 using rules::RuleFile;
 
-constexpr std::size_t kMostBytes = 1U << 20U;  // of one file
+constexpr std::size_t kMaxBytes = 1U << 20U;  // of one file
 
 /// One file: what it says, and what is wrong with it.
 struct Page {
@@ -55,8 +55,8 @@ int line_of_second_document(const std::string& text) {
 
 Page read_page(const std::string& text, const std::string& name, const DefinitionStore& definitions) {
   Page page{Problems(name), {}};
-  if (text.size() > kMostBytes) {
-    page.problems.add(0, "", "is larger than " + std::to_string(kMostBytes) + " bytes: divide it");
+  if (text.size() > kMaxBytes) {
+    page.problems.add(0, "", "is larger than " + std::to_string(kMaxBytes) + " bytes: divide it");
     return page;
   }
   try {

@@ -8,8 +8,8 @@ namespace extperfc::translate::rules {
 
 namespace {
 
-constexpr std::size_t kMostSteps = 32;
-constexpr std::size_t kMostDigits = 9;
+constexpr std::size_t kMaxSteps = 32;
+constexpr std::size_t kMaxDigits = 9;
 
 bool is_letter(char c) {
   return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || c == '_';
@@ -30,7 +30,7 @@ std::optional<PathStep> take_step(std::string_view& text) {
   std::size_t digits = 0;
   while (digits + 1 < text.size() && is_digit(text[digits + 1])) ++digits;
   const std::size_t closing = digits + 1;
-  if (digits == 0 || digits > kMostDigits || closing >= text.size() || text[closing] != ']')
+  if (digits == 0 || digits > kMaxDigits || closing >= text.size() || text[closing] != ']')
     return std::nullopt;
   std::size_t index = 0;
   std::from_chars(text.data() + 1, text.data() + closing, index);
@@ -67,7 +67,7 @@ std::optional<Error> obstacle(const PathStep& step, const Field& field, bool las
 Result<Path> parse_path(const std::string& text) {
   std::string_view rest = text;
   Path path;
-  while (path.size() < kMostSteps) {
+  while (path.size() < kMaxSteps) {
     auto step = take_step(rest);
     if (!step) break;
     path.push_back(std::move(*step));

@@ -15,7 +15,7 @@ constexpr std::size_t kLongestWord = 200;  // longer words get no hint: the dist
 
 void Problems::add(int line, const std::string& where, const std::string& what) {
   ++count_;
-  if (list_.size() < kMost)
+  if (list_.size() < kMax)
     list_.push_back({line, place(line) + ": " + (where.empty() ? "" : where + ": ") + what});
 }
 
@@ -39,12 +39,12 @@ std::string hint_for(const std::string& word, const std::vector<std::string>& kn
   if (word.empty() || word.size() > kLongestWord) return "";
   const std::size_t farthest = 2 + word.size() / 8;  // edits
   const std::string* nearest = nullptr;
-  std::size_t fewest = farthest + 1;
+  std::size_t min_edits = farthest + 1;
   for (const std::string& candidate : known) {
     if (candidate.size() > word.size() + farthest || word.size() > candidate.size() + farthest) continue;
     const std::size_t edits = edit_distance(word, candidate);
-    if (edits < fewest && edits < word.size()) {
-      fewest = edits;
+    if (edits < min_edits && edits < word.size()) {
+      min_edits = edits;
       nearest = &candidate;
     }
   }

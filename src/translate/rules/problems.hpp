@@ -18,9 +18,9 @@ class Problems {
   [[nodiscard]] const std::string& file() const { return file_; }
   /// "file:line", as rules remember it.
   [[nodiscard]] std::string place(int line) const;
-  /// One line each, in the order of the file; at most `kMost`, then how many more there are.
+  /// One line each, in the order of the file; at most `kMax`, then how many more there are.
   [[nodiscard]] std::vector<std::string> lines() const;
-  static constexpr std::size_t kMost = 100;
+  static constexpr std::size_t kMax = 100;
 
  private:
   struct Problem {

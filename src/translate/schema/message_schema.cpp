@@ -13,24 +13,24 @@
 namespace extperfc::translate {
 namespace {
 
-constexpr std::size_t kMost = std::numeric_limits<std::size_t>::max();
+constexpr std::size_t kMax = std::numeric_limits<std::size_t>::max();
 
-/// Both saturate at kMost: counts come from strangers.
+/// Both saturate at kMax: counts come from strangers.
 std::size_t add(std::size_t a, std::size_t b) {
-  return a > kMost - b ? kMost : a + b;
+  return a > kMax - b ? kMax : a + b;
 }
 std::size_t multiply(std::size_t a, std::size_t b) {
-  return b != 0 && a > kMost / b ? kMost : a * b;
+  return b != 0 && a > kMax / b ? kMax : a * b;
 }
 
 struct Size {
-  std::size_t least{0};
+  std::size_t min{0};
   bool fixed{true};
 };
 
 Size size_of_element(const Field& field) {
   if (field.primitive == Primitive::kMessage)
-    return {field.message->least_size(), field.message->fixed_size().has_value()};
+    return {field.message->min_size(), field.message->fixed_size().has_value()};
   if (const auto size = size_of(field.primitive)) return {*size, true};
   return {sizeof(std::uint32_t), false};  // a string's length
 }
@@ -39,7 +39,7 @@ Size size_of_field(const Field& field) {
   if (field.arity == Arity::kVariable) return {sizeof(std::uint32_t), false};
   auto size = size_of_element(field);
   if (field.arity == Arity::kFixed) {
-    size.least = multiply(size.least, field.fixed_count);
+    size.min = multiply(size.min, field.fixed_count);
     size.fixed = size.fixed || field.fixed_count == 0;
   }
   return size;
@@ -78,14 +78,14 @@ MessageSchema::MessageSchema(std::string type, std::vector<Field> fields, std::v
   bool fixed = true;
   for (const auto& field : fields_) {
     const auto size = size_of_field(field);
-    least_size_ = add(least_size_, size.least);
+    min_size_ = add(min_size_, size.min);
     fixed = fixed && size.fixed;
     has_time_ =
         has_time_ || field.primitive == Primitive::kTime || (field.message && field.message->has_time());
     expanded_fields_ = add(expanded_fields_, field.message ? add(field.message->expanded_fields(), 1) : 1);
     if (field.message) depth_ = std::max(depth_, field.message->depth() + 1);
   }
-  if (fixed && least_size_ != kMost) fixed_size_ = least_size_;
+  if (fixed && min_size_ != kMax) fixed_size_ = min_size_;
   md5_ = md5_hex(md5_text(*this));
 }
 

@@ -123,19 +123,18 @@ Result<PackageTree> find_packages(const fs::path& folder) {
   return walker.take();
 }
 
-Result<std::string> read_text(const fs::path& file, std::size_t most_bytes) {
+Result<std::string> read_text(const fs::path& file, std::size_t max_bytes) {
   std::ifstream in(file, std::ios::binary);
   if (!in) return fail(ErrorCode::kNotFound, file.string() + ": cannot be opened");
   std::string text;
   std::array<char, 4096> block{};
-  while (in && text.size() <= most_bytes) {
+  while (in && text.size() <= max_bytes) {
     in.read(block.data(), block.size());
     text.append(block.data(), static_cast<std::size_t>(in.gcount()));
   }
   if (in.bad()) return fail(ErrorCode::kFailed, file.string() + ": cannot be read");
-  if (text.size() > most_bytes)
-    return fail(ErrorCode::kCorrupt,
-                file.string() + ": longer than " + std::to_string(most_bytes) + " bytes");
+  if (text.size() > max_bytes)
+    return fail(ErrorCode::kCorrupt, file.string() + ": longer than " + std::to_string(max_bytes) + " bytes");
   return text;
 }
 

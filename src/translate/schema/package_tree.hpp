@@ -30,7 +30,7 @@ struct PackageTree {
 [[nodiscard]] Result<PackageTree> find_packages(const std::filesystem::path& folder);
 constexpr int kTreeDepth = 6;
 
-/// A file of at most `most_bytes`; errors name the file.
-[[nodiscard]] Result<std::string> read_text(const std::filesystem::path& file, std::size_t most_bytes);
+/// A file of at most `max_bytes`; errors name the file.
+[[nodiscard]] Result<std::string> read_text(const std::filesystem::path& file, std::size_t max_bytes);
 
 }  // namespace extperfc::translate

@@ -316,7 +316,7 @@ Result<SchemaPtr> resolve(const std::string& type, RawDefinition raw, const Find
   if (schema->expanded_fields() > limits.expanded_fields)
     return fail(ErrorCode::kCorrupt, type + ": has more than " + std::to_string(limits.expanded_fields) +
                                          " fields with those of the definitions that it embeds");
-  if (schema->least_size() > std::numeric_limits<std::uint32_t>::max())
+  if (schema->min_size() > std::numeric_limits<std::uint32_t>::max())
     return fail(ErrorCode::kCorrupt, type + ": its fixed arrays are longer than any message (4 GiB)");
   return schema;
 }

@@ -12,7 +12,7 @@
 #include "live_master.hpp"
 #include "report.hpp"
 #include "sources.hpp"
-#include "versions.hpp"
+#include "type_definitions.hpp"
 
 namespace extperfc::translate::tool {
 namespace {
@@ -23,7 +23,7 @@ constexpr const char* kHelp = R"(What differs between two sides, and what transl
   extperfc-translate check --from-set SET --to-set SET            two sets of definitions
   extperfc-translate check --from-tree DIR[:DIR] --to-tree DIR    two trees of packages (a workspace's src,
                                                                   /opt/ros/*/share, a ROS_PACKAGE_PATH)
-  extperfc-translate check --old URI --new URI                    two running masters, http://host:11311: types that
+  extperfc-translate check --robot URI --workstation URI          two running masters, http://host:11311: types that
                                                                   nodes of both sides use
 Sets, trees and masters may be mixed. With both for one side, the tree's types are compared, and the set stands in for what they
 embed and the tree lacks. A set beside a master stands in for what is subscribed to and published by nobody: only
@@ -34,7 +34,7 @@ fields' names alone), needs a rule (with the reason), unknown (a definition is m
 
 Options:
   --all           also what is the same
-  --fields        with the fields that come from a rule, get a default or are left out, from old to new
+  --fields        with the fields that come from a rule, get a default or are left out, from robot to workstation
   --json          for programs
   --timeout SEC   for a master and its nodes, 10 by default; what did not answer by then is unknown
   --rules FILE    these rules instead of those in the configuration; may be given several times
@@ -45,28 +45,29 @@ Exit status: 0 all pass or convert, 1 something needs a rule or is unknown, 2 so
 
 /// The definitions of one side, "from" or "to", and a name for people.
 struct Picked {
-  Side side;
+  TypeSet side;
   std::string name;
 };
 
 Result<std::chrono::milliseconds> seconds(const std::string& text) {
-  constexpr double kMost = 3600;
+  constexpr double kMax = 3600;
   char* end = nullptr;
   const double value = std::strtod(text.c_str(), &end);
-  if (text.empty() || end != text.c_str() + text.size() || !(value > 0 && value <= kMost))
+  if (text.empty() || end != text.c_str() + text.size() || !(value > 0 && value <= kMax))
     return fail(ErrorCode::kInvalidArgument, "--timeout must be a number of seconds up to 3600, not " + text);
   return std::chrono::milliseconds(static_cast<std::int64_t>(value * 1e3));
 }
 
 bool names_a_side(const Arguments& arguments) {
-  for (const char* option : {"--from-set", "--to-set", "--from-tree", "--to-tree", "--old", "--new"})
+  for (const char* option :
+       {"--from-set", "--to-set", "--from-tree", "--to-tree", "--robot", "--workstation"})
     if (arguments.has(option)) return true;
   return false;
 }
 
 Result<Picked> pick_set(const DefinitionStore& store, const std::string& set) {
   if (auto known = check_set(store, set); !known) return tl::unexpected(known.error());
-  return Picked{side_of_set(store, set), "set " + set};
+  return Picked{types_of_set(store, set), "set " + set};
 }
 
 Result<Picked> pick(DefinitionStore& store, const Arguments& arguments, const std::string& side) {
@@ -74,7 +75,7 @@ Result<Picked> pick(DefinitionStore& store, const Arguments& arguments, const st
   const auto tree = arguments.last("--" + side + "-tree");
   if (set)
     if (auto known = check_set(store, *set); !known) return tl::unexpected(known.error());
-  const auto uri = arguments.last(side == "from" ? "--old" : "--new");
+  const auto uri = arguments.last(side == "from" ? "--robot" : "--workstation");
   if (uri) {
     const auto patience = seconds(arguments.last("--timeout").value_or("10"));
     if (!patience) return tl::unexpected(patience.error());
@@ -84,21 +85,22 @@ Result<Picked> pick(DefinitionStore& store, const Arguments& arguments, const st
   }
   if (!tree && !set)
     return fail(ErrorCode::kInvalidArgument, "give --" + side + "-set SET, --" + side + "-tree DIR or " +
-                                                 (side == "from" ? "--old URI" : "--new URI"));
-  if (!tree) return Picked{side_of_set(store, *set), "set " + *set};
+                                                 (side == "from" ? "--robot URI" : "--workstation URI"));
+  if (!tree) return Picked{types_of_set(store, *set), "set " + *set};
   const auto name = "tree-" + side;
   if (auto read = read_tree(store, *tree, name, set.value_or("")); !read) return tl::unexpected(read.error());
-  return Picked{side_of_set(store, name), "tree " + *tree + (set ? " over set " + *set : "")};
+  return Picked{types_of_set(store, name), "tree " + *tree + (set ? " over set " + *set : "")};
 }
 
 }  // namespace
 
 Result<int> run_check(const Words& words) {
-  const auto arguments = Arguments::read(words, {0,
-                                                 0,
-                                                 {"--from-set", "--to-set", "--from-tree", "--to-tree",
-                                                  "--old", "--new", "--timeout", "--rules", "--config"},
-                                                 {"--all", "--fields", "--json", "--help"}});
+  const auto arguments =
+      Arguments::read(words, {0,
+                              0,
+                              {"--from-set", "--to-set", "--from-tree", "--to-tree", "--robot",
+                               "--workstation", "--timeout", "--rules", "--config"},
+                              {"--all", "--fields", "--json", "--help"}});
   if (!arguments) return tl::unexpected(arguments.error());
   if (arguments->has("--help")) {
     std::cout << kHelp;

@@ -17,9 +17,10 @@ class PairJudge {
  public:
   PairJudge(const RuleSet& rules, Row& row) : rules_(rules), row_(row) {}
 
-  void both_ways(const SchemaPtr& old_schema, const SchemaPtr& new_schema, const std::string& part) {
-    one_way(old_schema, new_schema, part + "old to new", true);
-    one_way(new_schema, old_schema, part + "new to old", false);
+  void both_ways(const SchemaPtr& robot_schema, const SchemaPtr& workstation_schema,
+                 const std::string& part) {
+    one_way(robot_schema, workstation_schema, part + "robot to workstation", true);
+    one_way(workstation_schema, robot_schema, part + "workstation to robot", false);
   }
 
   [[nodiscard]] Verdict verdict() const {
@@ -48,46 +49,60 @@ class PairJudge {
   bool converts_{false};
 };
 
-Row judge(const TypeId& old_id, const TypeId& new_id, const Version& old_version, const Version& new_version,
-          const RuleSet& rules) {
-  Row row{old_id.first, new_id.first, old_id.second,     old_version.md5,  new_version.md5, {}, false, {}, {},
-          {},           {},           old_version.where, new_version.where};
+Row judge(const TypeId& robot_id, const TypeId& workstation_id, const TypeDefinition& robot_definition,
+          const TypeDefinition& workstation_definition, const RuleSet& rules) {
+  Row row{robot_id.first,
+          workstation_id.first,
+          robot_id.second,
+          robot_definition.md5,
+          workstation_definition.md5,
+          {},
+          false,
+          {},
+          {},
+          {},
+          {},
+          robot_definition.where,
+          workstation_definition.where};
   // Equal MD5s of unknown definitions are the best that can be said: nothing else is on the wire.
-  const bool same_md5 = !old_version.md5.empty() && old_version.md5 == new_version.md5;
-  if (!old_version.known() || !new_version.known()) {
+  const bool same_md5 = !robot_definition.md5.empty() && robot_definition.md5 == workstation_definition.md5;
+  if (!robot_definition.known() || !workstation_definition.known()) {
     row.verdict = same_md5 ? Verdict::kSame : Verdict::kUnknown;
     if (same_md5) return row;
-    for (const auto& [side, version] : {std::pair("old", old_version), std::pair("new", new_version)})
-      if (!version.known())
+    for (const auto& [side, definition] :
+         {std::pair("robot", robot_definition), std::pair("workstation", workstation_definition)})
+      if (!definition.known())
         row.reasons.push_back(std::string(side) + ": " +
-                              (version.md5.empty()
+                              (definition.md5.empty()
                                    ? "nobody publishes it there, so nobody tells its MD5; a set given for "
                                      "that side (--from-set, --to-set) stands in"
-                                   : "no definition of " + version.md5 + " is known"));
+                                   : "no definition of " + definition.md5 + " is known"));
     return row;
   }
   PairJudge judge(rules, row);
-  if (old_version.message) {
-    judge.both_ways(old_version.message, new_version.message, "");
-  } else if (old_version.service) {
-    judge.both_ways(old_version.service->request, new_version.service->request, "request, ");
-    judge.both_ways(old_version.service->response, new_version.service->response, "response, ");
+  if (robot_definition.message) {
+    judge.both_ways(robot_definition.message, workstation_definition.message, "");
+  } else if (robot_definition.service) {
+    judge.both_ways(robot_definition.service->request, workstation_definition.service->request, "request, ");
+    judge.both_ways(robot_definition.service->response, workstation_definition.service->response,
+                    "response, ");
   } else {
-    judge.both_ways(old_version.action->goal, new_version.action->goal, "goal, ");
-    judge.both_ways(old_version.action->result, new_version.action->result, "result, ");
-    judge.both_ways(old_version.action->feedback, new_version.action->feedback, "feedback, ");
+    judge.both_ways(robot_definition.action->goal, workstation_definition.action->goal, "goal, ");
+    judge.both_ways(robot_definition.action->result, workstation_definition.action->result, "result, ");
+    judge.both_ways(robot_definition.action->feedback, workstation_definition.action->feedback, "feedback, ");
   }
   row.verdict = judge.verdict();
   if (row.verdict == Verdict::kPass && same_md5) row.verdict = Verdict::kSame;
   return row;
 }
 
-void compare_versions(const TypeId& old_id, const TypeId& new_id, const std::vector<Version>& old_versions,
-                      const std::vector<Version>& new_versions, const RuleSet& rules,
-                      std::vector<Row>& rows) {
-  for (const auto& old_version : old_versions)
-    for (const auto& new_version : new_versions)
-      rows.push_back(judge(old_id, new_id, old_version, new_version, rules));
+void compare_definitions(const TypeId& robot_id, const TypeId& workstation_id,
+                         const std::vector<TypeDefinition>& robot_definitions,
+                         const std::vector<TypeDefinition>& workstation_definitions, const RuleSet& rules,
+                         std::vector<Row>& rows) {
+  for (const auto& robot_definition : robot_definitions)
+    for (const auto& workstation_definition : workstation_definitions)
+      rows.push_back(judge(robot_id, workstation_id, robot_definition, workstation_definition, rules));
 }
 
 }  // namespace
@@ -108,27 +123,27 @@ const char* to_string(Verdict verdict) {
   return "?";
 }
 
-Comparison compare(const Side& old_side, const Side& new_side, const RuleSet& rules) {
+Comparison compare(const TypeSet& robot, const TypeSet& workstation, const RuleSet& rules) {
   Comparison comparison;
-  std::set<TypeId> renamed;  // of the new side
-  for (const auto& [id, versions] : old_side) {
-    if (const auto found = new_side.find(id); found != new_side.end()) {
-      compare_versions(id, id, versions, found->second, rules, comparison.rows);
+  std::set<TypeId> renamed;  // of the workstation side
+  for (const auto& [id, definitions] : robot) {
+    if (const auto found = workstation.find(id); found != workstation.end()) {
+      compare_definitions(id, id, definitions, found->second, rules, comparison.rows);
       continue;
     }
     bool has_other_name = false;
     for (const auto& name : rules.other_names(id.first)) {
       const TypeId other{name, id.second};
-      const auto found = new_side.find(other);
-      if (found == new_side.end() || old_side.count(other) != 0) continue;
-      compare_versions(id, other, versions, found->second, rules, comparison.renamed);
+      const auto found = workstation.find(other);
+      if (found == workstation.end() || robot.count(other) != 0) continue;
+      compare_definitions(id, other, definitions, found->second, rules, comparison.renamed);
       renamed.insert(other);
       has_other_name = true;
     }
-    if (!has_other_name) ++comparison.only_old;
+    if (!has_other_name) ++comparison.only_robot;
   }
-  for (const auto& [id, versions] : new_side)
-    if (old_side.count(id) == 0 && renamed.count(id) == 0) ++comparison.only_new;
+  for (const auto& [id, definitions] : workstation)
+    if (robot.count(id) == 0 && renamed.count(id) == 0) ++comparison.only_workstation;
   return comparison;
 }
 

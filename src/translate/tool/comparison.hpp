@@ -6,7 +6,7 @@
 #include "extperfc/translate/plan.hpp"
 #include "extperfc/translate/rules.hpp"
 
-#include "versions.hpp"
+#include "type_definitions.hpp"
 
 namespace extperfc::translate::tool {
 
@@ -21,22 +21,24 @@ enum class Verdict : unsigned char {
 
 /// One type whose definitions were compared.
 struct Row {
-  std::string old_type, new_type, kind;  ///< the types differ when a rule renames the one to the other
-  std::string old_md5, new_md5;          ///< empty: not known
+  std::string robot_type, workstation_type,
+      kind;                                ///< the types differ when a rule renames the one to the other
+  std::string robot_md5, workstation_md5;  ///< empty: not known
   Verdict verdict{Verdict::kUnknown};
-  bool by_rule{false};                             ///< a rule has part in it
-  std::vector<std::string> reasons;                ///< why it needs a rule, or what is not known
-  std::vector<std::string> added, dropped, ruled;  ///< fields, from old to new: defaults, left out, by a rule
-  std::string old_where, new_where;                ///< topics and services, of running masters
+  bool by_rule{false};               ///< a rule has part in it
+  std::vector<std::string> reasons;  ///< why it needs a rule, or what is not known
+  std::vector<std::string> added, dropped,
+      ruled;  ///< fields, from robot to workstation: defaults, left out, by a rule
+  std::string robot_where, workstation_where;  ///< topics and services, of running masters
 };
 
 struct Comparison {
   std::vector<Row> rows;     ///< by type and kind
-  std::vector<Row> renamed;  ///< those that have another name on the new side
-  std::size_t only_old{0}, only_new{0};
+  std::vector<Row> renamed;  ///< those that have another name on the workstation side
+  std::size_t only_robot{0}, only_workstation{0};
 };
 
 /// Whatever both sides have; of types with several versions every pair.
-[[nodiscard]] Comparison compare(const Side& old_side, const Side& new_side, const RuleSet& rules);
+[[nodiscard]] Comparison compare(const TypeSet& robot, const TypeSet& workstation, const RuleSet& rules);
 
 }  // namespace extperfc::translate::tool

@@ -29,7 +29,7 @@ class MasterReader {
  public:
   MasterReader(DefinitionStore& store, std::string hint) : store_(store), hint_(std::move(hint)) {}
 
-  Result<Side> read(const std::string& uri, std::chrono::milliseconds patience) {
+  Result<TypeSet> read(const std::string& uri, std::chrono::milliseconds patience) {
     deadline_ = EventLoop::now() + patience;
     PeerParams params;
     params.name = "/extperfc_translate_check_" + std::to_string(getpid());
@@ -117,14 +117,14 @@ class MasterReader {
   void told(const std::string& topic, const ConnectionHeader& header) {
     const auto type = value_of(header, "type");
     const auto md5 = value_of(header, "md5sum");
-    Version version;
-    version.md5 = md5;
+    TypeDefinition definition;
+    definition.md5 = md5;
     if (auto learned = store_.learn(type, md5, value_of(header, "message_definition")))
-      version.message = *learned;
+      definition.message = *learned;
     else
-      version.message = store_.find_message(type, md5);
+      definition.message = store_.find_message(type, md5);
     told_.insert(topic);
-    add({type, "msg"}, std::move(version), topic);
+    add({type, "msg"}, std::move(definition), topic);
   }
 
   // ---- services ----
@@ -149,23 +149,23 @@ class MasterReader {
 
   void service_told(const std::string& name, const ConnectionHeader& header) {
     const auto type = value_of(header, "type");
-    Version version;
-    version.md5 = value_of(header, "md5sum");
-    version.service = store_.find_service(type, version.md5);
-    add({type, "srv"}, std::move(version), "service " + name);
+    TypeDefinition definition;
+    definition.md5 = value_of(header, "md5sum");
+    definition.service = store_.find_service(type, definition.md5);
+    add({type, "srv"}, std::move(definition), "service " + name);
   }
 
   // ---- both ----
 
-  void add(const TypeId& id, Version version, const std::string& where) {
-    auto& versions = side_[id];
-    for (auto& known : versions) {
-      if (known.md5 != version.md5 || known.message != version.message) continue;
+  void add(const TypeId& id, TypeDefinition definition, const std::string& where) {
+    auto& definitions = side_[id];
+    for (auto& known : definitions) {
+      if (known.md5 != definition.md5 || known.message != definition.message) continue;
       if (known.where.find(where) == std::string::npos) known.where += ", " + where;
       return;
     }
-    version.where = where;
-    versions.push_back(std::move(version));
+    definition.where = where;
+    definitions.push_back(std::move(definition));
   }
 
   /// Nobody told the MD5: the version that the side's set has, if one was given.
@@ -174,7 +174,8 @@ class MasterReader {
         known != side_.end() && !known->second.front().md5.empty())
       return;
     auto schema = store_.message_of_set(hint_, type);
-    add({type, kind}, schema ? version_of(std::move(schema)) : Version(), topic + " (subscribed only)");
+    add({type, kind}, schema ? definition_of(std::move(schema)) : TypeDefinition(),
+        topic + " (subscribed only)");
   }
 
   DefinitionStore& store_;
@@ -184,14 +185,14 @@ class MasterReader {
   SteadyTime deadline_;
   GraphState graph_;
   std::set<std::string> told_;
-  Side side_;
+  TypeSet side_;
   std::unique_ptr<Peer> peer_;  ///< last: it uses what stands above
 };
 
 }  // namespace
 
-Result<Side> read_master(DefinitionStore& store, const std::string& uri, const std::string& hint,
-                         std::chrono::milliseconds patience) {
+Result<TypeSet> read_master(DefinitionStore& store, const std::string& uri, const std::string& hint,
+                            std::chrono::milliseconds patience) {
   return MasterReader(store, hint).read(uri, patience);
 }
 

@@ -6,7 +6,7 @@
 #include "extperfc/base/error.hpp"
 #include "extperfc/translate/definition_store.hpp"
 
-#include "versions.hpp"
+#include "type_definitions.hpp"
 
 namespace extperfc::translate::tool {
 
@@ -14,7 +14,7 @@ namespace extperfc::translate::tool {
 /// MD5 and definition, every service is probed. Definitions join `store`. Topics that are only subscribed to,
 /// and services that do not answer, are without MD5, unless the set `hint` (may be empty) knows their type.
 /// Ends after `patience` at the latest, with what is known then.
-[[nodiscard]] Result<Side> read_master(DefinitionStore& store, const std::string& uri,
-                                       const std::string& hint, std::chrono::milliseconds patience);
+[[nodiscard]] Result<TypeSet> read_master(DefinitionStore& store, const std::string& uri,
+                                          const std::string& hint, std::chrono::milliseconds patience);
 
 }  // namespace extperfc::translate::tool

@@ -12,7 +12,7 @@
 
 #include "command.hpp"
 #include "sources.hpp"
-#include "versions.hpp"
+#include "type_definitions.hpp"
 
 namespace extperfc::translate::tool {
 namespace {
@@ -32,7 +32,7 @@ Options:
 TYPE is package/Name. An action's MD5 is that of its message <Name>Action.
 )";
 
-using Versions = std::vector<std::pair<std::string, Version>>;  ///< kind, version
+using TypeDefinitions = std::vector<std::pair<std::string, TypeDefinition>>;  ///< kind, version
 
 Result<std::string> read_file(const std::filesystem::path& file) {
   std::ifstream in(file, std::ios::binary);
@@ -43,48 +43,49 @@ Result<std::string> read_file(const std::filesystem::path& file) {
 }
 
 template <typename T>
-Result<Versions> as_versions(const std::string& kind, const std::filesystem::path& file,
-                             const Result<T>& parsed) {
+Result<TypeDefinitions> as_definitions(const std::string& kind, const std::filesystem::path& file,
+                                       const Result<T>& parsed) {
   if (!parsed) return fail(parsed.error().code, file.string() + ": " + parsed.error().message);
-  return Versions{{kind, version_of(*parsed)}};
+  return TypeDefinitions{{kind, definition_of(*parsed)}};
 }
 
-Result<Versions> of_file(const DefinitionStore& store, const std::string& type,
-                         const std::filesystem::path& file, const std::string& set) {
+Result<TypeDefinitions> of_file(const DefinitionStore& store, const std::string& type,
+                                const std::filesystem::path& file, const std::string& set) {
   if (auto known = check_set(store, set); !known) return tl::unexpected(known.error());
   const auto text = read_file(file);
   if (!text) return tl::unexpected(text.error());
   const auto find = [&](const std::string& embedded) { return store.message_of_set(set, embedded); };
   const auto suffix = file.extension();
-  if (suffix == ".srv") return as_versions("srv", file, parse_service(type, *text, find));
-  if (suffix == ".action") return as_versions("action", file, parse_action(type, *text, find));
-  if (suffix == ".msg") return as_versions("msg", file, parse_message(type, *text, find));
+  if (suffix == ".srv") return as_definitions("srv", file, parse_service(type, *text, find));
+  if (suffix == ".action") return as_definitions("action", file, parse_action(type, *text, find));
+  if (suffix == ".msg") return as_definitions("msg", file, parse_message(type, *text, find));
   return fail(ErrorCode::kInvalidArgument, file.string() + ": the suffix must be .msg, .srv or .action");
 }
 
-Result<Versions> of_set(const DefinitionStore& store, const std::string& type, const std::string& set) {
+Result<TypeDefinitions> of_set(const DefinitionStore& store, const std::string& type,
+                               const std::string& set) {
   if (auto known = check_set(store, set); !known) return tl::unexpected(known.error());
-  const auto found = find_versions(store, type, set);
+  const auto found = find_definitions(store, type, set);
   if (!found) return tl::unexpected(found.error());
-  return Versions{found->begin(), found->end()};
+  return TypeDefinitions{found->begin(), found->end()};
 }
 
-Result<Versions> of_all_sets(const DefinitionStore& store, const std::string& type) {
-  Versions versions;
+Result<TypeDefinitions> of_all_sets(const DefinitionStore& store, const std::string& type) {
+  TypeDefinitions definitions;
   std::set<std::pair<std::string, std::string>> seen;
   for (const auto& set : store.sets()) {
-    const auto found = find_versions(store, type, set);
+    const auto found = find_definitions(store, type, set);
     if (!found) continue;
-    for (const auto& [kind, version] : *found)
-      if (seen.insert({kind, version.md5}).second) versions.emplace_back(kind, version);
+    for (const auto& [kind, definition] : *found)
+      if (seen.insert({kind, definition.md5}).second) definitions.emplace_back(kind, definition);
   }
-  if (versions.empty())
+  if (definitions.empty())
     return fail(ErrorCode::kNotFound,
                 "no set has the type " + type + " (package/Name); --tree and --file read others");
-  return versions;
+  return definitions;
 }
 
-Result<Versions> find(DefinitionStore& store, const std::string& type, const Arguments& arguments) {
+Result<TypeDefinitions> find(DefinitionStore& store, const std::string& type, const Arguments& arguments) {
   const auto set = arguments.last("--set");
   if (const auto file = arguments.last("--file")) return of_file(store, type, *file, set.value_or("noetic"));
   if (const auto tree = arguments.last("--tree")) {
@@ -110,18 +111,18 @@ Result<int> run_md5(const Words& words) {
   auto store = open_store(*arguments);
   if (!store) return tl::unexpected(store.error());
   const auto& type = arguments->words()[0];
-  auto versions = find(*store, type, *arguments);
-  if (!versions) return tl::unexpected(versions.error());
+  auto definitions = find(*store, type, *arguments);
+  if (!definitions) return tl::unexpected(definitions.error());
   if (const auto kind = arguments->last("--kind"))
-    versions->erase(
-        std::remove_if(versions->begin(), versions->end(), [&](auto& each) { return each.first != *kind; }),
-        versions->end());
-  if (versions->empty()) return fail(ErrorCode::kNotFound, type + " is not of that kind");
+    definitions->erase(std::remove_if(definitions->begin(), definitions->end(),
+                                      [&](auto& each) { return each.first != *kind; }),
+                       definitions->end());
+  if (definitions->empty()) return fail(ErrorCode::kNotFound, type + " is not of that kind");
   const bool with_sets = !arguments->has("--set") && !arguments->has("--tree") && !arguments->has("--file");
-  for (const auto& [kind, version] : *versions) {
-    std::cout << version.md5;
-    if (with_sets || versions->size() > 1) std::cout << " " << kind;
-    if (with_sets) std::cout << " " << joined(store->sets_with(type, version.md5));
+  for (const auto& [kind, definition] : *definitions) {
+    std::cout << definition.md5;
+    if (with_sets || definitions->size() > 1) std::cout << " " << kind;
+    if (with_sets) std::cout << " " << joined(store->sets_with(type, definition.md5));
     std::cout << "\n";
   }
   return kFine;

@@ -39,7 +39,7 @@ struct Counts {
     return (*this)[Verdict::kPass] + (*this)[Verdict::kConvert] + (*this)[Verdict::kNeedsRule] +
            (*this)[Verdict::kUnknown];
   }
-  [[nodiscard]] std::string in_words() const {
+  [[nodiscard]] std::string as_text() const {
     return std::to_string((*this)[Verdict::kPass]) + " pass, " + std::to_string((*this)[Verdict::kConvert]) +
            " convert, " + std::to_string((*this)[Verdict::kNeedsRule]) + " need a rule, " +
            std::to_string((*this)[Verdict::kUnknown]) + " unknown";
@@ -62,8 +62,9 @@ void print_details(std::ostream& out, const Row& row, bool with_fields) {
     print_fields(out, "left out:", row.dropped);
   }
   for (const auto& reason : row.reasons) out << wrapped(reason, kColumns, "    ");
-  if (!row.old_where.empty()) out << wrapped("old: " + row.old_where, kColumns, "    ");
-  if (!row.new_where.empty()) out << wrapped("new: " + row.new_where, kColumns, "    ");
+  if (!row.robot_where.empty()) out << wrapped("robot: " + row.robot_where, kColumns, "    ");
+  if (!row.workstation_where.empty())
+    out << wrapped("workstation: " + row.workstation_where, kColumns, "    ");
 }
 
 std::string quoted(const std::string& text) {
@@ -127,32 +128,33 @@ class Table {
   Table(std::ostream& out, const ReportOptions& options) : out_(out), options_(options) {}
 
   void print(const std::vector<Row>& rows) {
-    std::size_t width = kLeastType;
+    std::size_t width = kMinType;
     bool any = false;
     for (const auto& row : rows) {
       if (!shown(row, options_)) continue;
       any = true;
-      width = std::max(width, std::min(row.old_type.size(), kMostType));
+      width = std::max(width, std::min(row.robot_type.size(), kMaxType));
     }
     if (!any) return;
-    out_ << padded("type", width) << " kind   old      new      verdict      what\n"
+    out_ << padded("type", width) << " kind   robot    workst.  verdict      what\n"
          << std::string(kColumns, '-') << "\n";
     for (const auto& row : rows)
       if (shown(row, options_)) print(row, width);
   }
 
  private:
-  static constexpr std::size_t kLeastType = 30;
-  static constexpr std::size_t kMostType = 46;
+  static constexpr std::size_t kMinType = 30;
+  static constexpr std::size_t kMaxType = 46;
 
   void print(const Row& row, std::size_t width) {
-    auto line = padded(row.old_type, width);
+    auto line = padded(row.robot_type, width);
     if (line.size() > width) line += "\n" + std::string(width, ' ');
-    line += " " + padded(row.kind, 6) + " " + padded(short_md5(row.old_md5), kShortMd5) + " " +
-            padded(short_md5(row.new_md5), kShortMd5) + " " + padded(to_string(row.verdict), 12) + " " +
-            summary(row);
+    line += " " + padded(row.kind, 6) + " " + padded(short_md5(row.robot_md5), kShortMd5) + " " +
+            padded(short_md5(row.workstation_md5), kShortMd5) + " " + padded(to_string(row.verdict), 12) +
+            " " + summary(row);
     out_ << line.substr(0, line.find_last_not_of(' ') + 1) << "\n";
-    if (row.old_type != row.new_type) out_ << "    is " << row.new_type << " on the new side\n";
+    if (row.robot_type != row.workstation_type)
+      out_ << "    is " << row.workstation_type << " on the workstation side\n";
     print_details(out_, row, options_.fields);
   }
 
@@ -163,7 +165,7 @@ class Table {
 }  // namespace
 
 void print_table(std::ostream& out, const Comparison& comparison, const ReportOptions& options) {
-  out << "old: " << options.old_name << "\nnew: " << options.new_name << "\n\n";
+  out << "robot: " << options.robot_name << "\nworkstation: " << options.workstation_name << "\n\n";
   Table table(out, options);
   table.print(comparison.rows);
   const Counts counts(comparison.rows);
@@ -173,12 +175,12 @@ void print_table(std::ostream& out, const Comparison& comparison, const ReportOp
     table.print(comparison.renamed);
   }
   out << "\n"
-      << counts.different() << " differ: " << counts.in_words() << "; " << counts[Verdict::kSame]
+      << counts.different() << " differ: " << counts.as_text() << "; " << counts[Verdict::kSame]
       << " are the same\n";
   if (!comparison.renamed.empty())
-    out << comparison.renamed.size() << " have another name: " << renamed.in_words() << ", "
+    out << comparison.renamed.size() << " have another name: " << renamed.as_text() << ", "
         << renamed[Verdict::kSame] << " the same\n";
-  out << comparison.only_old << " only old, " << comparison.only_new << " only new\n";
+  out << comparison.only_robot << " only robot, " << comparison.only_workstation << " only workstation\n";
 }
 
 namespace {
@@ -187,14 +189,15 @@ void print_rows(std::ostream& out, const std::vector<Row>& rows, const ReportOpt
   bool first = true;
   for (const auto& row : rows) {
     if (!shown(row, options)) continue;
-    out << (first ? "\n" : ",\n") << "  {\"old_type\": " << quoted(row.old_type)
-        << ", \"new_type\": " << quoted(row.new_type) << ", \"kind\": " << quoted(row.kind)
-        << ", \"old_md5\": " << quoted(row.old_md5) << ", \"new_md5\": " << quoted(row.new_md5)
+    out << (first ? "\n" : ",\n") << "  {\"robot_type\": " << quoted(row.robot_type)
+        << ", \"workstation_type\": " << quoted(row.workstation_type) << ", \"kind\": " << quoted(row.kind)
+        << ", \"robot_md5\": " << quoted(row.robot_md5)
+        << ", \"workstation_md5\": " << quoted(row.workstation_md5)
         << ", \"verdict\": " << quoted(to_string(row.verdict))
         << ", \"by_rule\": " << (row.by_rule ? "true" : "false") << ", \"rule\": " << quoted(row.ruled)
         << ", \"default\": " << quoted(row.added) << ", \"left_out\": " << quoted(row.dropped)
-        << ", \"reasons\": " << quoted(row.reasons) << ", \"old_where\": " << quoted(row.old_where)
-        << ", \"new_where\": " << quoted(row.new_where) << "}";
+        << ", \"reasons\": " << quoted(row.reasons) << ", \"robot_where\": " << quoted(row.robot_where)
+        << ", \"workstation_where\": " << quoted(row.workstation_where) << "}";
     first = false;
   }
 }
@@ -202,8 +205,8 @@ void print_rows(std::ostream& out, const std::vector<Row>& rows, const ReportOpt
 }  // namespace
 
 void print_json(std::ostream& out, const Comparison& comparison, const ReportOptions& options) {
-  out << "{\"old\": " << quoted(options.old_name) << ", \"new\": " << quoted(options.new_name)
-      << ",\n \"types\": [";
+  out << "{\"robot\": " << quoted(options.robot_name)
+      << ", \"workstation\": " << quoted(options.workstation_name) << ",\n \"types\": [";
   print_rows(out, comparison.rows, options);
   out << "],\n \"renamed\": [";
   print_rows(out, comparison.renamed, options);
@@ -211,8 +214,8 @@ void print_json(std::ostream& out, const Comparison& comparison, const ReportOpt
   out << "],\n \"counts\": {\"same\": " << counts[Verdict::kSame] << ", \"pass\": " << counts[Verdict::kPass]
       << ", \"convert\": " << counts[Verdict::kConvert]
       << ", \"needs a rule\": " << counts[Verdict::kNeedsRule]
-      << ", \"unknown\": " << counts[Verdict::kUnknown] << ", \"only_old\": " << comparison.only_old
-      << ", \"only_new\": " << comparison.only_new << "}}\n";
+      << ", \"unknown\": " << counts[Verdict::kUnknown] << ", \"only_robot\": " << comparison.only_robot
+      << ", \"only_workstation\": " << comparison.only_workstation << "}}\n";
 }
 
 }  // namespace extperfc::translate::tool

@@ -10,12 +10,12 @@ namespace extperfc::translate::tool {
 struct ReportOptions {
   bool all{false};     ///< with the types that are the same
   bool fields{false};  ///< with the fields that get a default, are left out or come from a rule
-  std::string old_name{"old"}, new_name{"new"};
+  std::string robot_name{"robot"}, workstation_name{"workstation"};
 };
 
 /// A table of at most 100 columns, one line for each type, reasons below it; counts at the end.
 void print_table(std::ostream& out, const Comparison& comparison, const ReportOptions& options);
-/// {"old", "new", "types": [...], "renamed": [...], "counts": {...}}.
+/// {"robot", "workstation", "types": [...], "renamed": [...], "counts": {...}}.
 void print_json(std::ostream& out, const Comparison& comparison, const ReportOptions& options);
 /// True when no type needs a rule and none is unknown.
 [[nodiscard]] bool all_well(const Comparison& comparison);

@@ -12,7 +12,7 @@
 #include "command.hpp"
 #include "report.hpp"
 #include "sources.hpp"
-#include "versions.hpp"
+#include "type_definitions.hpp"
 
 namespace extperfc::translate::tool {
 namespace {
@@ -155,7 +155,8 @@ bool print_plan(const std::string& title, const SchemaPtr& from, const SchemaPtr
   return true;
 }
 
-bool print_version(const std::string& kind, const Version& from, const Version& to, const RuleSet& rules) {
+bool print_definition(const std::string& kind, const TypeDefinition& from, const TypeDefinition& to,
+                      const RuleSet& rules) {
   if (kind == "msg") return print_plan("message", from.message, to.message, rules);
   if (kind == "srv") {
     const bool there = print_plan("request", from.service->request, to.service->request, rules);
@@ -168,21 +169,21 @@ bool print_version(const std::string& kind, const Version& from, const Version& 
 
 Result<int> show(const DefinitionStore& store, const RuleSet& rules, const Arguments& arguments) {
   const auto& type = arguments.words()[0];
-  const auto from = find_versions(store, type, *arguments.last("--from"));
+  const auto from = find_definitions(store, type, *arguments.last("--from"));
   if (!from) return tl::unexpected(from.error());
   const auto to_type = arguments.last("--to-type").value_or(type);
-  const auto to = find_versions(store, to_type, *arguments.last("--to"));
+  const auto to = find_definitions(store, to_type, *arguments.last("--to"));
   if (!to) return tl::unexpected(to.error());
   const auto wanted = arguments.last("--kind");
   std::size_t shown = 0;
   bool fine = true;
-  for (const auto& [kind, version] : *from) {
+  for (const auto& [kind, definition] : *from) {
     const auto other = to->find(kind);
     if (other == to->end() || (wanted && *wanted != kind)) continue;
-    std::cout << type << " (" << kind << ")\n  from " << version.md5 << "  "
-              << joined(store.sets_with(type, version.md5)) << "\n  to   " << other->second.md5 << "  "
+    std::cout << type << " (" << kind << ")\n  from " << definition.md5 << "  "
+              << joined(store.sets_with(type, definition.md5)) << "\n  to   " << other->second.md5 << "  "
               << joined(store.sets_with(to_type, other->second.md5)) << "\n\n";
-    fine = print_version(kind, version, other->second, rules) && fine;
+    fine = print_definition(kind, definition, other->second, rules) && fine;
     ++shown;
   }
   if (shown == 0) return fail(ErrorCode::kNotFound, type + " is not of the same kind on both sides");

@@ -31,7 +31,7 @@ It calls the node's service ~status, and prints its answer as text. Topics and s
 
 Options:
   --node NAME     of the translator's ROS node, /translator by default
-  --master URI    where that node is registered: the new side's; ROS_MASTER_URI by default, else http://localhost:11311
+  --master URI    where that node is registered: the workstation side's; ROS_MASTER_URI by default, else http://localhost:11311
   --timeout SEC   for the master and the node, 5 by default, up to 60
 
 Exit status: 0 fine, 2 no master, no translator, or no answer.

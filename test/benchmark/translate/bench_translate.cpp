@@ -43,7 +43,7 @@ void append(std::vector<Row>& rows, std::vector<Row> more) {
 Result<std::vector<Row>> measure_ros(const TranslateOptions& options) {
   const auto stage = Stage::make();
   if (!stage) return tl::unexpected(stage.error());
-  start_ros(stage->old_uri(), "bench_translate");
+  start_ros(stage->robot_uri(), "bench_translate");
   ros::NodeHandle handle;
   std::vector<Row> rows;
   if (options.only != "load") {

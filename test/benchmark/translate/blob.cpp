@@ -41,33 +41,34 @@ std::uint8_t pattern(std::uint32_t from_end) {
   return static_cast<std::uint8_t>(from_end * 31U + 7U);
 }
 
-Result<Version> make_version(const std::string& type, const char* text) {
+Result<Definition> make_definition(const std::string& type, const char* text) {
   const std::string full = text + std::string(80, '=') + "\nMSG: std_msgs/Header\n" + kHeader;
   const auto schema = translate::parse_full_text(type, full);
   if (!schema) return tl::unexpected(schema.error());
-  return Version{type, (*schema)->md5(), full};
+  return Definition{type, (*schema)->md5(), full};
 }
 
 }  // namespace
 
-Result<Versions> make_versions() {
-  auto plain = make_version("bench_msgs/Plain", kPlain);
+Result<Definitions> make_definitions() {
+  auto plain = make_definition("bench_msgs/Plain", kPlain);
   if (!plain) return tl::unexpected(plain.error());
-  auto grown_old = make_version("bench_msgs/Grown", kPlain);
-  if (!grown_old) return tl::unexpected(grown_old.error());
-  auto grown_new = make_version("bench_msgs/Grown", kGrown);
-  if (!grown_new) return tl::unexpected(grown_new.error());
-  return Versions{std::move(*plain), std::move(*grown_old), std::move(*grown_new)};
+  auto grown_robot = make_definition("bench_msgs/Grown", kPlain);
+  if (!grown_robot) return tl::unexpected(grown_robot.error());
+  auto grown_workstation = make_definition("bench_msgs/Grown", kGrown);
+  if (!grown_workstation) return tl::unexpected(grown_workstation.error());
+  return Definitions{std::move(*plain), std::move(*grown_robot), std::move(*grown_workstation)};
 }
 
 Result<void> write_packages(const std::filesystem::path& folder) {
-  for (const char* side : {"old", "new"}) {
-    const bool is_new = side[0] == 'n';
+  for (const char* side : {"robot", "workstation"}) {
+    const bool is_workstation = std::string(side) == "workstation";
     const auto msg = folder / side / "bench_msgs" / "msg";
     if (auto done = write_text_atomically(folder / side / "std_msgs" / "msg" / "Header.msg", kHeader); !done)
       return done;
     if (auto done = write_text_atomically(msg / "Plain.msg", kPlain); !done) return done;
-    if (auto done = write_text_atomically(msg / "Grown.msg", is_new ? kGrown : kPlain); !done) return done;
+    if (auto done = write_text_atomically(msg / "Grown.msg", is_workstation ? kGrown : kPlain); !done)
+      return done;
   }
   return {};
 }

@@ -16,10 +16,10 @@ namespace {
 
 using translate::Bridge;
 using translate::BridgeParams;
-using translate::EndParams;
+using translate::SideParams;
 
-EndParams end_params(const std::string& master_uri, const std::string& set) {
-  EndParams params;
+SideParams end_params(const std::string& master_uri, const std::string& set) {
+  SideParams params;
   params.peer.name = "/bench_translator";
   params.peer.master_uri = master_uri;
   params.peer.advertised_host = "127.0.0.1";
@@ -30,7 +30,7 @@ EndParams end_params(const std::string& master_uri, const std::string& set) {
 
 Result<translate::DefinitionStore> read_definitions(const std::filesystem::path& folder) {
   translate::DefinitionStore store;
-  for (const char* set : {"old", "new"}) {
+  for (const char* set : {"robot", "workstation"}) {
     const auto report = store.add_tree(folder / set, set);
     if (!report) return tl::unexpected(report.error());
     if (!report->problems.empty()) return fail(ErrorCode::kCorrupt, report->problems.front());
@@ -42,7 +42,7 @@ Result<void> run(const std::vector<std::string>& arguments) {
   auto store = read_definitions(arguments.at(2));
   if (!store) return tl::unexpected(store.error());
   BridgeParams params;
-  params.ends = {end_params(arguments.at(0), "old"), end_params(arguments.at(1), "new")};
+  params.sides = {end_params(arguments.at(0), "robot"), end_params(arguments.at(1), "workstation")};
   params.topics.allow = {"/(pass|convert|load)/.*"};
   params.rosout = false;
   translate::EventLoop loop;

@@ -84,8 +84,8 @@ class Latency {
 
   const Stage& stage_;
   ros::NodeHandle handle_;
-  Process relay_, bridge_, old_receiver_, new_receiver_;
-  std::optional<ArrivalReader> old_reader_, new_reader_;
+  Process relay_, bridge_, robot_receiver_, workstation_receiver_;
+  std::optional<ArrivalReader> robot_reader_, workstation_reader_;
   std::array<std::array<Stream, kWays>, kSizes.size()> streams_;
 };
 
@@ -94,23 +94,24 @@ std::string topic_of(const char* way, const SizeClass& size) {
 }
 
 Result<void> Latency::start_processes() {
-  std::vector<std::string> relay{"relay", stage_.old_uri()};
-  std::vector<std::string> at_old{"receiver", stage_.old_uri()};
-  std::vector<std::string> at_new{"receiver", stage_.new_uri()};
-  const auto& [plain, grown_old, grown_new] = stage_.versions();
+  std::vector<std::string> relay{"relay", stage_.robot_uri()};
+  std::vector<std::string> at_robot{"receiver", stage_.robot_uri()};
+  std::vector<std::string> at_workstation{"receiver", stage_.workstation_uri()};
+  const auto& [plain, grown_robot, grown_workstation] = stage_.definitions();
   for (const auto& size : kSizes) {
     const auto bytes = std::to_string(size.bytes);
     relay.insert(relay.end(), {topic_of("to_relay", size), topic_of("relayed", size)});
-    at_old.insert(at_old.end(), {topic_of("direct", size), plain.type, plain.md5, bytes});
-    at_old.insert(at_old.end(), {topic_of("relayed", size), plain.type, plain.md5, bytes});
-    at_new.insert(at_new.end(), {topic_of("pass", size), plain.type, plain.md5, bytes});
-    at_new.insert(at_new.end(), {topic_of("convert", size), grown_new.type, grown_new.md5, bytes});
+    at_robot.insert(at_robot.end(), {topic_of("direct", size), plain.type, plain.md5, bytes});
+    at_robot.insert(at_robot.end(), {topic_of("relayed", size), plain.type, plain.md5, bytes});
+    at_workstation.insert(at_workstation.end(), {topic_of("pass", size), plain.type, plain.md5, bytes});
+    at_workstation.insert(at_workstation.end(),
+                          {topic_of("convert", size), grown_workstation.type, grown_workstation.md5, bytes});
   }
   const std::array<std::pair<Process*, std::vector<std::string>>, 4> parts{
       {{&relay_, relay},
-       {&bridge_, {"bridge", stage_.old_uri(), stage_.new_uri(), stage_.folder().string()}},
-       {&old_receiver_, at_old},
-       {&new_receiver_, at_new}}};
+       {&bridge_, {"bridge", stage_.robot_uri(), stage_.workstation_uri(), stage_.folder().string()}},
+       {&robot_receiver_, at_robot},
+       {&workstation_receiver_, at_workstation}}};
   for (const auto& [process, arguments] : parts) {
     auto started = Process::start_part(arguments);
     if (!started) return tl::unexpected(started.error());
@@ -120,21 +121,22 @@ Result<void> Latency::start_processes() {
 }
 
 void Latency::make_streams() {
-  old_reader_.emplace(old_receiver_);
-  new_reader_.emplace(new_receiver_);
-  const auto& versions = stage_.versions();
+  robot_reader_.emplace(robot_receiver_);
+  workstation_reader_.emplace(workstation_receiver_);
+  const auto& definitions = stage_.definitions();
   for (std::size_t s = 0; s < kSizes.size(); ++s) {
     const auto& size = kSizes[s];
     const auto first = static_cast<std::uint32_t>(2 * s);
-    const auto stream = [&](const char* way, const Version& version, ArrivalReader& reader,
+    const auto stream = [&](const char* way, const Definition& definition, ArrivalReader& reader,
                             const Process* middle, std::uint32_t index, std::uint32_t growth) {
-      return Stream{std::make_unique<Sender>(handle_, topic_of(way, size), version, size.bytes), &reader,
+      return Stream{std::make_unique<Sender>(handle_, topic_of(way, size), definition, size.bytes), &reader,
                     middle, index, size.bytes + growth};
     };
-    streams_[s][kDirect] = stream("direct", versions.plain, *old_reader_, nullptr, first, 0);
-    streams_[s][kRelay] = stream("to_relay", versions.plain, *old_reader_, &relay_, first + 1, 0);
-    streams_[s][kPass] = stream("pass", versions.plain, *new_reader_, &bridge_, first, 0);
-    streams_[s][kConvert] = stream("convert", versions.grown_old, *new_reader_, &bridge_, first + 1, kGrowth);
+    streams_[s][kDirect] = stream("direct", definitions.plain, *robot_reader_, nullptr, first, 0);
+    streams_[s][kRelay] = stream("to_relay", definitions.plain, *robot_reader_, &relay_, first + 1, 0);
+    streams_[s][kPass] = stream("pass", definitions.plain, *workstation_reader_, &bridge_, first, 0);
+    streams_[s][kConvert] =
+        stream("convert", definitions.grown_robot, *workstation_reader_, &bridge_, first + 1, kGrowth);
   }
 }
 

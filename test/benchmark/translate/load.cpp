@@ -70,24 +70,25 @@ std::string topic_of(const std::string& prefix, int topic) {
 
 Result<void> Load::start_translator() {
   translator_ = true;
-  std::vector<std::string> receiver{"receiver", stage_.new_uri()};
+  std::vector<std::string> receiver{"receiver", stage_.workstation_uri()};
   for (int t = 0; t < options_.topics; ++t) {
-    const auto& version = converts(t) ? stage_.versions().grown_new : stage_.versions().plain;
+    const auto& definition =
+        converts(t) ? stage_.definitions().grown_workstation : stage_.definitions().plain;
     receiver.insert(receiver.end(),
-                    {topic_of("/load", t), version.type, version.md5, std::to_string(kMessageBytes)});
+                    {topic_of("/load", t), definition.type, definition.md5, std::to_string(kMessageBytes)});
   }
   advertise("/load");
-  return start({"bridge", stage_.old_uri(), stage_.new_uri(), stage_.folder().string()}, receiver);
+  return start({"bridge", stage_.robot_uri(), stage_.workstation_uri(), stage_.folder().string()}, receiver);
 }
 
 Result<void> Load::start_relay() {
-  std::vector<std::string> receiver{"receiver", stage_.old_uri()};
-  std::vector<std::string> relay{"relay", stage_.old_uri()};
+  std::vector<std::string> receiver{"receiver", stage_.robot_uri()};
+  std::vector<std::string> relay{"relay", stage_.robot_uri()};
   for (int t = 0; t < options_.topics; ++t) {
     const auto to = topic_of("/relayed_load", t);
     relay.insert(relay.end(), {topic_of("/load_to_relay", t), to});
-    const auto& version = stage_.versions().plain;
-    receiver.insert(receiver.end(), {to, version.type, version.md5, std::to_string(kMessageBytes)});
+    const auto& definition = stage_.definitions().plain;
+    receiver.insert(receiver.end(), {to, definition.type, definition.md5, std::to_string(kMessageBytes)});
   }
   advertise("/load_to_relay");
   return start(relay, receiver);
@@ -95,8 +96,8 @@ Result<void> Load::start_relay() {
 
 void Load::advertise(const std::string& prefix) {
   for (int t = 0; t < options_.topics; ++t) {
-    const auto& version = converts(t) ? stage_.versions().grown_old : stage_.versions().plain;
-    senders_.push_back(std::make_unique<Sender>(handle_, topic_of(prefix, t), version, kMessageBytes));
+    const auto& definition = converts(t) ? stage_.definitions().grown_robot : stage_.definitions().plain;
+    senders_.push_back(std::make_unique<Sender>(handle_, topic_of(prefix, t), definition, kMessageBytes));
   }
 }
 

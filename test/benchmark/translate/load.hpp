@@ -11,7 +11,7 @@
 namespace extperfc::benchmark {
 
 /// Hundreds of topics at thousands of messages per second through the translator, then through the relay:
-/// what arrives, when, and what it costs. This process must have joined the old master.
+/// what arrives, when, and what it costs. This process must have joined the robot's master.
 [[nodiscard]] Result<std::vector<Row>> load_rows(const Stage& stage, const TranslateOptions& options);
 
 }  // namespace extperfc::benchmark

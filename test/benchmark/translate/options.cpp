@@ -6,12 +6,12 @@
 namespace extperfc::benchmark {
 namespace {
 
-Result<double> number_from(const std::string& option, const char* text, double least, double most) {
+Result<double> number_from(const std::string& option, const char* text, double lower, double upper) {
   char* end = nullptr;
   const double value = std::strtod(text, &end);
-  if (end == text || *end != '\0' || !(value >= least) || value > most)
-    return fail(ErrorCode::kInvalidArgument, option + " needs a number from " + std::to_string(least) +
-                                                 " to " + std::to_string(most) + ", not '" + text + "'");
+  if (end == text || *end != '\0' || !(value >= lower) || value > upper)
+    return fail(ErrorCode::kInvalidArgument, option + " needs a number from " + std::to_string(lower) +
+                                                 " to " + std::to_string(upper) + ", not '" + text + "'");
   return value;
 }
 

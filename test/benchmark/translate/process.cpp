@@ -21,7 +21,7 @@ namespace {
 
 constexpr double kInputPatienceS = 2.0;
 constexpr double kSignalPatienceS = 5.0;
-constexpr int kMostDescriptors = 4096;
+constexpr int kMaxDescriptors = 4096;
 
 tl::unexpected<Error> system_error(const std::string& what) {
   return fail(ErrorCode::kFailed, what + ": " + std::strerror(errno));
@@ -105,7 +105,7 @@ Result<void> Process::run(const std::vector<std::string>& words, const Descripto
       dup2(descriptors.output, STDOUT_FILENO);
       dup2(descriptors.output, STDERR_FILENO);
     }
-    for (int other = kRecordDescriptor + 1; other < kMostDescriptors; ++other)
+    for (int other = kRecordDescriptor + 1; other < kMaxDescriptors; ++other)
       close(other);  // roscpp's sockets
     execvp(arguments.front(), arguments.data());
     _exit(127);

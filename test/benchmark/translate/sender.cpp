@@ -11,15 +11,16 @@ namespace {
 
 constexpr std::uint32_t kQueue = 1000;  // nothing is lost on this side
 
-ros::Publisher advertise(ros::NodeHandle& handle, const std::string& topic, const Version& version) {
-  ros::AdvertiseOptions options(topic, kQueue, version.md5, version.type, version.definition);
+ros::Publisher advertise(ros::NodeHandle& handle, const std::string& topic, const Definition& definition) {
+  ros::AdvertiseOptions options(topic, kQueue, definition.md5, definition.type, definition.text);
   return handle.advertise(options);
 }
 
 }  // namespace
 
-Sender::Sender(ros::NodeHandle& handle, const std::string& topic, const Version& version, std::uint32_t size)
-    : publisher_(advertise(handle, topic, version)), size_(size) {}
+Sender::Sender(ros::NodeHandle& handle, const std::string& topic, const Definition& definition,
+               std::uint32_t size)
+    : publisher_(advertise(handle, topic, definition)), size_(size) {}
 
 // A message of its own each time: roscpp serialises it later, in another thread.
 std::uint32_t Sender::send() {

@@ -17,7 +17,7 @@ namespace extperfc::benchmark {
 /// A roscpp publisher of messages of one size.
 class Sender {
  public:
-  Sender(ros::NodeHandle& handle, const std::string& topic, const Version& version, std::uint32_t size);
+  Sender(ros::NodeHandle& handle, const std::string& topic, const Definition& definition, std::uint32_t size);
 
   /// Stamps and publishes the next message; returns its number.
   std::uint32_t send();

@@ -72,9 +72,9 @@ Result<Stage> Stage::make() {
   stage.folder_ = pattern;
   allow_many_descriptors();
   set_environment(stage.folder_);
-  auto versions = make_versions();
-  if (!versions) return tl::unexpected(versions.error());
-  stage.versions_ = std::move(*versions);
+  auto definitions = make_definitions();
+  if (!definitions) return tl::unexpected(definitions.error());
+  stage.definitions_ = std::move(*definitions);
   if (auto written = write_packages(stage.folder_); !written) return tl::unexpected(written.error());
   for (int i = 0; i < 2; ++i)
     if (auto started = stage.start_master(); !started) return tl::unexpected(started.error());

@@ -22,17 +22,17 @@ class Stage {
   Stage& operator=(const Stage&) = delete;
   ~Stage();
 
-  [[nodiscard]] const std::string& old_uri() const { return uris_[0]; }
-  [[nodiscard]] const std::string& new_uri() const { return uris_[1]; }
+  [[nodiscard]] const std::string& robot_uri() const { return uris_[0]; }
+  [[nodiscard]] const std::string& workstation_uri() const { return uris_[1]; }
   [[nodiscard]] const std::filesystem::path& folder() const { return folder_; }
-  [[nodiscard]] const Versions& versions() const { return versions_; }
+  [[nodiscard]] const Definitions& definitions() const { return definitions_; }
 
  private:
   Stage() = default;
   [[nodiscard]] Result<void> start_master();
 
   std::filesystem::path folder_;
-  Versions versions_;
+  Definitions definitions_;
   std::vector<std::string> uris_;
   std::vector<Process> masters_;
 };

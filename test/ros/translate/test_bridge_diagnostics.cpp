@@ -10,8 +10,8 @@ namespace {
 
 using diagnostic_msgs::DiagnosticStatus;
 using translate::BridgeStatus;
-using translate::End;
 using translate::ServiceStatus;
+using translate::Side;
 using translate::TopicStatus;
 
 std::string value(const DiagnosticStatus& status, const std::string& key) {
@@ -23,7 +23,7 @@ std::string value(const DiagnosticStatus& status, const std::string& key) {
 TopicStatus joint_states() {
   TopicStatus topic;
   topic.topic = "/robot/joint_states";
-  topic.from = End::kOld;
+  topic.from = Side::kRobot;
   topic.from_type = "sensor_msgs/JointState";
   topic.from_md5 = "3066dcd76a6cfaef579bd0f34173e9fd";
   topic.to = {{"sensor_msgs/JointState", "3066dcd76a6cfaef579bd0f34173e9fd", "pass", 2}};
@@ -40,7 +40,7 @@ TopicStatus joint_states() {
 ServiceStatus ik() {
   ServiceStatus service;
   service.service = "/ik";
-  service.from = End::kOld;
+  service.from = Side::kRobot;
   service.type = "baxter_core_msgs/SolvePositionIK";
   service.md5 = "2711f0a9b3a8b5e2f4f6b7a8c9d0e1f2";
   service.plan = "pass";
@@ -52,8 +52,8 @@ ServiceStatus ik() {
 
 BridgeStatus healthy() {
   BridgeStatus status;
-  status.ends[0] = {"http://robot:11311", "http://ours:5000", "", true, 2, 1, 1};
-  status.ends[1] = {"http://home:11311", "http://ours:5001", "", true, 0, 0, 0};
+  status.sides[0] = {"http://robot:11311", "http://ours:5000", "", true, 2, 1, 1};
+  status.sides[1] = {"http://home:11311", "http://ours:5001", "", true, 0, 0, 0};
   status.topics = {joint_states()};
   status.services = {ik()};
   status.params = 4;
@@ -73,31 +73,31 @@ TEST(LinkStatus, ShowsBothMastersAndTheClock) {
   EXPECT_EQ(link.hardware_id, "http://robot:11311");
   EXPECT_EQ(link.level, DiagnosticStatus::OK);
   EXPECT_EQ(link.message, "both masters answer");
-  EXPECT_EQ(value(link, "old side master"), "http://robot:11311");
-  EXPECT_EQ(value(link, "old side reachable"), "yes");
-  EXPECT_EQ(value(link, "old side restarts"), "2");
-  EXPECT_EQ(value(link, "new side our address"), "http://ours:5001");
+  EXPECT_EQ(value(link, "robot side master"), "http://robot:11311");
+  EXPECT_EQ(value(link, "robot side reachable"), "yes");
+  EXPECT_EQ(value(link, "robot side restarts"), "2");
+  EXPECT_EQ(value(link, "workstation side our address"), "http://ours:5001");
   EXPECT_EQ(value(link, "clock offset [s]"), "0.012346");
   EXPECT_EQ(value(link, "clock source"), "ntp robot");
   EXPECT_EQ(value(link, "clock age [s]"), "3.2");
   EXPECT_EQ(value(link, "topics and services"), "2");
   EXPECT_EQ(value(link, "with a problem"), "0");
-  EXPECT_EQ(value(link, "parameters that cross"), "4");
+  EXPECT_EQ(value(link, "bridged parameters"), "4");
 }
 
 TEST(LinkStatus, AMasterThatIsAwayIsAnError) {
   auto status = healthy();
-  status.ends[0].reachable = false;
-  status.ends[0].problem = "connection refused";
+  status.sides[0].reachable = false;
+  status.sides[0].problem = "connection refused";
   status.clock.offset_s = 5.0;
   const auto link = link_status(status, params());
   EXPECT_EQ(link.level, DiagnosticStatus::ERROR);
-  EXPECT_EQ(link.message, "old side master http://robot:11311 is not reachable: connection refused")
+  EXPECT_EQ(link.message, "robot side master http://robot:11311 is not reachable: connection refused")
       << "a warning does not hide it";
-  status.ends[1].reachable = false;
+  status.sides[1].reachable = false;
   EXPECT_EQ(link_status(status, params()).message,
-            "old side master http://robot:11311 is not reachable: connection refused; "
-            "new side master http://home:11311 is not reachable");
+            "robot side master http://robot:11311 is not reachable: connection refused; "
+            "workstation side master http://home:11311 is not reachable");
 }
 
 TEST(LinkStatus, ClocksThatDifferAreAWarningUnlessStampsAreShifted) {
@@ -131,7 +131,7 @@ TEST(TopicStatusReport, ShowsWhatAUserAsksFor) {
   topic.to.push_back({"sensor_msgs/JointState", "0123456789abcdef0123456789abcdef", "convert", 1});
   topic.action = "/arm";
   const auto report = topic_status(topic, params());
-  EXPECT_EQ(report.name, "translator: topic /robot/joint_states, old to new");
+  EXPECT_EQ(report.name, "translator: topic /robot/joint_states, robot to workstation");
   EXPECT_EQ(report.level, DiagnosticStatus::OK);
   EXPECT_EQ(report.message, "convert, pass");
   EXPECT_EQ(value(report, "from"), "sensor_msgs/JointState 3066dcd7");
@@ -174,7 +174,7 @@ TEST(ServiceStatusReport, ShowsServerCallsAndProblem) {
   auto report = service_status(service, params());
   EXPECT_EQ(report.name, "translator: service /ik");
   EXPECT_EQ(report.level, DiagnosticStatus::OK);
-  EXPECT_EQ(value(report, "server"), "old side");
+  EXPECT_EQ(value(report, "server"), "robot side");
   EXPECT_EQ(value(report, "type"), "baxter_core_msgs/SolvePositionIK 2711f0a9");
   EXPECT_EQ(value(report, "calls"), "7");
   EXPECT_EQ(value(report, "failed"), "1");
@@ -206,7 +206,7 @@ TEST(Report, HasTheLinkAloneOrEverything) {
 
 TEST(Report, IsBoundedWithProblemsFirst) {
   auto some = params();
-  some.most = 20;
+  some.max_items = 20;
   auto status = many(500, 50);
   status.services[0].problem = "nobody knows its definition";
   const auto report = to_diagnostics(status, some, ros::Time(1), true);
@@ -216,14 +216,15 @@ TEST(Report, IsBoundedWithProblemsFirst) {
   EXPECT_EQ(value(report.status[0], "not shown one by one"), "481");
   for (std::size_t i = 1; i <= 11; ++i) EXPECT_EQ(report.status[i].level, DiagnosticStatus::WARN) << i;
   for (std::size_t i = 12; i < 21; ++i) EXPECT_EQ(report.status[i].level, DiagnosticStatus::OK) << i;
-  EXPECT_EQ(report.status[1].name, "translator: topic /topic_49, old to new");
-  EXPECT_EQ(report.status[12].name, "translator: topic /topic_0, old to new") << "otherwise by name";
+  EXPECT_EQ(report.status[1].name, "translator: topic /topic_49, robot to workstation");
+  EXPECT_EQ(report.status[12].name, "translator: topic /topic_0, robot to workstation")
+      << "otherwise by name";
 }
 
 TEST(Report, ManyTopicsCostLittle) {
   const auto status = many(500, 50);
   auto some = params();
-  some.most = 500;
+  some.max_items = 500;
   const auto begin = std::chrono::steady_clock::now();
   const auto report = to_diagnostics(status, some, ros::Time(1), true);
   const std::chrono::duration<double> took = std::chrono::steady_clock::now() - begin;
@@ -237,7 +238,7 @@ TEST(Text, HasALineForEverything) {
   auto status = many(3, 2);
   const auto text = to_text(status, params());
   for (const char* part :
-       {"link: ", "old side master: http://robot:11311", "/topic_0 [sensor_msgs/JointState 3066dcd7]",
+       {"link: ", "robot side master: http://robot:11311", "/topic_0 [sensor_msgs/JointState 3066dcd7]",
         "100.0 Hz", "PROBLEM: broken", "/ik [baxter_core_msgs/SolvePositionIK 2711f0a9]"})
     EXPECT_NE(text.find(part), std::string::npos) << part << "\nis not in\n" << text;
 }
@@ -257,7 +258,7 @@ TEST(Text, SaysOfStampsWhatIsDoneWithThem) {
 
 TEST(Text, ShowsEverythingOneByOne) {
   auto some = params();
-  some.most = 1;
+  some.max_items = 1;
   const auto text = to_text(many(30, 100), some);
   EXPECT_NE(text.find("not shown one by one: 0\n"), std::string::npos) << text;
 }

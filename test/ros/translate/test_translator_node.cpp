@@ -1,4 +1,4 @@
-// The translator's node between this test's master (new) and one of its own (old).
+// The translator's node between this test's master (the workstation's) and a second one (the robot's).
 #include <algorithm>
 #include <csignal>
 #include <fstream>
@@ -66,16 +66,16 @@ class TranslatorNodeTest : public testing::Test {
   TranslatorNodeTest() {
     (void)ros::param::del("/translator");
     set_from_file("/translator", "config/translator.yaml");
-    ros::param::set("/translator/old/master_uri", old_uri_);
+    ros::param::set("/translator/robot/master_uri", robot_uri_);
     ros::param::set("/translator/diagnostics/period_s", 0.1);
     ros::param::set("/translator/diagnostics/topic_period_s", 0.2);
     ros::param::set("/translator/poll_period_s", 0.1);
-    ros::param::set("/translator/old/master_period_s", 0.2);
+    ros::param::set("/translator/robot/master_period_s", 0.2);
   }
 
-  void start_old_master() {
+  void start_robot_master() {
     master_ = std::make_unique<ChildProcess>(std::vector<std::string>{
-        "env", "ROS_MASTER_URI=" + old_uri_, "rosmaster", "--core", "-p", std::to_string(port_)});
+        "env", "ROS_MASTER_URI=" + robot_uri_, "rosmaster", "--core", "-p", std::to_string(port_)});
   }
   /// The shell becomes the node, so the number it wrote is the node's.
   void start_node() {
@@ -90,8 +90,8 @@ class TranslatorNodeTest : public testing::Test {
     std::ifstream(pid_file_) >> pid;
     return pid;
   }
-  [[nodiscard]] std::unique_ptr<ChildProcess> at_old_master(std::vector<std::string> command) const {
-    command.insert(command.begin(), {"env", "ROS_MASTER_URI=" + old_uri_});
+  [[nodiscard]] std::unique_ptr<ChildProcess> at_robot_master(std::vector<std::string> command) const {
+    command.insert(command.begin(), {"env", "ROS_MASTER_URI=" + robot_uri_});
     return std::make_unique<ChildProcess>(command);
   }
   [[nodiscard]] bool link_is(int level, const std::string& text) const {
@@ -110,38 +110,38 @@ class TranslatorNodeTest : public testing::Test {
   const std::string pid_file_ = (folder_.path() / "pid").string();
   const std::string output_file_ = (folder_.path() / "output").string();
   const std::uint16_t port_ = free_port();
-  const std::string old_uri_ = "http://127.0.0.1:" + std::to_string(port_);
+  const std::string robot_uri_ = "http://127.0.0.1:" + std::to_string(port_);
   StatusWatch diagnostics_{"translator: link"};
   LogWatch log_;
   std::unique_ptr<ChildProcess> master_, node_;
 };
 
 TEST_F(TranslatorNodeTest, JoinsTwoMastersAndSaysSo) {
-  start_old_master();
+  start_robot_master();
   start_node();
   ASSERT_TRUE(link_is(diagnostic_msgs::DiagnosticStatus::OK, "both masters answer")) << log_.text();
 
   const auto publisher =
-      at_old_master({"rostopic", "pub", "-r", "20", "/from_old", "std_msgs/String", "hello"});
-  Inbox<std_msgs::String> inbox("/from_old");
+      at_robot_master({"rostopic", "pub", "-r", "20", "/from_robot", "std_msgs/String", "hello"});
+  Inbox<std_msgs::String> inbox("/from_robot");
   ASSERT_TRUE(inbox.wait_for_count(3)) << log_.text();
   EXPECT_EQ(inbox.all().front()->data, "hello");
-  const StatusWatch topic("translator: topic /from_old, old to new");
+  const StatusWatch topic("translator: topic /from_robot, robot to workstation");
   EXPECT_TRUE(topic.wait([](const Report& report) {
     return report.level() == 0 && report.message() == "pass" && report.number("messages") > 0;
   })) << topic.latest().message();
 
   ros::NodeHandle handle;
-  auto back = handle.advertise<std_msgs::String>("/from_new", 1, true);
+  auto back = handle.advertise<std_msgs::String>("/from_workstation", 1, true);
   std_msgs::String message;
   message.data = "and back";
   back.publish(message);
-  EXPECT_EQ(at_old_master({"rostopic", "echo", "-n", "1", "/from_new"})->wait_for_end(), 0)
+  EXPECT_EQ(at_robot_master({"rostopic", "echo", "-n", "1", "/from_workstation"})->wait_for_end(), 0)
       << "it came, latched";
 
   const auto status = call("/translator/status");
   EXPECT_TRUE(status.response.success);
-  EXPECT_NE(status.response.message.find("/from_old [std_msgs/String 992ce8a1]"), std::string::npos)
+  EXPECT_NE(status.response.message.find("/from_robot [std_msgs/String 992ce8a1]"), std::string::npos)
       << status.response.message;
 }
 
@@ -149,7 +149,7 @@ TEST_F(TranslatorNodeTest, RulesAreReadAgainOrStayWhenTheyDoNotFit) {
   const auto rules = folder_.path() / "rules";
   std::filesystem::create_directory(rules);
   ros::param::set("/translator/rules/files", std::vector<std::string>{rules.string()});
-  start_old_master();
+  start_robot_master();
   start_node();
   EXPECT_TRUE(call("/translator/reload_rules").response.success) << log_.text();
   std::ofstream(rules / "bad.yaml")
@@ -163,22 +163,22 @@ TEST_F(TranslatorNodeTest, RulesAreReadAgainOrStayWhenTheyDoNotFit) {
 
 TEST_F(TranslatorNodeTest, AMasterThatIsAwayIsToldAndWaitedFor) {
   start_node();
-  ASSERT_TRUE(link_is(diagnostic_msgs::DiagnosticStatus::ERROR, "old side master " + old_uri_))
+  ASSERT_TRUE(link_is(diagnostic_msgs::DiagnosticStatus::ERROR, "robot side master " + robot_uri_))
       << log_.text();
-  start_old_master();
+  start_robot_master();
   EXPECT_TRUE(link_is(diagnostic_msgs::DiagnosticStatus::OK, "both masters answer"))
       << diagnostics_.latest().message();
   master_.reset();
-  EXPECT_TRUE(link_is(diagnostic_msgs::DiagnosticStatus::ERROR, "old side master " + old_uri_));
+  EXPECT_TRUE(link_is(diagnostic_msgs::DiagnosticStatus::ERROR, "robot side master " + robot_uri_));
 }
 
 TEST_F(TranslatorNodeTest, AnInterruptEndsItInOrder) {
-  for (const bool with_old_master : {true, false}) {
-    if (with_old_master) start_old_master();
+  for (const bool with_robot_master : {true, false}) {
+    if (with_robot_master) start_robot_master();
     start_node();
     (void)call("/translator/status");
     ASSERT_TRUE(wait_for([] { return node_is_listed("/translator"); }));
-    if (!with_old_master) master_.reset();
+    if (!with_robot_master) master_.reset();
     ASSERT_EQ(kill(node_pid(), SIGINT), 0);
     EXPECT_EQ(node_->wait_for_end(), 0);
     EXPECT_FALSE(node_is_listed("/extperfc_translator"));
@@ -187,14 +187,14 @@ TEST_F(TranslatorNodeTest, AnInterruptEndsItInOrder) {
 }
 
 TEST_F(TranslatorNodeTest, RefusesToStartWithEveryReason) {
-  ros::param::del("/translator/old/master_uri");
-  ros::param::set("/translator/new/name", "/translator");
+  ros::param::del("/translator/robot/master_uri");
+  ros::param::set("/translator/workstation/name", "/translator");
   ros::param::set("/translator/typo", 1);
   start_node();
   EXPECT_EQ(node_->wait_for_end(), 1);
   std::ifstream file(output_file_);
   const std::string output((std::istreambuf_iterator<char>(file)), std::istreambuf_iterator<char>());
-  for (const char* text : {"/translator/old/master_uri is not set", "is the name of this very node",
+  for (const char* text : {"/translator/robot/master_uri is not set", "is the name of this very node",
                            "/translator/typo is not a parameter"})
     EXPECT_NE(output.find(text), std::string::npos) << text << "\n" << output;
 }

@@ -20,14 +20,14 @@ using translate::Directions;
 using translate::Priority;
 
 constexpr const char* kNs = "/translator_under_test";
-constexpr const char* kOldMaster = "http://robot.local:11311";
+constexpr const char* kRobotMaster = "http://robot.local:11311";
 
 class TranslatorParamsTest : public testing::Test {
  protected:
   TranslatorParamsTest() {
     (void)ros::param::del(kNs);
     set_yaml(
-        "{old: {master_uri: 'http://robot.local:11311'}, topics: {allow: ['.*']}, services: {allow: "
+        "{robot: {master_uri: 'http://robot.local:11311'}, topics: {allow: ['.*']}, services: {allow: "
         "['.*']}}");
   }
 
@@ -49,7 +49,7 @@ class TranslatorParamsTest : public testing::Test {
   }
 };
 
-void expect_equal(const translate::EndParams& a, const translate::EndParams& b) {
+void expect_equal(const translate::SideParams& a, const translate::SideParams& b) {
   EXPECT_EQ(a.definitions, b.definitions);
   EXPECT_EQ(a.peer.name, b.peer.name);
   EXPECT_EQ(a.peer.master_uri, b.peer.master_uri);
@@ -78,16 +78,16 @@ TEST_F(TranslatorParamsTest, ShippedConfigurationHasTheDefaults) {
   const auto defaults = loaded();
   set_from_file(kNs, "config/translator.yaml");
   const auto shipped = loaded();
-  for (std::size_t i = 0; i < 2; ++i) expect_equal(shipped.bridge.ends[i], defaults.bridge.ends[i]);
+  for (std::size_t i = 0; i < 2; ++i) expect_equal(shipped.bridge.sides[i], defaults.bridge.sides[i]);
   EXPECT_EQ(shipped.bridge.poll_period_s, defaults.bridge.poll_period_s);
   EXPECT_EQ(shipped.bridge.service_timeout_s, defaults.bridge.service_timeout_s);
   EXPECT_EQ(shipped.bridge.schema_patience_s, defaults.bridge.schema_patience_s);
-  EXPECT_EQ(shipped.bridge.params_old_to_new, defaults.bridge.params_old_to_new);
-  EXPECT_EQ(shipped.bridge.params_new_to_old, defaults.bridge.params_new_to_old);
+  EXPECT_EQ(shipped.bridge.params_robot_to_workstation, defaults.bridge.params_robot_to_workstation);
+  EXPECT_EQ(shipped.bridge.params_workstation_to_robot, defaults.bridge.params_workstation_to_robot);
   EXPECT_EQ(shipped.bridge.clock, defaults.bridge.clock);
   EXPECT_EQ(shipped.bridge.clock_direction, defaults.bridge.clock_direction);
   EXPECT_EQ(shipped.bridge.rosout, defaults.bridge.rosout);
-  EXPECT_EQ(shipped.bridge.rosout_least_level, defaults.bridge.rosout_least_level);
+  EXPECT_EQ(shipped.bridge.rosout_min_level, defaults.bridge.rosout_min_level);
   EXPECT_EQ(shipped.bridge.clocks.shift_stamps, defaults.bridge.clocks.shift_stamps);
   EXPECT_EQ(shipped.bridge.clocks.reference_topics, defaults.bridge.clocks.reference_topics);
   EXPECT_EQ(shipped.bridge.clocks.ntp_server, defaults.bridge.clocks.ntp_server);
@@ -101,7 +101,7 @@ TEST_F(TranslatorParamsTest, ShippedConfigurationHasTheDefaults) {
   EXPECT_TRUE(shipped.rules.files.empty());
   EXPECT_EQ(shipped.diagnostics.period_s, defaults.diagnostics.period_s);
   EXPECT_EQ(shipped.diagnostics.topic_period_s, defaults.diagnostics.topic_period_s);
-  EXPECT_EQ(shipped.diagnostics.most, defaults.diagnostics.most);
+  EXPECT_EQ(shipped.diagnostics.max_items, defaults.diagnostics.max_items);
   EXPECT_EQ(shipped.shut_down_patience_s, defaults.shut_down_patience_s);
 }
 
@@ -164,22 +164,22 @@ TEST_F(TranslatorParamsTest, BaxtersConfigurationLoads) {
   set_from_file(kNs, "config/translator.yaml");
   set_from_file(kNs, "config/robots/baxter/translator.yaml");
   const auto params = loaded();
-  EXPECT_EQ(params.bridge.ends[0].definitions.front(), "baxter_sdk_1.2.0");
-  EXPECT_EQ(params.bridge.params_old_to_new.size(), 2U);
+  EXPECT_EQ(params.bridge.sides[0].definitions.front(), "baxter_sdk_1.2.0");
+  EXPECT_EQ(params.bridge.params_robot_to_workstation.size(), 2U);
   const auto directions = [&](const char* topic) { return profile_of(params, topic)->directions; };
-  EXPECT_EQ(directions("/robot/limb/left/joint_command"), Directions::kNewToOld);
-  EXPECT_EQ(directions("/robot/joint_states"), Directions::kOldToNew);
-  EXPECT_EQ(directions("/cameras/left_hand_camera/image"), Directions::kOldToNew);
-  EXPECT_EQ(directions("/robot/xdisplay"), Directions::kNewToOld);
+  EXPECT_EQ(directions("/robot/limb/left/joint_command"), Directions::kWorkstationToRobot);
+  EXPECT_EQ(directions("/robot/joint_states"), Directions::kRobotToWorkstation);
+  EXPECT_EQ(directions("/cameras/left_hand_camera/image"), Directions::kRobotToWorkstation);
+  EXPECT_EQ(directions("/robot/xdisplay"), Directions::kWorkstationToRobot);
   EXPECT_EQ(profile_of(params, "/robot/limb/left/set_speed_ratio")->max_age_s, 0.0) << "latched: a state";
   EXPECT_EQ(profile_of(params, "/robot/limb/left/joint_command")->max_age_s, 0.2);
 }
 
 TEST_F(TranslatorParamsTest, EverythingArrivesWhereItBelongs) {
   set_yaml(R"(
-old: {name: /ours_there, advertised_host: 10.0.0.1, bind_address: 10.0.0.1, definitions: [a, b],
+robot: {name: /ours_there, advertised_host: 10.0.0.1, bind_address: 10.0.0.1, definitions: [a, b],
       hosts: ['10.0.0.2 robot.local robot', 'fe80::1 camera.local'], master_period_s: 2, node_timeout_s: 0.25}
-new: {master_uri: 'http://home:1234', name: /ours_here, advertised_host: home}
+workstation: {master_uri: 'http://home:1234', name: /ours_here, advertised_host: home}
 poll_period_s: 0.5
 service_timeout_s: 7
 schema_patience_s: 1.5
@@ -187,53 +187,53 @@ shut_down_patience_s: 0.5
 topics: {allow: ['/a.*'], deny: ['/a/b'], never: ['/a/c']}
 services: {allow: [], deny: ['/s']}
 profiles:
-  - {pattern: '/x', directions: old_to_new, queue: 3, max_rate_hz: 5, max_age_s: 0.5, priority: bulk,
+  - {pattern: '/x', directions: robot_to_workstation, queue: 3, max_rate_hz: 5, max_age_s: 0.5, priority: bulk,
      tcp_nodelay: false, lazy: false, frame_slash: strip}
 common_profiles: [{pattern: '.*', frame_slash: add}]
-parameters: {old_to_new: [/robot_description], new_to_old: [/tuning, /more]}
-clock: {cross: true, direction: new_to_old}
-rosout: {cross: false, least_level: error}
+parameters: {robot_to_workstation: [/robot_description], workstation_to_robot: [/tuning, /more]}
+clock: {bridge: true, direction: workstation_to_robot}
+rosout: {bridge: false, min_level: error}
 clocks: {shift_stamps: true, reference_topics: [/js], ntp_server: robot.local, ntp_port: 1123, window_s: 3,
          report_above_s: 0.5}
 connections: {handshake_s: 1, unacknowledged_s: 2, keep_alive_s: 3, retry_first_s: 0.5, retry_last_s: 4,
-              most_links: 10, largest_message_bytes: 1000000, largest_header_bytes: 2000, read_at_once_bytes: 8192,
-              rpc_most_connections: 20, rpc_largest_body_bytes: 3000, rpc_idle_s: 5, rpc_request_s: 6}
+              max_links: 10, max_message_bytes: 1000000, max_header_bytes: 2000, read_at_once_bytes: 8192,
+              rpc_max_connections: 20, rpc_max_body_bytes: 3000, rpc_idle_s: 5, rpc_request_s: 6}
 definitions: {shipped: false, installed: false, folders: [{folder: /f, set: mine, fallback: indigo}]}
 rules: {shipped: false, files: [/r.yaml]}
-diagnostics: {period_s: 2, topic_period_s: 8, most: 5}
+diagnostics: {period_s: 2, topic_period_s: 8, max_items: 5}
 )");
   const auto params = loaded();
   const auto& bridge = params.bridge;
-  const auto& robot = bridge.ends[0].peer;
-  EXPECT_EQ(robot.master_uri, kOldMaster);
+  const auto& robot = bridge.sides[0].peer;
+  EXPECT_EQ(robot.master_uri, kRobotMaster);
   EXPECT_EQ(robot.name, "/ours_there");
   EXPECT_EQ(robot.advertised_host, "10.0.0.1");
   EXPECT_EQ(robot.bind_address, "10.0.0.1");
-  EXPECT_NE(robot.hosts_remedy.find("/old/hosts"), std::string::npos) << robot.hosts_remedy;
-  EXPECT_NE(robot.advertised_host_remedy.find("/old/advertised_host"), std::string::npos);
+  EXPECT_NE(robot.hosts_remedy.find("/robot/hosts"), std::string::npos) << robot.hosts_remedy;
+  EXPECT_NE(robot.advertised_host_remedy.find("/robot/advertised_host"), std::string::npos);
   EXPECT_EQ(robot.hosts,
             (std::map<std::string, std::string>{
                 {"robot.local", "10.0.0.2"}, {"robot", "10.0.0.2"}, {"camera.local", "fe80::1"}}));
   EXPECT_EQ(robot.master_period, milliseconds(2000));
   EXPECT_EQ(robot.node_timeout, milliseconds(250));
-  EXPECT_EQ(bridge.ends[0].definitions, (std::vector<std::string>{"a", "b"}));
-  EXPECT_EQ(bridge.ends[1].peer.master_uri, "http://home:1234");
-  EXPECT_EQ(bridge.ends[1].peer.name, "/ours_here");
-  EXPECT_EQ(bridge.ends[1].peer.advertised_host, "home");
-  for (const auto& end : bridge.ends) {
-    EXPECT_EQ(end.peer.tcpros.handshake, milliseconds(1000));
-    EXPECT_EQ(end.peer.tcpros.unacknowledged, milliseconds(2000));
-    EXPECT_EQ(end.peer.tcpros.keep_alive, milliseconds(3000));
-    EXPECT_EQ(end.peer.tcpros.retry_first, milliseconds(500));
-    EXPECT_EQ(end.peer.tcpros.retry_last, milliseconds(4000));
-    EXPECT_EQ(end.peer.tcpros.links, 10U);
-    EXPECT_EQ(end.peer.tcpros.message_bytes, 1000000U);
-    EXPECT_EQ(end.peer.tcpros.header_bytes, 2000U);
-    EXPECT_EQ(end.peer.tcpros.read_at_once, 8192U);
-    EXPECT_EQ(end.peer.rpc.connections, 20U);
-    EXPECT_EQ(end.peer.rpc.body_bytes, 3000U);
-    EXPECT_EQ(end.peer.rpc.idle, milliseconds(5000));
-    EXPECT_EQ(end.peer.rpc.request, milliseconds(6000));
+  EXPECT_EQ(bridge.sides[0].definitions, (std::vector<std::string>{"a", "b"}));
+  EXPECT_EQ(bridge.sides[1].peer.master_uri, "http://home:1234");
+  EXPECT_EQ(bridge.sides[1].peer.name, "/ours_here");
+  EXPECT_EQ(bridge.sides[1].peer.advertised_host, "home");
+  for (const auto& side : bridge.sides) {
+    EXPECT_EQ(side.peer.tcpros.handshake, milliseconds(1000));
+    EXPECT_EQ(side.peer.tcpros.unacknowledged, milliseconds(2000));
+    EXPECT_EQ(side.peer.tcpros.keep_alive, milliseconds(3000));
+    EXPECT_EQ(side.peer.tcpros.retry_first, milliseconds(500));
+    EXPECT_EQ(side.peer.tcpros.retry_last, milliseconds(4000));
+    EXPECT_EQ(side.peer.tcpros.links, 10U);
+    EXPECT_EQ(side.peer.tcpros.message_bytes, 1000000U);
+    EXPECT_EQ(side.peer.tcpros.header_bytes, 2000U);
+    EXPECT_EQ(side.peer.tcpros.read_at_once, 8192U);
+    EXPECT_EQ(side.peer.rpc.connections, 20U);
+    EXPECT_EQ(side.peer.rpc.body_bytes, 3000U);
+    EXPECT_EQ(side.peer.rpc.idle, milliseconds(5000));
+    EXPECT_EQ(side.peer.rpc.request, milliseconds(6000));
   }
   EXPECT_EQ(bridge.poll_period_s, 0.5);
   EXPECT_EQ(bridge.service_timeout_s, 7.0);
@@ -246,7 +246,7 @@ diagnostics: {period_s: 2, topic_period_s: 8, most: 5}
   ASSERT_EQ(bridge.profiles.size(), 2U);
   const auto& profile = bridge.profiles[0];
   EXPECT_EQ(profile.pattern, "/x") << "ours before the common ones";
-  EXPECT_EQ(profile.directions, Directions::kOldToNew);
+  EXPECT_EQ(profile.directions, Directions::kRobotToWorkstation);
   EXPECT_EQ(profile.queue, 3U);
   EXPECT_EQ(profile.max_rate_hz, 5.0);
   EXPECT_EQ(profile.max_age_s, 0.5);
@@ -255,12 +255,12 @@ diagnostics: {period_s: 2, topic_period_s: 8, most: 5}
   EXPECT_FALSE(profile.lazy);
   EXPECT_EQ(profile.frame_slash, translate::PlanOptions::Slash::kStrip);
   EXPECT_EQ(bridge.profiles[1].frame_slash, translate::PlanOptions::Slash::kAdd);
-  EXPECT_EQ(bridge.params_old_to_new, std::vector<std::string>{"/robot_description"});
-  EXPECT_EQ(bridge.params_new_to_old, (std::vector<std::string>{"/tuning", "/more"}));
+  EXPECT_EQ(bridge.params_robot_to_workstation, std::vector<std::string>{"/robot_description"});
+  EXPECT_EQ(bridge.params_workstation_to_robot, (std::vector<std::string>{"/tuning", "/more"}));
   EXPECT_TRUE(bridge.clock);
-  EXPECT_EQ(bridge.clock_direction, Directions::kNewToOld);
+  EXPECT_EQ(bridge.clock_direction, Directions::kWorkstationToRobot);
   EXPECT_FALSE(bridge.rosout);
-  EXPECT_EQ(bridge.rosout_least_level, 8);
+  EXPECT_EQ(bridge.rosout_min_level, 8);
   EXPECT_TRUE(bridge.clocks.shift_stamps);
   EXPECT_EQ(bridge.clocks.reference_topics, std::vector<std::string>{"/js"});
   EXPECT_EQ(bridge.clocks.ntp_server, "robot.local");
@@ -277,71 +277,73 @@ diagnostics: {period_s: 2, topic_period_s: 8, most: 5}
   EXPECT_EQ(params.rules.files, std::vector<std::filesystem::path>{"/r.yaml"});
   EXPECT_EQ(params.diagnostics.period_s, 2.0);
   EXPECT_EQ(params.diagnostics.topic_period_s, 8.0);
-  EXPECT_EQ(params.diagnostics.most, 5);
+  EXPECT_EQ(params.diagnostics.max_items, 5);
 }
 
 TEST_F(TranslatorParamsTest, HomeIsTheNodesOwnMasterAndAddress) {
-  const auto home = loaded().bridge.ends[1].peer;
+  const auto home = loaded().bridge.sides[1].peer;
   EXPECT_EQ(home.master_uri, ros::master::getURI());
   const char* hostname = std::getenv("ROS_HOSTNAME");
   const char* ip = std::getenv("ROS_IP");
   EXPECT_EQ(home.advertised_host, hostname != nullptr ? hostname : ip != nullptr ? ip : "");
-  EXPECT_EQ(loaded().bridge.ends[0].peer.advertised_host, "") << "the old side is another network";
+  EXPECT_EQ(loaded().bridge.sides[0].peer.advertised_host, "") << "the robot side is another network";
 }
 
 TEST_F(TranslatorParamsTest, WhatMustBeSetIsNamedWithTheRemedy) {
   (void)ros::param::del(kNs);
-  expect_problems({"/old/master_uri is not set: the robot's master",
+  expect_problems({"/robot/master_uri is not set: the robot's master",
                    "/topics/allow is not set: load config/translator.yaml", "/services/allow is not set"});
 }
 
 TEST_F(TranslatorParamsTest, TheBridgeNeedsAnotherNameThanTheNode) {
-  set_yaml("{new: {name: /translator}, old: {name: /translator}}");
+  set_yaml("{workstation: {name: /translator}, robot: {name: /translator}}");
   const auto params = load();
   ASSERT_FALSE(params);
-  EXPECT_NE(params.error().message.find("/new/name: '/translator' is the name of this very node"),
+  EXPECT_NE(params.error().message.find("/workstation/name: '/translator' is the name of this very node"),
             std::string::npos);
-  EXPECT_EQ(params.error().message.find("/old/name"), std::string::npos) << "at the other master it is free";
+  EXPECT_EQ(params.error().message.find("/robot/name"), std::string::npos)
+      << "at the other master it is free";
 }
 
 TEST_F(TranslatorParamsTest, OneMasterIsNotTwo) {
-  set_yaml("{old: {master_uri: '" + ros::master::getURI() + "'}}");
-  expect_problems({"old/master_uri and new/master_uri are the same master"});
+  set_yaml("{robot: {master_uri: '" + ros::master::getURI() + "'}}");
+  expect_problems({"robot/master_uri and workstation/master_uri are the same master"});
 }
 
 TEST_F(TranslatorParamsTest, EveryProblemIsToldAtOnce) {
   set_yaml(R"(
 colour: red
-old: {master_uri: robot, name: no slash, hosts: ['robot.local 10.0.0.2', '10.0.0.2'], master_period_s: 0, port: 1}
-new: 5
+robot: {master_uri: robot, name: no slash, hosts: ['robot.local 10.0.0.2', '10.0.0.2'], master_period_s: 0, port: 1}
+workstation: 5
 poll_period_s: soon
 topics: {allow: ['(']}
 services: {allow: everything}
 profiles: [{pattern: '*', queue: 0, directions: up, speed: 3, lazy: 7}, {queue: 2}, 5]
 common_profiles: 7
-parameters: {old_to_new: [robot_description, /]}
+parameters: {robot_to_workstation: [robot_description, /]}
 clock: {direction: both}
-rosout: {least_level: loud}
+rosout: {min_level: loud}
 clocks: {shift_stamps: true, ntp_port: 70000}
-connections: {most_links: 0}
+connections: {max_links: 0}
 definitions: {folders: [{folder: /f}, {set: a, path: /g}]}
 rules: {files: 3}
-diagnostics: {most: -1}
+diagnostics: {max_items: -1}
 )");
   expect_problems({"/colour is not a parameter",
-                   "/old/master_uri: ",
-                   "/old/name: 'no slash' is no absolute name",
-                   "/old/hosts: 'robot.local 10.0.0.2' must be an address and its names",
-                   "/old/hosts: '10.0.0.2' must be an address",
-                   "/old/master_period_s = 0 is out of its range",
-                   "/old/port is not a parameter",
-                   "/new must be a group of parameters",
+                   "/robot/master_uri: ",
+                   "/robot/name: 'no slash' is no absolute name",
+                   "/robot/hosts: 'robot.local 10.0.0.2' must be an address and its names",
+                   "/robot/hosts: '10.0.0.2' must be an address",
+                   "/robot/master_period_s = 0 is out of its range",
+                   "/robot/port is not a parameter",
+                   "/workstation must be a group of parameters",
                    "/poll_period_s must be a number, but is 'soon'",
                    "/topics/allow: '(' is no regular expression",
                    "/services/allow must be a list of texts",
                    "/profiles: '*' is no regular expression",
                    "/profiles[0]/queue: 0 is out of its range [1, 100000]",
-                   "/profiles[0]/directions: 'up' is unknown: use one of both, new_to_old, old_to_new",
+                   "/profiles[0]/directions: 'up' is unknown: use one of both, workstation_to_robot, "
+                   "robot_to_workstation",
                    "/profiles[0]/speed: is not a key of a profile",
                    "/profiles[0]/lazy has a value of a wrong type",
                    "/profiles: a profile has no pattern",
@@ -350,14 +352,14 @@ diagnostics: {most: -1}
                    "'robot_description' is no prefix",
                    "'/' is no prefix",
                    "/clock/direction: 'both' is unknown",
-                   "/rosout/least_level: 'loud' is unknown: use one of debug",
+                   "/rosout/min_level: 'loud' is unknown: use one of debug",
                    "/clocks/shift_stamps needs a measurement",
                    "/clocks/ntp_port = 70000 is out of its range",
-                   "/connections/most_links = 0 is out of its range",
+                   "/connections/max_links = 0 is out of its range",
                    "/definitions/folders: an entry needs",
                    "/definitions/folders[1]/path: is not a key of a folder",
                    "/rules/files must be a list of texts",
-                   "/diagnostics/most = -1 is out of its range"});
+                   "/diagnostics/max_items = -1 is out of its range"});
 }
 
 }  // namespace

@@ -113,13 +113,13 @@ class SeparateNetworks:
     """The robot's network, the workstation's, and a computer between them: no packet goes from one to the other."""
 
     def __init__(self):
-        self.old, self.new, self.between = Namespace("10.91.1.2"), Namespace("10.91.2.2"), Namespace()
-        self.old_cable = Cable("old", (self.between, self.old), ("10.91.1.1", self.old.address))
-        self.new_cable = Cable("new", (self.between, self.new), ("10.91.2.1", self.new.address))
-        self.addresses_between = {"old": "10.91.1.1", "new": "10.91.2.1"}
+        self.robot, self.workstation, self.between = Namespace("10.91.1.2"), Namespace("10.91.2.2"), Namespace()
+        self.robot_cable = Cable("robot", (self.between, self.robot), ("10.91.1.1", self.robot.address))
+        self.workstation_cable = Cable("workstation", (self.between, self.workstation), ("10.91.2.1", self.workstation.address))
+        self.addresses_between = {"robot": "10.91.1.1", "workstation": "10.91.2.1"}
 
     def close(self):
-        for place in (self.old, self.new, self.between):
+        for place in (self.robot, self.workstation, self.between):
             place.close()
 
 
@@ -127,8 +127,8 @@ class OneHost:
     """Both masters on this host, at two ports."""
 
     def __init__(self):
-        self.old = self.new = self.between = Host()
-        self.addresses_between = {"old": "127.0.0.1", "new": "127.0.0.1"}
+        self.robot = self.workstation = self.between = Host()
+        self.addresses_between = {"robot": "127.0.0.1", "workstation": "127.0.0.1"}
 
     def close(self):
         pass

@@ -70,14 +70,14 @@ def throw(place, address, content, seconds=0.02):
 
 def hostile_contents(rng):
     """Garbage, lies about lengths, and greetings that end early, of TCPROS and XML-RPC."""
-    good = header(topic="/hostile_new", type="std_msgs/String", md5sum="*", callerid="/bad")
+    good = header(topic="/hostile_workstation", type="std_msgs/String", md5sum="*", callerid="/bad")
     yield b""
     yield b"\xff" * 8
     yield struct.pack("<I", 0)
-    yield struct.pack("<I", 0x7fffffff) + b"topic=/hostile_new"
+    yield struct.pack("<I", 0x7fffffff) + b"topic=/hostile_workstation"
     yield struct.pack("<II", 4, 0xffffffff)
     yield struct.pack("<II", 8, 4) + b"abcd"
-    yield header(topic="/hostile_new", type="std_msgs/String", md5sum="0" * 32, callerid="/bad")
+    yield header(topic="/hostile_workstation", type="std_msgs/String", md5sum="0" * 32, callerid="/bad")
     yield header(topic="/no_such_topic", type="*", md5sum="*", callerid="/bad")
     yield header(service="/no_such_service", md5sum="*", callerid="/bad")
     yield header(**{f"key{index}": "x" * 100 for index in range(2000)})

@@ -17,16 +17,16 @@ def merged(base, more):
 
 
 class Translator(processes.Child):
-    """The program. Its parameters are on the new master, as its launch file would set them."""
+    """The program. Its parameters are on the workstation's master, as its launch file would set them."""
 
     def __init__(self, session, name, parameters):
         self.node = name
         home = name + "_home"
-        environment = session.new.environment()
-        environment["ROS_IP"] = session.network.addresses_between["new"]
+        environment = session.workstation.environment()
+        environment["ROS_IP"] = session.network.addresses_between["workstation"]
         shipped = yaml.safe_load((processes.REPO / "config" / "translator.yaml").read_text())
-        own = {"old": {"name": name}, "new": {"name": name}}
-        session.new.ask("setParam", home, merged(merged(shipped, merged(session.parameters(), own)), parameters))
+        own = {"robot": {"name": name}, "workstation": {"name": name}}
+        session.workstation.ask("setParam", home, merged(merged(shipped, merged(session.parameters(), own)), parameters))
         super().__init__(name.strip("/"), session.network.between,
                          [processes.PROGRAMS / "translator", f"__name:={home[1:]}"], session.folder.path, environment)
 
@@ -41,9 +41,9 @@ class Session:
             why_not = "asked for one host" if one_host else network.separate_networks_work()
             self.separate = why_not is None
             self.network = self._keep(network.OneHost() if why_not else network.SeparateNetworks())
-            self.old = processes.Master("old", self.network.old, self.folder.path)
-            self.new = processes.Master("new", self.network.new, self.folder.path)
-            for master in (self.old, self.new):
+            self.robot = processes.Master("robot", self.network.robot, self.folder.path)
+            self.workstation = processes.Master("workstation", self.network.workstation, self.folder.path)
+            for master in (self.robot, self.workstation):
                 self._closing.append(master.end)
                 master.start()
         except BaseException:
@@ -64,9 +64,9 @@ class Session:
         """Of the translator, as a launch file gives them."""
         between = self.network.addresses_between
         return {
-            "old": {"master_uri": self.old.uri, "advertised_host": between["old"],
+            "robot": {"master_uri": self.robot.uri, "advertised_host": between["robot"],
                     "definitions": ["baxter_sdk_0.7.0", "indigo"]},
-            "new": {"master_uri": self.new.uri, "advertised_host": between["new"]},
+            "workstation": {"master_uri": self.workstation.uri, "advertised_host": between["workstation"]},
         }
 
     def translate(self, **parameters):
@@ -78,7 +78,7 @@ class Session:
         """A second one; its end() is the caller's."""
         translator = Translator(self, name, parameters)
         self._closing.append(translator.end)
-        processes.wait_until(lambda: name + "_home" in self.names(self.new), 20,
+        processes.wait_until(lambda: name + "_home" in self.names(self.workstation), 20,
                              lambda: f"{name}: {translator.log_tail()}")
         return translator
 
@@ -90,14 +90,14 @@ class Session:
         """Starts several nodes at once, which is quicker than one after another."""
         started = [name for name in names if name not in self._nodes]
         for name in started:
-            self._launch(name, "indigo" if name.startswith("old") else "noetic")
+            self._launch(name, "indigo" if name.startswith("robot") else "noetic")
         for name in started:
             self._nodes[name].wait_ready()
         return [self._nodes[name] for name in names]
 
     def foreign(self, name):
         """A node of the other side's era."""
-        self._launch(name + "_foreign", "noetic" if name.startswith("old") else "indigo")
+        self._launch(name + "_foreign", "noetic" if name.startswith("robot") else "indigo")
         return self._nodes[name + "_foreign"].wait_ready()
 
     def _launch(self, name, era):
@@ -106,7 +106,7 @@ class Session:
         self._closing.append(puppet.end)
 
     def node(self, name):
-        """old_cpp, old_python, new_cpp, new_python, with anything behind: new_cpp_2."""
+        """robot_cpp, robot_python, workstation_cpp, workstation_python, with anything behind: workstation_cpp_2."""
         return self.start(name)[0]
 
     def end_node(self, name, kill=False):
@@ -117,10 +117,10 @@ class Session:
         puppet.end()
 
     def master_of(self, name):
-        return self.old if name.startswith("old") else self.new
+        return self.robot if name.startswith("robot") else self.workstation
 
     def era_of(self, name):
-        return self.eras["indigo" if name.startswith("old") else "noetic"]
+        return self.eras["indigo" if name.startswith("robot") else "noetic"]
 
     def message(self, node_name, type_name, **fields):
         """A message of the era of a node; fields may be nested: {"pose": {"position": {"x": 1}}}."""
@@ -128,7 +128,7 @@ class Session:
 
     def word(self, text):
         """A std_msgs/String as nodes publish it; its bytes are the same in both eras."""
-        return eras.to_hex(self.message("old", WORD, data=text))
+        return eras.to_hex(self.message("robot", WORD, data=text))
 
     def flow(self, source, target, topic, word, seconds=20):
         """Sends a word again and again until it arrives."""
@@ -153,4 +153,4 @@ def _set_fields(message, fields):
 
 def both_ways():
     """(from, to) of the two directions."""
-    return (("old", "new"), ("new", "old"))
+    return (("robot", "workstation"), ("workstation", "robot"))

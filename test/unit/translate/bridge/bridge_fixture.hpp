@@ -11,7 +11,8 @@
 
 namespace extperfc::translate::test {
 
-/// Two fake peers and a small store: demo/Value has one field on the old side and two on the new one.
+/// Two fake peers and a small store: demo/Value has one field on the robot side and two on the workstation
+/// side.
 class BridgeFixture : public testing::Test {
  protected:
   static constexpr const char* kType = "demo/Value";
@@ -22,10 +23,10 @@ class BridgeFixture : public testing::Test {
                  frames_,
                  params_,
                  plans_,
-                 {&old_, &new_},
+                 {&robot_, &workstation_},
                  [](const std::string&) {},
                  [this](const std::string& problem) { problems_.push_back(problem); },
-                 [this](End from) { return from == End::kOld ? shift_ns_ : -shift_ns_; }} {
+                 [this](Side from) { return from == Side::kRobot ? shift_ns_ : -shift_ns_; }} {
     params_.schema_patience_s = 0.05;
   }
 
@@ -54,15 +55,15 @@ class BridgeFixture : public testing::Test {
     while (EventLoop::now() < end) loop_.run_once(std::chrono::milliseconds(5));
   }
 
-  const SchemaPtr old_schema_ = schema("int32 value\n");
-  const SchemaPtr new_schema_ = schema("int32 value\nint16 extra\n");
+  const SchemaPtr robot_schema_ = schema("int32 value\n");
+  const SchemaPtr workstation_schema_ = schema("int32 value\nint16 extra\n");
 
   EventLoop loop_;
   FramePool frames_;
   BridgeParams params_;
   DefinitionStore definitions_;
-  PlanBook plans_;
-  FakePeer old_{"/bridge"}, new_{"/bridge"};
+  PlanCache plans_;
+  FakePeer robot_{"/bridge"}, workstation_{"/bridge"};
   std::int64_t shift_ns_{0};
   std::vector<std::string> problems_;
   BridgeContext context_;

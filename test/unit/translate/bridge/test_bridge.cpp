@@ -69,25 +69,25 @@ class BridgeTest : public testing::Test {
  protected:
   BridgeTest() {
     folder_ = testing::TempDir() + "/extperfc_bridge_test";
-    write("old", "msg/Value.msg", "int32 value\n");
-    write("new", "msg/Value.msg", "int32 value\nint16 extra\n");
-    write("old", "srv/Set.srv", "int32 value\n---\nint32 twice\n");
-    write("new", "srv/Set.srv", "int32 value\nint8 more\n---\nint32 twice\nbool ok\n");
-    for (const auto* set : {"old", "new"}) {
+    write("robot", "msg/Value.msg", "int32 value\n");
+    write("workstation", "msg/Value.msg", "int32 value\nint16 extra\n");
+    write("robot", "srv/Set.srv", "int32 value\n---\nint32 twice\n");
+    write("workstation", "srv/Set.srv", "int32 value\nint8 more\n---\nint32 twice\nbool ok\n");
+    for (const auto* set : {"robot", "workstation"}) {
       if (const auto read = definitions_.add_tree(std::filesystem::path(folder_) / set, set); !read)
         throw std::runtime_error(read.error().message);
     }
-    old_value_ = definitions_.message_of_set("old", "demo/Value");
-    new_value_ = definitions_.message_of_set("new", "demo/Value");
-    params_.ends[0].peer = node("/translator", old_master_);
-    params_.ends[1].peer = node("/translator", new_master_);
-    params_.ends[0].definitions = {"old"};
-    params_.ends[1].definitions = {"new"};
+    robot_value_ = definitions_.message_of_set("robot", "demo/Value");
+    workstation_value_ = definitions_.message_of_set("workstation", "demo/Value");
+    params_.sides[0].peer = node("/translator", robot_master_);
+    params_.sides[1].peer = node("/translator", workstation_master_);
+    params_.sides[0].definitions = {"robot"};
+    params_.sides[1].definitions = {"workstation"};
     params_.topics.allow = params_.services.allow = {".*"};
     params_.poll_period_s = 0.05;
     params_.schema_patience_s = 1.0;
-    old_node_ = plain("/robot", old_master_);
-    new_node_ = plain("/desk", new_master_);
+    robot_node_ = plain("/robot", robot_master_);
+    workstation_node_ = plain("/desk", workstation_master_);
   }
   ~BridgeTest() override { std::filesystem::remove_all(folder_); }
 
@@ -115,7 +115,7 @@ class BridgeTest : public testing::Test {
   }
   std::unique_ptr<Bridge> start(BridgeParams params) {
     DefinitionStore definitions;
-    for (const auto* set : {"old", "new"})
+    for (const auto* set : {"robot", "workstation"})
       (void)definitions.add_tree(std::filesystem::path(folder_) / set, set);
     auto bridge = Bridge::make(loop_, std::move(params), std::move(definitions), RuleSet{},
                                {[](const std::string&) {},
@@ -152,25 +152,25 @@ class BridgeTest : public testing::Test {
 
   std::string folder_;
   DefinitionStore definitions_;
-  SchemaPtr old_value_, new_value_;
+  SchemaPtr robot_value_, workstation_value_;
   EventLoop loop_;
   FramePool frames_;
-  SmallMaster old_master_{loop_}, new_master_{loop_};
+  SmallMaster robot_master_{loop_}, workstation_master_{loop_};
   BridgeParams params_;
   std::vector<std::string> problems_;
-  std::unique_ptr<Peer> old_node_, new_node_;
+  std::unique_ptr<Peer> robot_node_, workstation_node_;
 };
 
 TEST_F(BridgeTest, ATopicCrossesConvertedAndAsItIs) {
   const auto bridge = start();
-  Talker talker(*old_node_, "/value", old_value_);
-  Listener changed(*new_node_, "/value", new_value_);
+  Talker talker(*robot_node_, "/value", robot_value_);
+  Listener changed(*workstation_node_, "/value", workstation_value_);
   ASSERT_TRUE(connect(talker, changed));
   talker.say({5, 0, 0, 0});
   ASSERT_TRUE(until([&] { return changed.heard.size() == 1; }));
   EXPECT_EQ(changed.heard[0], (Bytes{5, 0, 0, 0, 0, 0}));
-  const auto other = plain("/other", new_master_);
-  Listener same(*other, "/value", old_value_);
+  const auto other = plain("/other", workstation_master_);
+  Listener same(*other, "/value", robot_value_);
   ASSERT_TRUE(connect(talker, same)) << "two versions of one topic at once";
   talker.say({6, 0, 0, 0});
   ASSERT_TRUE(until([&] { return !same.heard.empty(); }));
@@ -178,13 +178,13 @@ TEST_F(BridgeTest, ATopicCrossesConvertedAndAsItIs) {
   const auto status = bridge->status();
   ASSERT_EQ(status.topics.size(), 1U);
   EXPECT_EQ(status.topics[0].to.size(), 2U);
-  EXPECT_TRUE(status.ends[0].reachable && status.ends[1].reachable);
+  EXPECT_TRUE(status.sides[0].reachable && status.sides[1].reachable);
 }
 
 TEST_F(BridgeTest, TheOtherWayToo) {
   const auto bridge = start();
-  Talker talker(*new_node_, "/value", new_value_);
-  Listener listener(*old_node_, "/value", old_value_);
+  Talker talker(*workstation_node_, "/value", workstation_value_);
+  Listener listener(*robot_node_, "/value", robot_value_);
   ASSERT_TRUE(connect(talker, listener, {1, 0, 0, 0, 9, 9}));
   talker.say({5, 0, 0, 0, 1, 1});
   ASSERT_TRUE(until([&] { return !listener.heard.empty(); }));
@@ -193,31 +193,32 @@ TEST_F(BridgeTest, TheOtherWayToo) {
 
 TEST_F(BridgeTest, EachMessageArrivesOnceThoughBothSidesPublish) {
   const auto bridge = start();
-  Talker old_talker(*old_node_, "/value", old_value_);
-  Talker new_talker(*new_node_, "/value", new_value_);
-  const auto old_other = plain("/old_listener", old_master_);
-  const auto new_other = plain("/new_listener", new_master_);
-  Listener at_old(*old_other, "/value", old_value_);
-  Listener at_new(*new_other, "/value", new_value_);
+  Talker robot_talker(*robot_node_, "/value", robot_value_);
+  Talker workstation_talker(*workstation_node_, "/value", workstation_value_);
+  const auto robot_other = plain("/robot_listener", robot_master_);
+  const auto workstation_other = plain("/workstation_listener", workstation_master_);
+  Listener at_robot(*robot_other, "/value", robot_value_);
+  Listener at_workstation(*workstation_other, "/value", workstation_value_);
   const auto count = [](const Listener& listener, std::uint8_t what) {
     return std::count_if(listener.heard.begin(), listener.heard.end(),
                          [&](const auto& b) { return b[0] == what; });
   };
   ASSERT_TRUE(until([&] {
-    old_talker.say({1, 0, 0, 0});
-    new_talker.say({2, 0, 0, 0, 0, 0});
-    return count(at_old, 2) > 0 && count(at_new, 1) > 0 && count(at_old, 1) > 0 && count(at_new, 2) > 0;
+    robot_talker.say({1, 0, 0, 0});
+    workstation_talker.say({2, 0, 0, 0, 0, 0});
+    return count(at_robot, 2) > 0 && count(at_workstation, 1) > 0 && count(at_robot, 1) > 0 &&
+           count(at_workstation, 2) > 0;
   }));
   for_a_while(std::chrono::milliseconds(100));
-  at_old.heard.clear();
-  at_new.heard.clear();
+  at_robot.heard.clear();
+  at_workstation.heard.clear();
   for (int i = 0; i < 10; ++i) {
-    old_talker.say({1, 0, 0, 0});
-    new_talker.say({2, 0, 0, 0, 0, 0});
+    robot_talker.say({1, 0, 0, 0});
+    workstation_talker.say({2, 0, 0, 0, 0, 0});
     for_a_while(std::chrono::milliseconds(10));
   }
   for_a_while(std::chrono::milliseconds(200));
-  for (const auto* listener : {&at_old, &at_new}) {
+  for (const auto* listener : {&at_robot, &at_workstation}) {
     EXPECT_EQ(count(*listener, 1), 10);
     EXPECT_EQ(count(*listener, 2), 10);
   }
@@ -226,36 +227,36 @@ TEST_F(BridgeTest, EachMessageArrivesOnceThoughBothSidesPublish) {
 TEST_F(BridgeTest, TwoTranslatorsDoNotFormALoop) {
   const auto bridge = start();
   auto params = params_;
-  params.ends[0].peer.name = params.ends[1].peer.name = "/second";
+  params.sides[0].peer.name = params.sides[1].peer.name = "/second";
   const auto second = start(params);
-  Talker talker(*old_node_, "/value", old_value_);
-  const auto old_other = plain("/old_listener", old_master_);
-  Listener at_old(*old_other, "/value", old_value_);
-  Listener at_new(*new_node_, "/value", new_value_);
+  Talker talker(*robot_node_, "/value", robot_value_);
+  const auto robot_other = plain("/robot_listener", robot_master_);
+  Listener at_robot(*robot_other, "/value", robot_value_);
+  Listener at_workstation(*workstation_node_, "/value", workstation_value_);
   ASSERT_TRUE(until([&] {
     talker.say({1, 0, 0, 0});
-    return !at_old.heard.empty() && !at_new.heard.empty();
+    return !at_robot.heard.empty() && !at_workstation.heard.empty();
   }));
   for_a_while(std::chrono::milliseconds(500));
-  at_old.heard.clear();
-  at_new.heard.clear();
+  at_robot.heard.clear();
+  at_workstation.heard.clear();
   for (int i = 0; i < 5; ++i) talker.say({7, 0, 0, 0});
   for_a_while(std::chrono::milliseconds(500));
-  EXPECT_EQ(at_old.heard.size(), 5U);
-  EXPECT_LE(at_new.heard.size(), 10U) << "once by each translator at most";
-  EXPECT_GE(at_new.heard.size(), 5U);
+  EXPECT_EQ(at_robot.heard.size(), 5U);
+  EXPECT_LE(at_workstation.heard.size(), 10U) << "once by each translator at most";
+  EXPECT_GE(at_workstation.heard.size(), 5U);
 }
 
 TEST_F(BridgeTest, ALatchedMessageReachesWhoComesLate) {
   const auto bridge = start();
-  Talker talker(*old_node_, "/value", old_value_, true);
+  Talker talker(*robot_node_, "/value", robot_value_, true);
   talker.say({5, 0, 0, 0});
   for_a_while(std::chrono::milliseconds(200));
-  Listener first(*new_node_, "/value", new_value_);
+  Listener first(*workstation_node_, "/value", workstation_value_);
   ASSERT_TRUE(until([&] { return first.heard.size() == 1; }));
   EXPECT_EQ(value_of(first.header, "latching"), "1");
-  const auto other = plain("/late", new_master_);
-  Listener late(*other, "/value", new_value_);
+  const auto other = plain("/late", workstation_master_);
+  Listener late(*other, "/value", workstation_value_);
   ASSERT_TRUE(until([&] { return late.heard.size() == 1; }));
   EXPECT_EQ(late.heard[0], (Bytes{5, 0, 0, 0, 0, 0}));
   for_a_while(std::chrono::milliseconds(100));
@@ -264,13 +265,13 @@ TEST_F(BridgeTest, ALatchedMessageReachesWhoComesLate) {
 
 TEST_F(BridgeTest, AServiceCrossesWithBothHalvesConverted) {
   const auto bridge = start();
-  const auto old_set = definitions_.service_of_set("old", "demo/Set");
-  const auto new_set = definitions_.service_of_set("new", "demo/Set");
+  const auto robot_set = definitions_.service_of_set("robot", "demo/Set");
+  const auto workstation_set = definitions_.service_of_set("workstation", "demo/Set");
   ServiceServer::Handlers handlers;
   handlers.on_request = [&](const std::shared_ptr<ServiceRequest>& request) {
     const auto md5 = value_of(request->header(), "md5sum");
-    if (md5 != "*" && md5 != old_set->md5) return request->refuse("MD5 mismatch");
-    request->accept("demo/Set", old_set->md5, "demo/SetRequest", "demo/SetResponse");
+    if (md5 != "*" && md5 != robot_set->md5) return request->refuse("MD5 mismatch");
+    request->accept("demo/Set", robot_set->md5, "demo/SetRequest", "demo/SetResponse");
   };
   handlers.on_call = [](LinkId, const FramePtr& request, const ServiceServer::Reply& reply) {
     if (request->payload().data[0] == 0)
@@ -278,10 +279,11 @@ TEST_F(BridgeTest, AServiceCrossesWithBothHalvesConverted) {
     const Bytes twice{static_cast<std::uint8_t>(2 * request->payload().data[0]), 0, 0, 0};
     reply(true, {twice.data(), twice.size()});
   };
-  const auto server = old_node_->serve("/set", std::move(handlers));
-  ASSERT_TRUE(until([&] { return new_master_.offers("/translator", "/set"); }));
+  const auto server = robot_node_->serve("/set", std::move(handlers));
+  ASSERT_TRUE(until([&] { return workstation_master_.offers("/translator", "/set"); }));
   std::optional<Result<std::shared_ptr<ServiceLink>>> link;
-  new_node_->open_service("/set", new_set->md5, false, [&](auto opened) { link = std::move(opened); });
+  workstation_node_->open_service("/set", workstation_set->md5, false,
+                                  [&](auto opened) { link = std::move(opened); });
   ASSERT_TRUE(until([&] { return link.has_value(); }));
   ASSERT_TRUE(*link) << link->error().message;
   std::optional<Result<FramePtr>> answer;
@@ -302,84 +304,84 @@ TEST_F(BridgeTest, AServiceCrossesWithBothHalvesConverted) {
 }
 
 TEST_F(BridgeTest, ParametersCrossByPrefix) {
-  params_.params_old_to_new = {"/shared"};
+  params_.params_robot_to_workstation = {"/shared"};
   const auto bridge = start();
   bool done = false;
-  old_node_->set_param("/shared/a", 7, [&](const auto&) { done = true; });
-  old_node_->set_param("/private/b", 8, [](const auto&) {});
-  ASSERT_TRUE(until([&] { return done && new_master_.param("/shared/a") != nullptr; }));
-  EXPECT_EQ(*new_master_.param("/shared/a"), XmlValue(7));
-  EXPECT_EQ(new_master_.param("/private/b"), nullptr);
+  robot_node_->set_param("/shared/a", 7, [&](const auto&) { done = true; });
+  robot_node_->set_param("/private/b", 8, [](const auto&) {});
+  ASSERT_TRUE(until([&] { return done && workstation_master_.param("/shared/a") != nullptr; }));
+  EXPECT_EQ(*workstation_master_.param("/shared/a"), XmlValue(7));
+  EXPECT_EQ(workstation_master_.param("/private/b"), nullptr);
 }
 
-class MasterFaults : public BridgeTest, public testing::WithParamInterface<End> {};
+class MasterFaults : public BridgeTest, public testing::WithParamInterface<Side> {};
 
 TEST_P(MasterFaults, AMasterThatRestartsEmptyIsServedAgain) {
   const auto bridge = start();
-  auto talker = std::make_unique<Talker>(*old_node_, "/value", old_value_);
-  auto listener = std::make_unique<Listener>(*new_node_, "/value", new_value_);
+  auto talker = std::make_unique<Talker>(*robot_node_, "/value", robot_value_);
+  auto listener = std::make_unique<Listener>(*workstation_node_, "/value", workstation_value_);
   ASSERT_TRUE(connect(*talker, *listener));
-  auto& master = GetParam() == End::kOld ? old_master_ : new_master_;
+  auto& master = GetParam() == Side::kRobot ? robot_master_ : workstation_master_;
   master.stop();
   talker->say({5, 0, 0, 0});
   EXPECT_TRUE(until([&] { return listener->heard.size() == 1; })) << "connections outlive masters";
-  ASSERT_TRUE(until([&] { return !bridge->status().ends[static_cast<std::size_t>(GetParam())].reachable; }));
+  ASSERT_TRUE(until([&] { return !bridge->status().sides[static_cast<std::size_t>(GetParam())].reachable; }));
   master.restart_empty();
-  ASSERT_TRUE(until([&] { return bridge->status().ends[static_cast<std::size_t>(GetParam())].reachable; }));
+  ASSERT_TRUE(until([&] { return bridge->status().sides[static_cast<std::size_t>(GetParam())].reachable; }));
   // The robot's programs are started again too.
-  if (GetParam() == End::kOld) {
+  if (GetParam() == Side::kRobot) {
     talker.reset();
-    old_node_ = plain("/robot", old_master_);
-    talker = std::make_unique<Talker>(*old_node_, "/value", old_value_);
+    robot_node_ = plain("/robot", robot_master_);
+    talker = std::make_unique<Talker>(*robot_node_, "/value", robot_value_);
   } else {
     listener.reset();
-    new_node_ = plain("/desk", new_master_);
-    listener = std::make_unique<Listener>(*new_node_, "/value", new_value_);
+    workstation_node_ = plain("/desk", workstation_master_);
+    listener = std::make_unique<Listener>(*workstation_node_, "/value", workstation_value_);
   }
   listener->heard.clear();
   EXPECT_TRUE(connect(*talker, *listener));
 }
 
-INSTANTIATE_TEST_SUITE_P(Bridge, MasterFaults, testing::Values(End::kOld, End::kNew),
+INSTANTIATE_TEST_SUITE_P(Bridge, MasterFaults, testing::Values(Side::kRobot, Side::kWorkstation),
                          [](const auto& one) { return std::string(to_string(one.param)); });
 
 TEST_F(BridgeTest, MastersMayComeLater) {
-  new_master_.stop();
+  workstation_master_.stop();
   const auto bridge = start();
-  Talker talker(*old_node_, "/value", old_value_);
+  Talker talker(*robot_node_, "/value", robot_value_);
   for_a_while(std::chrono::milliseconds(200));
-  new_master_.start();
-  Listener listener(*new_node_, "/value", new_value_);
+  workstation_master_.start();
+  Listener listener(*workstation_node_, "/value", workstation_value_);
   EXPECT_TRUE(connect(talker, listener));
 }
 
 TEST_F(BridgeTest, APublisherThatComesBackIsHeardAgain) {
   const auto bridge = start();
-  auto talker = std::make_unique<Talker>(*old_node_, "/value", old_value_);
-  Listener listener(*new_node_, "/value", new_value_);
+  auto talker = std::make_unique<Talker>(*robot_node_, "/value", robot_value_);
+  Listener listener(*workstation_node_, "/value", workstation_value_);
   ASSERT_TRUE(connect(*talker, listener));
   talker.reset();
   for_a_while(std::chrono::milliseconds(200));
-  talker = std::make_unique<Talker>(*old_node_, "/value", old_value_);
+  talker = std::make_unique<Talker>(*robot_node_, "/value", robot_value_);
   EXPECT_TRUE(connect(*talker, listener));
 }
 
 TEST_F(BridgeTest, ATopicWhosePublisherLeftIsTakenBack) {
   const auto bridge = start();
-  auto talker = std::make_unique<Talker>(*old_node_, "/value", old_value_);
-  ASSERT_TRUE(until([&] { return new_master_.publishes("/translator", "/value"); }));
+  auto talker = std::make_unique<Talker>(*robot_node_, "/value", robot_value_);
+  ASSERT_TRUE(until([&] { return workstation_master_.publishes("/translator", "/value"); }));
   talker.reset();
-  EXPECT_TRUE(until([&] { return !new_master_.publishes("/translator", "/value"); }));
+  EXPECT_TRUE(until([&] { return !workstation_master_.publishes("/translator", "/value"); }));
 }
 
 TEST_F(BridgeTest, ShutDownLeavesNothingBehind) {
   const auto bridge = start();
-  const Talker talker(*old_node_, "/value", old_value_);
-  ASSERT_TRUE(until([&] { return new_master_.publishes("/translator", "/value"); }));
+  const Talker talker(*robot_node_, "/value", robot_value_);
+  ASSERT_TRUE(until([&] { return workstation_master_.publishes("/translator", "/value"); }));
   bool done = false;
   bridge->shut_down(std::chrono::seconds(3), [&] { done = true; });
   ASSERT_TRUE(until([&] { return done; }));
-  EXPECT_FALSE(new_master_.publishes("/translator", "/value"));
+  EXPECT_FALSE(workstation_master_.publishes("/translator", "/value"));
   (void)bridge->status();
 }
 
@@ -390,14 +392,14 @@ TEST_F(BridgeTest, WrongParametersAreNamed) {
     return bridge ? std::string() : bridge.error().message;
   };
   auto params = params_;
-  EXPECT_NE(refused(params).find("there is no set of definitions 'old'"), std::string::npos);
-  params.ends[0].definitions.clear();
-  params.ends[1].definitions.clear();
+  EXPECT_NE(refused(params).find("there is no set of definitions 'robot'"), std::string::npos);
+  params.sides[0].definitions.clear();
+  params.sides[1].definitions.clear();
   EXPECT_EQ(refused(params), "");
   params.topics.allow = {"("};
   EXPECT_NE(refused(params).find("topics/allow"), std::string::npos);
   params = params_;
-  params.ends[1].peer.master_uri = params.ends[0].peer.master_uri;
+  params.sides[1].peer.master_uri = params.sides[0].peer.master_uri;
   EXPECT_NE(refused(params).find("both sides have the master"), std::string::npos);
 }
 

@@ -12,7 +12,7 @@ namespace {
 
 constexpr double kStartS = 1.7e9;
 constexpr double kPeriodS = 0.01;
-constexpr double kLeastDelayS = 0.002;
+constexpr double kMinDelayS = 0.002;
 
 /// A robot that stamps at 100 Hz, and the network between.
 class Robot {
@@ -21,13 +21,13 @@ class Robot {
 
   void run(ClockOffset& clock, double seconds, double jitter_s = 0.0, double extra_delay_s = 0.0) {
     for (const double end_s = now_s_ + seconds; now_s_ < end_s; now_s_ += kPeriodS) {
-      const double delay_s = kLeastDelayS + extra_delay_s + rng_.uniform(0.0, 1.0) * jitter_s;
+      const double delay_s = kMinDelayS + extra_delay_s + rng_.uniform(0.0, 1.0) * jitter_s;
       clock.add_stamp_sample(now_s_ + our_step_s_, now_s_ - delay_s + offset_s_);
       offset_s_ += drift_ * kPeriodS;
     }
   }
   void sleep(double seconds) { now_s_ += seconds; }
-  void step_old_clock(double by_s) { offset_s_ += by_s; }
+  void step_robot_clock(double by_s) { offset_s_ += by_s; }
   void step_our_clock(double by_s) { our_step_s_ += by_s; }
   void drift(double seconds_per_second) { drift_ = seconds_per_second; }
 
@@ -63,8 +63,8 @@ TEST(ClockOffset, StampsGiveALowerBoundThatTheShortestDelaySetsApart) {
     const auto estimate = clock.estimate(robot.now());
     ASSERT_TRUE(estimate);
     EXPECT_EQ(estimate->source, ClockOffset::Source::kStamps);
-    EXPECT_LE(estimate->offset_s, offset_s - kLeastDelayS + kResolutionS) << "a bound from below";
-    EXPECT_NEAR(estimate->offset_s, offset_s - kLeastDelayS, 2e-4)
+    EXPECT_LE(estimate->offset_s, offset_s - kMinDelayS + kResolutionS) << "a bound from below";
+    EXPECT_NEAR(estimate->offset_s, offset_s - kMinDelayS, 2e-4)
         << "the least of 500 delays is near the least";
     EXPECT_NEAR(estimate->uncertainty_s, 0.01, 0.002) << "mean excess of uniform delays of 0 to 20 ms";
     EXPECT_LT(estimate->age_s, 0.02);
@@ -75,12 +75,12 @@ TEST(ClockOffset, AShiftedStampIsNeverInTheReceiversFuture) {
   ClockOffset clock;
   Robot robot(1.25);
   robot.run(clock, 5.0, 0.03);
-  const double stamp_s = robot.now() - kLeastDelayS + 1.25;  // faster than any before it
+  const double stamp_s = robot.now() - kMinDelayS + 1.25;  // faster than any before it
   clock.add_stamp_sample(robot.now(), stamp_s);
   const double shift_s = clock.estimate(robot.now())->offset_s;
-  EXPECT_LE(shift_s, 1.25) << "ours to old: now + shift is not ahead of the old clock";
+  EXPECT_LE(shift_s, 1.25) << "workstation to robot: now + shift is not ahead of the robot's clock";
   EXPECT_LE(stamp_s - shift_s, robot.now() + kResolutionS)
-      << "old to ours: even the fastest message is no prophecy";
+      << "robot to workstation: even the fastest message is no prophecy";
 }
 
 TEST(ClockOffset, StampsThatAreNoneDoNotCount) {
@@ -113,7 +113,7 @@ TEST(ClockOffset, AStepForwardsIsFollowedAtOnce) {
   ClockOffset clock;
   Robot robot(0.0);
   robot.run(clock, 20.0, 0.01);
-  robot.step_old_clock(30.0);
+  robot.step_robot_clock(30.0);
   robot.run(clock, 0.1, 0.01);
   EXPECT_NEAR(clock.estimate(robot.now())->offset_s, 30.0, 0.02);
   EXPECT_EQ(clock.steps(), 1U);
@@ -123,7 +123,7 @@ TEST(ClockOffset, AStepBackwardsIsFollowedWhenItLasts) {
   ClockOffset clock;
   Robot robot(0.0);
   robot.run(clock, 20.0, 0.01);
-  robot.step_old_clock(-1.0);
+  robot.step_robot_clock(-1.0);
   robot.run(clock, 1.0, 0.01);
   EXPECT_NEAR(clock.estimate(robot.now())->offset_s, 0.0, 0.02) << "it may be a jam";
   robot.run(clock, 1.5, 0.01);

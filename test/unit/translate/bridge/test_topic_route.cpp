@@ -20,9 +20,9 @@ class TopicRouteTest : public BridgeFixture {
     return *route_;
   }
   TopicRoute& make() { return make({}); }
-  FakePublication& publication() { return *new_.topics.publications.at(topic_); }
-  FakeSubscription& subscription() { return *old_.topics.subscriptions.at(topic_); }
-  [[nodiscard]] bool subscribed() const { return old_.topics.subscriptions.count(topic_) != 0; }
+  FakePublication& publication() { return *workstation_.topics.publications.at(topic_); }
+  FakeSubscription& subscription() { return *robot_.topics.subscriptions.at(topic_); }
+  [[nodiscard]] bool subscribed() const { return robot_.topics.subscriptions.count(topic_) != 0; }
   [[nodiscard]] std::vector<Bytes> received(const Handshake& handshake) {
     std::vector<Bytes> all;
     for (const auto& frame : publication().sent.at(handshake.link)) all.push_back(bytes_of(frame->payload()));
@@ -35,13 +35,13 @@ class TopicRouteTest : public BridgeFixture {
 
 TEST_F(TopicRouteTest, EachSubscriberGetsTheVersionItAskedFor) {
   make();
-  const auto same = publication().request(subscriber(old_schema_));
-  const auto changed = publication().request(subscriber(new_schema_));
+  const auto same = publication().request(subscriber(robot_schema_));
+  const auto changed = publication().request(subscriber(workstation_schema_));
   EXPECT_FALSE(same->accepted) << "nobody knows the publisher's definition yet";
-  const auto link = subscription().connect(publisher(old_schema_));
+  const auto link = subscription().connect(publisher(robot_schema_));
   ASSERT_TRUE(same->accepted && changed->accepted);
-  EXPECT_EQ(same->md5, old_schema_->md5());
-  EXPECT_EQ(changed->md5, new_schema_->md5());
+  EXPECT_EQ(same->md5, robot_schema_->md5());
+  EXPECT_EQ(changed->md5, workstation_schema_->md5());
   const auto frame = frame_of({7, 0, 0, 0});
   subscription().message(link, frame);
   EXPECT_EQ(publication().sent.at(same->link).at(0), frame) << "the very buffer";
@@ -54,9 +54,9 @@ TEST_F(TopicRouteTest, EachSubscriberGetsTheVersionItAskedFor) {
 
 TEST_F(TopicRouteTest, TwoPublishersOfDifferentVersionsReachOneSubscriber) {
   make();
-  const auto listener = publication().request(subscriber(new_schema_));
-  const auto first = subscription().connect(publisher(old_schema_, "/a"));
-  const auto second = subscription().connect(publisher(new_schema_, "/b"));
+  const auto listener = publication().request(subscriber(workstation_schema_));
+  const auto first = subscription().connect(publisher(robot_schema_, "/a"));
+  const auto second = subscription().connect(publisher(workstation_schema_, "/b"));
   subscription().message(first, frame_of({1, 0, 0, 0}));
   subscription().message(second, frame_of({2, 0, 0, 0, 9, 0}));
   EXPECT_EQ(received(*listener), (std::vector<Bytes>{{1, 0, 0, 0, 0, 0}, {2, 0, 0, 0, 9, 0}}));
@@ -65,18 +65,18 @@ TEST_F(TopicRouteTest, TwoPublishersOfDifferentVersionsReachOneSubscriber) {
 TEST_F(TopicRouteTest, WhoTakesAnythingGetsThePublishersVersion) {
   make();
   const auto recorder = publication().request({{"type", "*"}, {"md5sum", "*"}, {"callerid", "/rosbag"}});
-  subscription().connect(publisher(old_schema_));
+  subscription().connect(publisher(robot_schema_));
   ASSERT_TRUE(recorder->accepted);
-  EXPECT_EQ(recorder->md5, old_schema_->md5());
+  EXPECT_EQ(recorder->md5, robot_schema_->md5());
   EXPECT_EQ(recorder->type, kType);
 }
 
 TEST_F(TopicRouteTest, AnUnknownVersionIsRefusedWithTheRemedy) {
   make();
-  const auto listener = publication().request(subscriber(new_schema_, false));
-  subscription().connect(publisher(old_schema_));
+  const auto listener = publication().request(subscriber(workstation_schema_, false));
+  subscription().connect(publisher(robot_schema_));
   EXPECT_TRUE(listener->refused);
-  EXPECT_NE(listener->reason.find(new_schema_->md5()), std::string::npos);
+  EXPECT_NE(listener->reason.find(workstation_schema_->md5()), std::string::npos);
   EXPECT_NE(listener->reason.find("add its package"), std::string::npos);
   ASSERT_EQ(problems_.size(), 1U);
   EXPECT_EQ(route_->status().problem, problems_[0]);
@@ -112,27 +112,27 @@ TEST_F(TopicRouteTest, EagerRoutesSubscribeAtOnce) {
 
 TEST_F(TopicRouteTest, ASubscriberDoesNotWaitForeverForAPublisher) {
   make();
-  const auto listener = publication().request(subscriber(new_schema_));
+  const auto listener = publication().request(subscriber(workstation_schema_));
   run_for(std::chrono::milliseconds(150));
   EXPECT_TRUE(listener->accepted) << "its own version will do";
-  const auto link = subscription().connect(publisher(old_schema_));
+  const auto link = subscription().connect(publisher(robot_schema_));
   subscription().message(link, frame_of({1, 0, 0, 0}));
   EXPECT_EQ(received(*listener).size(), 1U);
 }
 
 TEST_F(TopicRouteTest, ALateSubscriberGetsTheLastMessageOfEachLatchingPublisher) {
   make();
-  const auto early = publication().request(subscriber(new_schema_));
-  const auto a = subscription().connect(publisher(old_schema_, "/a", true));
-  const auto b = subscription().connect(publisher(old_schema_, "/b", true));
+  const auto early = publication().request(subscriber(workstation_schema_));
+  const auto a = subscription().connect(publisher(robot_schema_, "/a", true));
+  const auto b = subscription().connect(publisher(robot_schema_, "/b", true));
   subscription().message(a, frame_of({1, 0, 0, 0}));
   subscription().message(b, frame_of({2, 0, 0, 0}));
   subscription().message(a, frame_of({3, 0, 0, 0}));
-  const auto late = publication().request(subscriber(new_schema_));
+  const auto late = publication().request(subscriber(workstation_schema_));
   EXPECT_TRUE(late->latching);
   EXPECT_EQ(received(*late), (std::vector<Bytes>{{2, 0, 0, 0, 0, 0}, {3, 0, 0, 0, 0, 0}}));
   subscription().gone(b);
-  const auto latest = publication().request(subscriber(new_schema_));
+  const auto latest = publication().request(subscriber(workstation_schema_));
   EXPECT_EQ(received(*latest), (std::vector<Bytes>{{3, 0, 0, 0, 0, 0}}));
 }
 
@@ -157,8 +157,8 @@ TEST_F(TopicRouteTest, ARateLimitDropsWhatComesTooSoonAndCountsIt) {
   TopicRoute::Params params;
   params.profile.max_rate_hz = 1.0;
   make(std::move(params));
-  const auto listener = publication().request(subscriber(old_schema_));
-  const auto link = subscription().connect(publisher(old_schema_));
+  const auto listener = publication().request(subscriber(robot_schema_));
+  const auto link = subscription().connect(publisher(robot_schema_));
   for (std::uint8_t i = 0; i < 10; ++i) subscription().message(link, frame_of({i, 0, 0, 0}));
   EXPECT_EQ(received(*listener).size(), 1U);
   EXPECT_EQ(route_->status().dropped, 9U);
@@ -166,8 +166,8 @@ TEST_F(TopicRouteTest, ARateLimitDropsWhatComesTooSoonAndCountsIt) {
 
 TEST_F(TopicRouteTest, ADamagedMessageIsCountedAndTold) {
   make();
-  const auto listener = publication().request(subscriber(new_schema_));
-  const auto link = subscription().connect(publisher(old_schema_));
+  const auto listener = publication().request(subscriber(workstation_schema_));
+  const auto link = subscription().connect(publisher(robot_schema_));
   subscription().message(link, frame_of({1, 0}));
   EXPECT_TRUE(received(*listener).empty());
   EXPECT_EQ(route_->status().failed, 1U);
@@ -177,8 +177,8 @@ TEST_F(TopicRouteTest, ADamagedMessageIsCountedAndTold) {
 
 TEST_F(TopicRouteTest, OtherRulesBeginEveryConnectionAnew) {
   auto& route = make();
-  const auto listener = publication().request(subscriber(old_schema_));
-  subscription().connect(publisher(old_schema_));
+  const auto listener = publication().request(subscriber(robot_schema_));
+  subscription().connect(publisher(robot_schema_));
   ASSERT_TRUE(listener->accepted);
   route.begin_anew();
   EXPECT_EQ(publication().announced_again, 1);
@@ -234,8 +234,8 @@ TEST_F(TopicRouteTest, CommandsDoNotWaitInTheKernelEither) {
 
 TEST_F(TopicRouteTest, AConnectionThatEndsAgainAndAgainShowsWhileItDoes) {
   auto& route = make();
-  (void)publication().request(subscriber(old_schema_));
-  subscription().connect(publisher(old_schema_));
+  (void)publication().request(subscriber(robot_schema_));
+  subscription().connect(publisher(robot_schema_));
   EXPECT_EQ(route.status().problem, "");
   subscription().trouble = "publisher http://robot/: it ends again and again";
   EXPECT_EQ(route.status().problem, "/value: publisher http://robot/: it ends again and again");

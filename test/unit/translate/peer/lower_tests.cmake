@@ -1,5 +1,5 @@
 # Event loop, XML-RPC, master.
-extperfc_add_test(translate/peer/absentees SOURCES test_absentees.cpp LINK extperfc::translate_peer)
+extperfc_add_test(translate/peer/missing_subscribers SOURCES test_missing_subscribers.cpp LINK extperfc::translate_peer)
 extperfc_add_test(translate/peer/event_loop SOURCES test_event_loop.cpp LINK extperfc::translate_peer)
 extperfc_add_test(translate/peer/frame_pool SOURCES test_frame_pool.cpp LINK extperfc::translate_peer)
 extperfc_add_test(translate/peer/xml_rpc SOURCES test_xml_rpc.cpp LINK extperfc::translate_peer)

@@ -168,10 +168,10 @@ TEST_F(ResolverTest, AMissingNameIsAnErrorThatNamesIt) {
 }
 
 TEST_F(ResolverTest, TheErrorNamesTheRemedyOnce) {
-  Resolver resolver(loop_, {}, "add it to the parameter /translator/old/hosts");
+  Resolver resolver(loop_, {}, "add it to the parameter /translator/robot/hosts");
   for (int i = 0; i < 2; ++i) {
     const auto error = resolve(resolver, "missing.test");
-    const auto at = error.find("; add it to the parameter /translator/old/hosts");
+    const auto at = error.find("; add it to the parameter /translator/robot/hosts");
     ASSERT_NE(at, std::string::npos) << error;
     EXPECT_EQ(error.find("add it", at + 5), std::string::npos) << error;
   }

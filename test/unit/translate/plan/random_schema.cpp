@@ -74,7 +74,7 @@ SchemaPtr RandomSchema::evolve(const MessageSchema& schema, int depth) {
   std::vector<Field> fields;
   for (const auto& field : schema.fields())
     if (!rng_.chance(0.1)) fields.push_back(evolve(field, depth));
-  const auto place = [&](int most) { return rng_.integer(0, most); };
+  const auto place = [&](int max_index) { return rng_.integer(0, max_index); };
   if (rng_.chance(0.4)) {
     auto added = random_field(3);
     added.name = new_name();

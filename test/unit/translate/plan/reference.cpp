@@ -178,8 +178,8 @@ std::string shift(const std::string& stamp, std::int64_t by_ns) {
   const std::uint32_t rest = number_at(stamp, 4);
   if ((seconds == 0 && rest == 0) || by_ns == 0) return stamp;
   auto total = static_cast<long double>(seconds) * 1e9L + rest + static_cast<long double>(by_ns);
-  const long double most = 4294967295.0L * 1e9L + 999999999.0L;
-  total = total < 0 ? 0 : total > most ? most : total;
+  const long double max_ns = 4294967295.0L * 1e9L + 999999999.0L;
+  total = total < 0 ? 0 : total > max_ns ? max_ns : total;
   const auto whole_ns = static_cast<std::uint64_t>(total);
   return number_bytes(static_cast<std::uint32_t>(whole_ns / 1000000000U)) +
          number_bytes(static_cast<std::uint32_t>(whole_ns % 1000000000U));

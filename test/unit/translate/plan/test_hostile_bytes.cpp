@@ -47,7 +47,7 @@ bool walk(const MessageSchema& schema, const std::string& bytes, std::size_t& at
       std::memcpy(&count, bytes.data() + at, sizeof count);
       at += 4;
     }
-    if (field.message && field.message->least_size() == 0) continue;  // any number of nothing
+    if (field.message && field.message->min_size() == 0) continue;  // any number of nothing
     for (std::uint32_t i = 0; i < count; ++i)
       if (!walk_element(field, bytes, at)) return false;
   }
@@ -199,9 +199,9 @@ TEST(PlanHostile, DefinitionsThatMultiplyAreRefused) {
 }
 
 TEST(PlanHostile, HugeFixedArraysAreRefused) {
-  constexpr std::uint32_t kMost = 1U << 24U;
-  const auto big = message_of({field_of(Primitive::kFloat64, "v", kMost)});
-  const auto bigger = message_of({field_of(big, "v", kMost)});
+  constexpr std::uint32_t kMax = 1U << 24U;
+  const auto big = message_of({field_of(Primitive::kFloat64, "v", kMax)});
+  const auto bigger = message_of({field_of(big, "v", kMax)});
   const auto none = message_of({});
   for (const auto& [from, to] :
        {std::pair{none, bigger}, std::pair{bigger, none}, std::pair{bigger, bigger}}) {

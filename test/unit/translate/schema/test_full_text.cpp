@@ -212,7 +212,7 @@ TEST(FullText, OfARandomSchemaIsReadAsTheSame) {
       EXPECT_EQ(schema->md5(), (*read)->md5()) << "seed " << seed;
       EXPECT_TRUE(same_layout(*schema, **read)) << "seed " << seed;
       EXPECT_EQ(schema->full_text(), (*read)->full_text()) << "seed " << seed;
-      EXPECT_EQ(schema->least_size(), (*read)->least_size()) << "seed " << seed;
+      EXPECT_EQ(schema->min_size(), (*read)->min_size()) << "seed " << seed;
       EXPECT_EQ(schema->fixed_size(), (*read)->fixed_size()) << "seed " << seed;
     }
   }

@@ -65,7 +65,7 @@ TEST(ParseMessage, FieldsCarryWhatTheWireNeeds) {
   EXPECT_EQ("Header", fields[4].written_type);
   EXPECT_EQ("std_msgs/Header", fields[4].message->type());
   EXPECT_EQ("geometry_msgs/Point[2] p", to_string(fields[5]));
-  EXPECT_EQ(1U + 1 + 4 + 6 + (4 + 8 + 4) + 48 + 8, schema->least_size());
+  EXPECT_EQ(1U + 1 + 4 + 6 + (4 + 8 + 4) + 48 + 8, schema->min_size());
   EXPECT_FALSE(schema->fixed_size());
   EXPECT_TRUE(schema->has_time());
   EXPECT_EQ(1U, schema->depth());
@@ -229,7 +229,7 @@ TEST(ParseMessage, ArraysOfArraysThatNoMessageHolds) {
       std::make_shared<const MessageSchema>("pkg/L1", std::vector<Field>{field}, std::vector<Constant>{});
   field.message = huge;
   const MessageSchema more("pkg/L2", {field}, {});
-  EXPECT_EQ(std::numeric_limits<std::size_t>::max(), more.least_size());
+  EXPECT_EQ(std::numeric_limits<std::size_t>::max(), more.min_size());
   EXPECT_FALSE(more.fixed_size());
 }
 

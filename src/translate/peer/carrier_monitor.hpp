@@ -14,10 +14,10 @@ namespace extperfc::translate {
 /// off. From then on the kernel keeps packets for up to 3 s in the queue of a neighbour whose address it asks
 /// for, and sends them when the carrier is back: closing their connection does not recall them. Without a
 /// netlink socket nothing is ever reported. Of the loop's thread. Source: rtnetlink(7), arp(7).
-class CarrierWatch {
+class CarrierMonitor {
  public:
   /// `on_loss` gets the numeric addresses of the interface.
-  CarrierWatch(EventLoop& loop, std::function<void(const std::vector<std::string>& addresses)> on_loss);
+  CarrierMonitor(EventLoop& loop, std::function<void(const std::vector<std::string>& addresses)> on_loss);
 
  private:
   void read();

@@ -12,7 +12,7 @@
 namespace extperfc::translate::tool {
 
 /// One definition of a type: one of the three schemas, or none when only its MD5 is known.
-struct Version {
+struct TypeDefinition {
   std::string md5;  ///< empty when even that is not known
   SchemaPtr message;
   ServicePtr service;
@@ -24,18 +24,18 @@ struct Version {
 
 using TypeId = std::pair<std::string, std::string>;  ///< type, "msg" | "srv" | "action"
 /// What one side has, often one version of each type.
-using Side = std::map<TypeId, std::vector<Version>>;
+using TypeSet = std::map<TypeId, std::vector<TypeDefinition>>;
 
-[[nodiscard]] Version version_of(SchemaPtr schema);
-[[nodiscard]] Version version_of(ServicePtr schema);
-[[nodiscard]] Version version_of(ActionPtr schema);
+[[nodiscard]] TypeDefinition definition_of(SchemaPtr schema);
+[[nodiscard]] TypeDefinition definition_of(ServicePtr schema);
+[[nodiscard]] TypeDefinition definition_of(ActionPtr schema);
 
 /// Everything in a set, with the messages of actions.
-[[nodiscard]] Side side_of_set(const DefinitionStore& store, const std::string& set);
+[[nodiscard]] TypeSet types_of_set(const DefinitionStore& store, const std::string& set);
 /// The version of a set of each kind, or of all sets when `which` is an MD5 or its first digits (six or
 /// more). Errors tell what there is.
-[[nodiscard]] Result<std::map<std::string, Version>> find_versions(const DefinitionStore& store,
-                                                                   const std::string& type,
-                                                                   const std::string& which);
+[[nodiscard]] Result<std::map<std::string, TypeDefinition>> find_definitions(const DefinitionStore& store,
+                                                                             const std::string& type,
+                                                                             const std::string& which);
 
 }  // namespace extperfc::translate::tool

@@ -16,18 +16,18 @@ namespace extperfc::translate {
 /// (publisherUpdate). The same call tells us of publishers that were replaced while nobody could tell us.
 /// Calls are first, 2 first, 4 first, ... apart, `last` at most, until nobody is missing. Of the loop's
 /// thread.
-class Absentees {
+class MissingSubscribers {
  public:
-  static constexpr std::size_t kMost = 256;  ///< remembered at once; a call reaches the others all the same
+  static constexpr std::size_t kMax = 256;  ///< remembered at once; a call reaches the others all the same
   static constexpr std::chrono::milliseconds kSoon{200};  ///< for a node to notice that its connection ended
 
   /// `call` must not destroy this object.
-  Absentees(EventLoop& loop, std::function<void()> call, std::chrono::milliseconds first,
-            std::chrono::milliseconds last)
+  MissingSubscribers(EventLoop& loop, std::function<void()> call, std::chrono::milliseconds first,
+                     std::chrono::milliseconds last)
       : loop_(loop), call_(std::move(call)), first_(first), last_(last) {}
-  ~Absentees() { clear(); }
-  Absentees(const Absentees&) = delete;
-  Absentees& operator=(const Absentees&) = delete;
+  ~MissingSubscribers() { clear(); }
+  MissingSubscribers(const MissingSubscribers&) = delete;
+  MissingSubscribers& operator=(const MissingSubscribers&) = delete;
 
   /// It is missing; the schedule begins with the first one.
   void expect(const std::string& name);

@@ -1,4 +1,4 @@
-#include "carrier_watch.hpp"
+#include "carrier_monitor.hpp"
 
 #include <array>
 #include <memory>
@@ -44,8 +44,8 @@ std::vector<std::string> addresses_of(unsigned interface) {
 
 }  // namespace
 
-CarrierWatch::CarrierWatch(EventLoop& loop,
-                           std::function<void(const std::vector<std::string>& addresses)> on_loss)
+CarrierMonitor::CarrierMonitor(EventLoop& loop,
+                               std::function<void(const std::vector<std::string>& addresses)> on_loss)
     : on_loss_(std::move(on_loss)),
       socket_(::socket(AF_NETLINK, SOCK_RAW | SOCK_NONBLOCK | SOCK_CLOEXEC, NETLINK_ROUTE)) {
   sockaddr_nl address{};
@@ -56,7 +56,7 @@ CarrierWatch::CarrierWatch(EventLoop& loop,
   if (bound) socket_.watch(loop, EPOLLIN, Priority::kControl, [this](std::uint32_t) { read(); });
 }
 
-void CarrierWatch::read() {
+void CarrierMonitor::read() {
   alignas(nlmsghdr) std::array<char, 32768> bytes{};
   const auto got = ::recv(socket_.get(), bytes.data(), bytes.size(), 0);
   if (got <= 0) return;

@@ -4,14 +4,14 @@
 #include <gtest/gtest.h>
 
 #include "loop_until.hpp"
-#include "translate/peer/absentees.hpp"
+#include "translate/peer/missing_subscribers.hpp"
 
 namespace extperfc::translate {
 namespace {
 
 using namespace std::chrono_literals;
 
-class AbsenteesTest : public testing::Test {
+class MissingSubscribersTest : public testing::Test {
  protected:
   [[nodiscard]] bool until_called(std::size_t count) {
     return loop_until(loop_, [&] { return called_.size() >= count; });
@@ -20,56 +20,56 @@ class AbsenteesTest : public testing::Test {
 
   EventLoop loop_;
   std::vector<SteadyTime> called_;
-  Absentees absent_{loop_, [this] { called_.push_back(EventLoop::now()); }, 20ms, 80ms};
+  MissingSubscribers missing_{loop_, [this] { called_.push_back(EventLoop::now()); }, 20ms, 80ms};
 };
 
-TEST_F(AbsenteesTest, CallsFurtherAndFurtherApart) {
+TEST_F(MissingSubscribersTest, CallsFurtherAndFurtherApart) {
   const auto begin = EventLoop::now();
-  absent_.expect("/a");
+  missing_.expect("/a");
   ASSERT_TRUE(until_called(6));
   EXPECT_GE(called_[0] - begin, 20ms);
   EXPECT_GE(gap(1), 40ms);
   for (std::size_t call = 2; call < 6; ++call) EXPECT_GE(gap(call), 80ms) << call;
   EXPECT_LT(called_[5] - begin, 5s) << "80 ms at most";
-  EXPECT_EQ(absent_.calls(), 6);
+  EXPECT_EQ(missing_.calls(), 6);
 }
 
-TEST_F(AbsenteesTest, EndsWhenTheLastOneCame) {
-  absent_.expect("/a");
-  absent_.expect("/b");
-  absent_.expect("/b");
+TEST_F(MissingSubscribersTest, EndsWhenTheLastOneCame) {
+  missing_.expect("/a");
+  missing_.expect("/b");
+  missing_.expect("/b");
   ASSERT_TRUE(until_called(1));
-  absent_.forget("/b");
-  absent_.forget("/unknown");
+  missing_.forget("/b");
+  missing_.forget("/unknown");
   ASSERT_TRUE(until_called(2));
-  absent_.forget("/a");
-  EXPECT_TRUE(absent_.empty());
+  missing_.forget("/a");
+  EXPECT_TRUE(missing_.empty());
   loop_for(loop_, 200ms);
   EXPECT_EQ(called_.size(), 2U);
 }
 
-TEST_F(AbsenteesTest, NobodyMissingNobodyCalled) {
-  absent_.hurry();
-  absent_.expect("/a");
-  absent_.clear();
+TEST_F(MissingSubscribersTest, NobodyMissingNobodyCalled) {
+  missing_.hurry();
+  missing_.expect("/a");
+  missing_.clear();
   loop_for(loop_, 60ms);
   EXPECT_TRUE(called_.empty());
 }
 
-TEST_F(AbsenteesTest, BeginsAnewForTheNext) {
-  absent_.expect("/a");
+TEST_F(MissingSubscribersTest, BeginsAnewForTheNext) {
+  missing_.expect("/a");
   ASSERT_TRUE(until_called(3));
-  absent_.forget("/a");
+  missing_.forget("/a");
   const auto begin = EventLoop::now();
-  absent_.expect("/b");
-  EXPECT_EQ(absent_.calls(), 0);
+  missing_.expect("/b");
+  EXPECT_EQ(missing_.calls(), 0);
   ASSERT_TRUE(until_called(5));
   EXPECT_GE(called_[3] - begin, 20ms);
   EXPECT_GE(gap(4), 40ms);
 }
 
-TEST_F(AbsenteesTest, HurryBringsTheNextCallForward) {
-  Absentees slow(
+TEST_F(MissingSubscribersTest, HurryBringsTheNextCallForward) {
+  MissingSubscribers slow(
       loop_, [this] { called_.push_back(EventLoop::now()); }, 1h, 2h);
   slow.expect("/a");
   slow.hurry();
@@ -77,16 +77,16 @@ TEST_F(AbsenteesTest, HurryBringsTheNextCallForward) {
   EXPECT_EQ(slow.calls(), 1);
 }
 
-TEST_F(AbsenteesTest, RemembersABoundedNumber) {
-  for (std::size_t i = 0; i < 3 * Absentees::kMost; ++i) absent_.expect("/node" + std::to_string(i));
-  EXPECT_EQ(absent_.names().size(), Absentees::kMost);
+TEST_F(MissingSubscribersTest, RemembersABoundedNumber) {
+  for (std::size_t i = 0; i < 3 * MissingSubscribers::kMax; ++i) missing_.expect("/node" + std::to_string(i));
+  EXPECT_EQ(missing_.names().size(), MissingSubscribers::kMax);
   EXPECT_TRUE(until_called(1));
 }
 
-TEST_F(AbsenteesTest, MayForgetWithinTheCall) {
-  Absentees* self = nullptr;
+TEST_F(MissingSubscribersTest, MayForgetWithinTheCall) {
+  MissingSubscribers* self = nullptr;
   int calls = 0;
-  Absentees once(
+  MissingSubscribers once(
       loop_,
       [&] {
         ++calls;
@@ -100,9 +100,9 @@ TEST_F(AbsenteesTest, MayForgetWithinTheCall) {
   EXPECT_EQ(calls, 1);
 }
 
-TEST_F(AbsenteesTest, NothingRunsAfterItsEnd) {
+TEST_F(MissingSubscribersTest, NothingRunsAfterItsEnd) {
   {
-    Absentees gone(
+    MissingSubscribers gone(
         loop_, [] { ADD_FAILURE(); }, 5ms, 5ms);
     gone.expect("/a");
   }

@@ -10,13 +10,13 @@
 namespace extperfc::translate {
 
 /// A definition as a connection names it. The schema is null while nobody has told it.
-struct Version {
+struct MessageDefinition {
   std::string type, md5;
   SchemaPtr schema;
 };
 
 /// How messages of one version reach those who want another.
-struct Carriage {
+struct Conversion {
   bool possible{false};
   PlanPtr plan;         ///< null: the bytes go through as they are
   std::string problem;  ///< when it is not possible
@@ -26,26 +26,27 @@ struct Carriage {
 };
 
 /// Plans, each compiled once. Refusals are remembered too.
-class PlanBook {
+class PlanCache {
  public:
-  PlanBook(DefinitionStore& definitions, RuleSet rules)
+  PlanCache(DefinitionStore& definitions, RuleSet rules)
       : definitions_(definitions), rules_(std::move(rules)) {}
 
   /// Versions with equal MD5s and no schema pass: nothing else is known of them.
-  [[nodiscard]] Carriage carriage(const Version& from, const Version& to, const PlanOptions& options);
+  [[nodiscard]] Conversion conversion(const MessageDefinition& from, const MessageDefinition& to,
+                                      const PlanOptions& options);
   /// Both halves; a service's versions differ in their own MD5s.
-  struct ServiceCarriage {
-    Carriage request, response;  ///< client to server, server to client
+  struct ServiceConversion {
+    Conversion request, response;  ///< client to server, server to client
     [[nodiscard]] bool possible() const { return request.possible && response.possible; }
     [[nodiscard]] std::string describe() const;
   };
-  [[nodiscard]] ServiceCarriage carriage(const ServiceSchema& client, const ServiceSchema& server,
-                                         const PlanOptions& options);
+  [[nodiscard]] ServiceConversion conversion(const ServiceSchema& client, const ServiceSchema& server,
+                                             const PlanOptions& options);
 
   /// The definition of a version: from its own text when the header had one, else from the store, under each
   /// name that the type has had.
-  [[nodiscard]] Version version(const std::string& type, const std::string& md5,
-                                const std::string& definition);
+  [[nodiscard]] MessageDefinition definition(const std::string& type, const std::string& md5,
+                                             const std::string& text);
   [[nodiscard]] ServicePtr service(const std::string& type, const std::string& md5) const;
 
   [[nodiscard]] const RuleSet& rules() const { return rules_; }
@@ -54,11 +55,11 @@ class PlanBook {
 
  private:
   using Key = std::tuple<SchemaPtr, SchemaPtr, bool, PlanOptions::Slash>;
-  static constexpr std::size_t kMostPlans = 4096;  // definitions come from strangers
+  static constexpr std::size_t kMaxPlans = 4096;  // definitions come from strangers
 
   DefinitionStore& definitions_;
   RuleSet rules_;
-  std::map<Key, Carriage> known_;
+  std::map<Key, Conversion> known_;
 };
 
 }  // namespace extperfc::translate

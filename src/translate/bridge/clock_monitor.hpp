@@ -12,15 +12,15 @@
 
 namespace extperfc::translate {
 
-/// Measures the old side's clock: by the stamps of topics that it publishes, and by its NTP server.
-class ClockWatch {
+/// Measures the robot's clock: by the stamps of topics that it publishes, and by its NTP server.
+class ClockMonitor {
  public:
   /// `resolver` must outlive it.
-  ClockWatch(BridgeContext& context, Resolver& resolver);
+  ClockMonitor(BridgeContext& context, Resolver& resolver);
 
   [[nodiscard]] BridgeStatus::Clock status() const;
   /// What is added to the stamps of messages that leave `from` [ns]; 0 while nothing is known.
-  [[nodiscard]] std::int64_t shift_ns(End from) const;
+  [[nodiscard]] std::int64_t shift_ns(Side from) const;
 
  private:
   void watch_topic(const std::string& topic);

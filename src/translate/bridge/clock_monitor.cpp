@@ -1,4 +1,4 @@
-#include "clock_watch.hpp"
+#include "clock_monitor.hpp"
 
 #include <cmath>
 #include <utility>
@@ -17,7 +17,7 @@ ClockOffset::Params offset_params(const ClockParams& clocks) {
 
 }  // namespace
 
-ClockWatch::ClockWatch(BridgeContext& context, Resolver& resolver)
+ClockMonitor::ClockMonitor(BridgeContext& context, Resolver& resolver)
     : context_(context), offset_(offset_params(context.params.clocks)) {
   const auto& clocks = context_.params.clocks;
   for (const auto& topic : clocks.reference_topics) watch_topic(topic);
@@ -33,28 +33,28 @@ ClockWatch::ClockWatch(BridgeContext& context, Resolver& resolver)
   sntp_ = std::make_unique<SntpClient>(context_.loop, resolver, params, std::move(handlers));
 }
 
-void ClockWatch::watch_topic(const std::string& topic) {
+void ClockMonitor::watch_topic(const std::string& topic) {
   Subscription::Handlers handlers;
   handlers.on_up = [this, topic](const PublisherLink& link) {
-    const auto version =
-        context_.plans.version(value_of(link.header, "type"), value_of(link.header, "md5sum"),
-                               value_of(link.header, "message_definition"));
-    const bool stamped = version.schema && !version.schema->fields().empty() &&
-                         version.schema->fields().front().message &&
-                         version.schema->fields().front().message->type() == "std_msgs/Header";
+    const auto definition =
+        context_.plans.definition(value_of(link.header, "type"), value_of(link.header, "md5sum"),
+                                  value_of(link.header, "message_definition"));
+    const bool stamped = definition.schema && !definition.schema->fields().empty() &&
+                         definition.schema->fields().front().message &&
+                         definition.schema->fields().front().message->type() == "std_msgs/Header";
     if (!stamped)
-      context_.problem("clock: " + topic + " (" + version.type +
+      context_.problem("clock: " + topic + " (" + definition.type +
                        ") does not begin with a std_msgs/Header: name another reference topic");
     return stamped;
   };
   handlers.on_message = [this, topic](const PublisherLink&, const FramePtr& frame, SteadyTime received) {
     on_message(topic, frame, received);
   };
-  subscriptions_.push_back(context_.peer(End::kOld).subscribe(topic, std::move(handlers), {}));
+  subscriptions_.push_back(context_.peer(Side::kRobot).subscribe(topic, std::move(handlers), {}));
 }
 
 /// A header is seq (uint32), stamp (seconds, nanoseconds), frame id.
-void ClockWatch::on_message(const std::string& topic, const FramePtr& frame, SteadyTime received) {
+void ClockMonitor::on_message(const std::string& topic, const FramePtr& frame, SteadyTime received) {
   const auto payload = frame->payload();
   if (payload.size < 12) return;
   const double stamp_s = load_u32(payload.data + 4) + 1e-9 * load_u32(payload.data + 8);
@@ -62,7 +62,7 @@ void ClockWatch::on_message(const std::string& topic, const FramePtr& frame, Ste
   offset_.add_stamp_sample(wall_clock_s(received), stamp_s);
 }
 
-BridgeStatus::Clock ClockWatch::status() const {
+BridgeStatus::Clock ClockMonitor::status() const {
   BridgeStatus::Clock clock;
   for (const auto& subscription : subscriptions_)
     if (const auto problem = subscription->problem(); !problem.empty())
@@ -77,12 +77,12 @@ BridgeStatus::Clock ClockWatch::status() const {
   return clock;
 }
 
-std::int64_t ClockWatch::shift_ns(End from) const {
+std::int64_t ClockMonitor::shift_ns(Side from) const {
   if (!context_.params.clocks.shift_stamps) return 0;
   const auto estimate = offset_.estimate();
   if (!estimate) return 0;
   const auto offset_ns = std::llround(estimate->offset_s * 1e9);
-  return from == End::kOld ? -offset_ns : offset_ns;
+  return from == Side::kRobot ? -offset_ns : offset_ns;
 }
 
 }  // namespace extperfc::translate

@@ -1,0 +1,48 @@
+#pragma once
+
+#include <array>
+#include <map>
+#include <string>
+
+#include "extperfc/translate/bridge.hpp"
+
+#include "name_filter.hpp"
+
+namespace extperfc::translate {
+
+/// A topic that is to cross, one way.
+struct BridgedTopic {
+  std::string type;
+  std::string action;  ///< name of the action it belongs to, or empty
+  bool eager{false};
+  bool listeners{false};  ///< somebody on the other side wants it
+};
+
+/// (topic, side of its publishers) -> how.
+using BridgedTopics = std::map<std::pair<std::string, Side>, BridgedTopic>;
+/// Service -> side of its server.
+using BridgedServices = std::map<std::string, Side>;
+
+/// What is to cross, from what the masters say. No side effects; nodes of our own do not count.
+class BridgeSelector {
+ public:
+  [[nodiscard]] static Result<BridgeSelector> make(const BridgeParams& params);
+
+  using Graphs = std::array<GraphState, 2>;
+  [[nodiscard]] BridgedTopics topics(const Graphs& graphs);
+  [[nodiscard]] BridgedServices services(const Graphs& graphs);
+
+ private:
+  explicit BridgeSelector(const BridgeParams& params) : params_(params) {}
+  [[nodiscard]] bool may_bridge(const std::string& topic, Side from);
+  [[nodiscard]] bool has_others(const std::vector<std::string>& nodes, Side side) const;
+  [[nodiscard]] bool has_server(const GraphState& graph, const std::string& action, Side side) const;
+  void add_topics(const Graphs& graphs, Side from, BridgedTopics& bridged);
+  void add_actions(const Graphs& graphs, Side server_at, BridgedTopics& bridged);
+
+  BridgeParams params_;
+  NameMatcher topics_, services_;
+  Profiles profiles_;
+};
+
+}  // namespace extperfc::translate
