@@ -109,7 +109,7 @@ class TranslateTool(unittest.TestCase):
         self.assertIn("2 differ: 0 pass, 1 convert, 1 need a rule, 0 unknown", done.stdout)
         self.assertIn("Bad.msg: my_msgs/Bad line 1", done.stderr)
 
-    def test_show_tells_the_plan_in_words(self):
+    def test_show_prints_the_plan_as_text(self):
         shown = self.run_tool("show", "sensor_msgs/BatteryState", "--from", "indigo", "--to", "4ddae7f0")
         self.assertIn("  + ", shown)
         self.assertIn("plan: convert", shown)

@@ -10,7 +10,7 @@ import unittest
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[1] / "translator"))
 
 from harness import eras, processes  # noqa: E402
-from harness.session import NAME, Session, both_ways  # noqa: E402
+from harness.session import NAME, Session, both_directions  # noqa: E402
 
 SESSION = None
 LANGUAGES = ("cpp", "python")
@@ -32,13 +32,13 @@ class Services(unittest.TestCase):
     TYPES = ("baxter_core_msgs/SolvePositionIK", "controller_manager_msgs/SwitchController",
              "gazebo_msgs/GetModelState", "std_srvs/Trigger")
 
-    def test_every_type_both_ways_between_cpp_and_python(self):
+    def test_every_type_in_both_directions_between_cpp_and_python(self):
         calls = []
-        cases = itertools.product(self.TYPES, both_ways(), LANGUAGES)
+        cases = itertools.product(self.TYPES, both_directions(), LANGUAGES)
         for seed, (kind, (server, client), language) in enumerate(cases):
             name = f"/services/{server}_{language}/{kind.split('/')[1]}"
             response = eras.RandomContent(seed).message(SESSION.era_of(server).service(kind)._response_class)
-            SESSION.node(f"{server}_{language}").tell("serve", name, kind, eras.to_hex(response))
+            SESSION.node(f"{server}_{language}").send("serve", name, kind, eras.to_hex(response))
             calls.append((name, kind, server, client, language, response))
         for name, kind, server, client, language, response in calls:
             processes.wait_until(lambda: SESSION.master_of(client).nodes(2, name), 15, f"{name} at {client}")
@@ -47,7 +47,7 @@ class Services(unittest.TestCase):
                     service = SESSION.era_of(client).service(kind)
                     request = eras.RandomContent(index).message(service._request_class)
                     node = SESSION.node(f"{client}_{calling}")
-                    node.tell("call", name, kind, eras.to_hex(request))
+                    node.send("call", name, kind, eras.to_hex(request))
                     answer = node.wait_for("response", name)[0]
                     self.assertEqual("ok", answer[0], answer)
                     self.check_response(response, eras.from_hex(service._response_class, answer[1]))
@@ -68,30 +68,30 @@ class Services(unittest.TestCase):
             self.assertEqual((0, []), (got.seed_mode, got.seed_angles))
 
     def test_the_server_s_error_reaches_the_caller(self):
-        for server, client in both_ways():
+        for server, client in both_directions():
             name, kind = f"/fails_at_{server}", "gazebo_msgs/GetModelState"
-            SESSION.node(f"{server}_python").tell("serve", name, kind, "-")
+            SESSION.node(f"{server}_python").send("serve", name, kind, "-")
             processes.wait_until(lambda: SESSION.master_of(client).nodes(2, name), 15, f"{name} at {client}")
             for calling in LANGUAGES:
                 node = SESSION.node(f"{client}_{calling}")
-                node.tell("call", name, kind, eras.to_hex(SESSION.era_of(client).service(kind)._request_class()))
+                node.send("call", name, kind, eras.to_hex(SESSION.era_of(client).service(kind)._request_class()))
                 answer = node.wait_for("response", name)[0]
                 self.assertEqual("failed", answer[0])
             self.assertIn("has no answer", " ".join(answer))
 
     def test_a_server_that_went_is_gone(self):
         name, kind = "/goes", "std_srvs/Trigger"
-        SESSION.node("robot_cpp").tell("serve", name, kind, "x0100000000")
+        SESSION.node("robot_cpp").send("serve", name, kind, "x0100000000")
         processes.wait_until(lambda: SESSION.workstation.nodes(2, name), 15, f"{name} at the workstation side")
-        SESSION.node("robot_cpp").tell("unserve", name)
+        SESSION.node("robot_cpp").send("unserve", name)
         processes.wait_until(lambda: not SESSION.workstation.nodes(2, name), 15, f"no {name} at the workstation side")
 
     def test_a_dead_server_is_an_error_and_no_wait(self):
         name, kind = "/dies", "std_srvs/Trigger"
-        SESSION.node("robot_cpp_dying").tell("serve", name, kind, "x0100000000")
+        SESSION.node("robot_cpp_dying").send("serve", name, kind, "x0100000000")
         processes.wait_until(lambda: SESSION.workstation.nodes(2, name), 15, f"{name} at the workstation side")
         SESSION.end_node("robot_cpp_dying", kill=True)
-        SESSION.node("workstation_python").tell("call", name, kind, "x")
+        SESSION.node("workstation_python").send("call", name, kind, "x")
         self.assertEqual("failed", SESSION.node("workstation_python").wait_for("response", name, seconds=10)[0][0])
 
 
@@ -100,15 +100,15 @@ class Actions(unittest.TestCase):
 
     def test_goal_feedback_result_and_cancel(self):
         cases = []
-        for kind, ways, serving, calling in itertools.product(self.TYPES, both_ways(), LANGUAGES, LANGUAGES):
+        for kind, ways, serving, calling in itertools.product(self.TYPES, both_directions(), LANGUAGES, LANGUAGES):
             server, client = ways
             serves, calls = f"{server}_{serving}", f"{client}_{calling}"
             name = f"/actions/{serves}/{calls}/{kind.split('/')[1]}"
             cases.append((name, kind, server, SESSION.node(serves), client, SESSION.node(calls)))
         for name, kind, _, server, _, client in cases:
-            server.tell("action_server", name, kind)
-            client.tell("action_client", name, kind)
-            client.tell("wait_server", name, 20)
+            server.send("action_server", name, kind)
+            client.send("action_client", name, kind)
+            client.send("wait_server", name, 20)
         for case in cases:
             with self.subTest(case[0]):
                 self.goal_with_result(*case)
@@ -117,25 +117,25 @@ class Actions(unittest.TestCase):
     def goal_with_result(self, name, kind, server_side, server, client_side, client):
         self.assertEqual(["1"], client.wait_for("connected", name, seconds=25)[0], "the client does not see its server")
         goal = self.random(client_side, kind, "Goal", 1)
-        client.tell("send_goal", name, eras.to_hex(goal))
+        client.send("send_goal", name, eras.to_hex(goal))
         self.check(goal, server_side, kind, "Goal", server.wait_for("goal", name)[0][0])
         self.wait_until_active(client, name, 1)
         feedback = self.random(server_side, kind, "Feedback", 2)
-        server.tell("feedback", name, eras.to_hex(feedback))
+        server.send("feedback", name, eras.to_hex(feedback))
         self.check(feedback, client_side, kind, "Feedback", client.wait_for("feedback", name)[0][0])
         result = self.random(server_side, kind, "Result", 3)
-        server.tell("succeed", name, eras.to_hex(result), "done_well")
+        server.send("succeed", name, eras.to_hex(result), "done_well")
         state, got, text = client.wait_for("done", name)[0]
         self.assertEqual(("SUCCEEDED", "done_well"), (state, text))
         self.check(result, client_side, kind, "Result", got)
 
     def goal_that_is_cancelled(self, name, kind, server_side, server, client_side, client):
-        client.tell("send_goal", name, eras.to_hex(self.random(client_side, kind, "Goal", 4)))
+        client.send("send_goal", name, eras.to_hex(self.random(client_side, kind, "Goal", 4)))
         server.wait_for("goal", name, 2)
         self.wait_until_active(client, name, 2)
-        client.tell("cancel", name)
+        client.send("cancel", name)
         server.wait_for("preempt", name)
-        server.tell("preempted", name, eras.to_hex(self.random(server_side, kind, "Result", 5)), "stopped")
+        server.send("preempted", name, eras.to_hex(self.random(server_side, kind, "Result", 5)), "stopped")
         self.assertEqual(["PREEMPTED", "stopped"], client.wait_for("done", name, 2)[1][::2])
 
     @staticmethod
@@ -156,18 +156,18 @@ class Actions(unittest.TestCase):
     def test_goal_ids_and_stamps_are_unchanged(self):
         name, kind = "/ids", "moveit_msgs/Pickup"
         server, client, robot, workstation = SESSION.start("robot_cpp", "workstation_cpp", "robot_python", "workstation_python")
-        server.tell("action_server", name, kind)
-        client.tell("action_client", name, kind)
+        server.send("action_server", name, kind)
+        client.send("action_client", name, kind)
         goal = name + "/goal"
         for node in (robot, workstation):
-            node.tell("subscribe", goal, kind + "ActionGoal")
-        client.tell("wait_server", name, 20)
+            node.send("subscribe", goal, kind + "ActionGoal")
+        client.send("wait_server", name, 20)
         self.assertEqual(["1"], client.wait_for("connected", name, seconds=25)[0])
         processes.wait_until(lambda: {"/robot_python", "/workstation_python"} <= set(SESSION.robot.nodes(1, goal) +
                                                                            SESSION.workstation.nodes(1, goal)), 5, "listeners")
 
         def both_heard():
-            client.tell("send_goal", name, eras.to_hex(self.random("workstation", kind, "Goal", 1)))
+            client.send("send_goal", name, eras.to_hex(self.random("workstation", kind, "Goal", 1)))
             return robot.heard("message", goal) and workstation.heard("message", goal)
         processes.wait_until(both_heard, 10, "a goal at both sides")
         ids = [{(m.goal_id.id, m.goal_id.stamp.to_nsec()) for m in (
@@ -178,7 +178,7 @@ class Actions(unittest.TestCase):
     def test_all_five_topics_have_one_caller(self):
         """What actionlib's connection monitor wants."""
         name, kind = "/five", "control_msgs/FollowJointTrajectory"
-        SESSION.node("workstation_python").tell("action_server", name, kind)
+        SESSION.node("workstation_python").send("action_server", name, kind)
         for index, part in ((1, "goal"), (1, "cancel"), (0, "status"), (0, "feedback"), (0, "result")):
             processes.wait_until(lambda: NAME in SESSION.robot.nodes(index, f"{name}/{part}"), 10, part)
 
@@ -231,11 +231,11 @@ class Tools(unittest.TestCase):
                               timeout=seconds)
 
     def test_rostopic_echo(self):
-        for source, target in both_ways():
+        for source, target in both_directions():
             topic, kind = f"/echo/from_{source}", "control_msgs/JointControllerState"
             node = SESSION.node(f"{source}_cpp")
-            node.tell("advertise", topic, kind, 1)
-            node.tell("publish", topic, eras.to_hex(SESSION.message(source, kind, set_point=4.25)))
+            node.send("advertise", topic, kind, 1)
+            node.send("publish", topic, eras.to_hex(SESSION.message(source, kind, set_point=4.25)))
             processes.wait_until(lambda: NAME in SESSION.master_of(target).nodes(0, topic), 10, topic)
             done = self.run_at(target, "rostopic", "echo", "-n", "1", topic)
             self.assertIn("set_point: 4.25", done.stdout, done.stderr)
@@ -244,7 +244,7 @@ class Tools(unittest.TestCase):
     def test_rosservice_call(self):
         name, kind = "/by_hand", "gazebo_msgs/GetModelState"
         response = SESSION.era_of("robot").service(kind)._response_class(success=True, status_message="found")
-        SESSION.node("robot_cpp").tell("serve", name, kind, eras.to_hex(response))
+        SESSION.node("robot_cpp").send("serve", name, kind, eras.to_hex(response))
         processes.wait_until(lambda: SESSION.workstation.nodes(2, name), 10, name)
         done = self.run_at("workstation", "rosservice", "call", name, "{model_name: box}")
         self.assertIn('status_message: "found"', done.stdout, done.stderr)
@@ -253,9 +253,9 @@ class Tools(unittest.TestCase):
     def test_the_translator_s_own_services(self):
         robot, workstation = SESSION.start("robot_cpp", "workstation_cpp")
         kind, topic = "control_msgs/JointControllerState", "/reload"
-        robot.tell("advertise", topic, kind, 1)
-        robot.tell("publish", topic, eras.to_hex(SESSION.message("robot", kind, set_point=1.0)))
-        workstation.tell("subscribe", topic, kind)
+        robot.send("advertise", topic, kind, 1)
+        robot.send("publish", topic, eras.to_hex(SESSION.message("robot", kind, set_point=1.0)))
+        workstation.send("subscribe", topic, kind)
         workstation.wait_for("message", topic)
         done = self.run_at("workstation", "rosservice", "call", NAME + "_home/reload_rules")
         self.assertIn("success: True", done.stdout, done.stderr)
@@ -269,8 +269,8 @@ class Tools(unittest.TestCase):
         """A recorder takes any version: it gets the one of its side, with its definition."""
         topic, kind = "/recorded", "sensor_msgs/BatteryState"
         node = SESSION.node("robot_cpp")
-        node.tell("advertise", topic, kind, 1)
-        node.tell("publish", topic, eras.to_hex(SESSION.message("robot", kind, voltage=12.5)))
+        node.send("advertise", topic, kind, 1)
+        node.send("publish", topic, eras.to_hex(SESSION.message("robot", kind, voltage=12.5)))
         bag = SESSION.folder.path / "recorded.bag"
         processes.wait_until(lambda: NAME in SESSION.workstation.nodes(0, topic), 10, topic)
         done = self.run_at("workstation", "rosbag", "record", "-O", bag, "-l", "1", topic)

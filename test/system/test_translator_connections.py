@@ -56,16 +56,16 @@ class ReferenceTopic(unittest.TestCase):
     def test_every_message_of_a_rospy_publisher_arrives(self):
         """The clock's measurement and the route want the same topic; rospy keeps one connection per caller id."""
         source, target = SESSION.start("robot_python", "workstation_cpp")
-        source.tell("advertise", REFERENCE, STAMPED, 0)
-        target.tell("subscribe", REFERENCE, STAMPED)
+        source.send("advertise", REFERENCE, STAMPED, 0)
+        target.send("subscribe", REFERENCE, STAMPED)
         empty = eras.to_hex(SESSION.message("robot", STAMPED))
 
         def arrived():
-            source.tell("publish", REFERENCE, empty)
+            source.send("publish", REFERENCE, empty)
             return target.heard("message", REFERENCE)
         processes.wait_until(arrived, 20, "a first message")
         count = 600
-        source.tell("number", REFERENCE, 100, count)
+        source.send("number", REFERENCE, 100, count)
         source.wait_for("repeated", REFERENCE, seconds=20)
         processes.wait_until(lambda: count - 1 in numbers(target, REFERENCE), 10,
                              lambda: f"the last message; heard {len(numbers(target, REFERENCE))} of {count}")
@@ -82,12 +82,12 @@ class ReferenceTopic(unittest.TestCase):
     def test_connection_that_ends_again_and_again_is_a_problem(self):
         topic = "/flapping"
         source, target, watcher = SESSION.start("robot_python_flaps", "workstation_cpp", "workstation_python")
-        watcher.tell("subscribe", "/diagnostics", "diagnostic_msgs/DiagnosticArray")
-        source.tell("advertise", topic, WORD, 0)
-        target.tell("subscribe", topic, WORD)
+        watcher.send("subscribe", "/diagnostics", "diagnostic_msgs/DiagnosticArray")
+        source.send("advertise", topic, WORD, 0)
+        target.send("subscribe", topic, WORD)
 
         def shown():
-            source.tell("hang_up", topic)
+            source.send("hang_up", topic)
             return "again and again" in status_text()
         processes.wait_until(shown, 30, status_text)
         self.assertRegex(status_text(), rf"{topic} \[.*PROBLEM: {topic}: publisher http://\S+: the connection ends again")
@@ -131,8 +131,8 @@ class Ends(unittest.TestCase):
         """Has a node heard, with its log, and ends it; returns its URI and its topic."""
         topic, target = "/of_" + name, SESSION.node("workstation_python")
         source = SESSION.node(name)
-        source.tell("advertise", topic, WORD, 0)
-        target.tell("subscribe", topic, WORD)
+        source.send("advertise", topic, WORD, 0)
+        target.send("subscribe", topic, WORD)
         SESSION.flow(source, target, topic, "alive")
         uri = SESSION.robot.ask("lookupNode", "/" + name)
         processes.wait_until(lambda: {"/rosout", topic} <= self.topics_from(uri), 20, "it is heard")
@@ -149,7 +149,7 @@ class Ends(unittest.TestCase):
 
     def test_nodes_that_end_are_no_problem(self):
         """Every node publishes /rosout: its end is an ordinary event."""
-        SESSION.node("workstation_python").tell("subscribe", "/rosout", "rosgraph_msgs/Log")
+        SESSION.node("workstation_python").send("subscribe", "/rosout", "rosgraph_msgs/Log")
         ended = [self.end(f"robot_{language}_ends", kill=False)[0] for language in ("cpp", "python")]
         # One that is killed stays on its master's list: its own topics are a problem, its log is none.
         uri, topic = self.end("robot_cpp_dies", kill=True)
@@ -161,8 +161,8 @@ class Ends(unittest.TestCase):
     def test_rosnode_kill_ends_the_translator_whichever_of_its_nodes_is_named(self):
         """As rosnode does it: shutdown() of the node's own API."""
         topic, name = "/to_be_killed", "/translator_to_kill"
-        SESSION.node("robot_python").tell("advertise", topic, WORD, 0)
-        SESSION.node("workstation_cpp").tell("subscribe", topic, WORD)
+        SESSION.node("robot_python").send("advertise", topic, WORD, 0)
+        SESSION.node("workstation_cpp").send("subscribe", topic, WORD)
         for side, ending in ((SESSION.robot, ""), (SESSION.workstation, ""), (SESSION.workstation, "_home")):
             with self.subTest(master=side.name, node=name + ending):
                 translator = SESSION.another_translator(name, {"topics": {"allow": [topic]},
@@ -181,7 +181,7 @@ class Advice(unittest.TestCase):
     def test_a_name_without_an_address_names_the_parameter(self):
         """A publisher advertises a name that this machine does not resolve."""
         topic = "/unresolved"
-        SESSION.node("workstation_cpp").tell("subscribe", topic, WORD)
+        SESSION.node("workstation_cpp").send("subscribe", topic, WORD)
         SESSION.robot.ask("registerPublisher", topic, WORD, "http://robot-without-address.invalid:1234/")
         self.addCleanup(SESSION.robot.ask, "unregisterPublisher", topic, "http://robot-without-address.invalid:1234/")
         expected = rf"robot-without-address\.invalid.*add it to the parameter {NAME}_home/robot/hosts"

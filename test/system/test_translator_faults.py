@@ -33,21 +33,21 @@ def setUpModule():
 
 class Faults(unittest.TestCase):
     def flow(self, source, target, topic, word, seconds=20):
-        source.tell("advertise", topic, WORD, 0)
-        target.tell("subscribe", topic, WORD)
+        source.send("advertise", topic, WORD, 0)
+        target.send("subscribe", topic, WORD)
         SESSION.flow(source, target, topic, word, seconds)
 
     def serve(self, server, client, client_master, name, seconds=20):
-        server.tell("serve", name, "std_srvs/Trigger", "x0100000000")
+        server.send("serve", name, "std_srvs/Trigger", "x0100000000")
         processes.wait_until(lambda: client_master.nodes(2, name), seconds, f"{name} at {client_master.name}")
-        client.tell("call", name, "std_srvs/Trigger", "x")
+        client.send("call", name, "std_srvs/Trigger", "x")
         self.assertEqual(["ok", "x0100000000"], client.wait_for("response", name)[0][:2])
 
     def latch(self, source, target, topic, word, seconds=20):
-        source.tell("advertise", topic, WORD, 1)
-        source.tell("publish", topic, SESSION.word(word))
-        target.tell("subscribe", topic, WORD)
-        processes.wait_until(lambda: word in target.words(topic), seconds, f"{word} at {target.name}")
+        source.send("advertise", topic, WORD, 1)
+        source.send("publish", topic, SESSION.word(word))
+        target.send("subscribe", topic, WORD)
+        processes.wait_until(lambda: word in target.texts(topic), seconds, f"{word} at {target.name}")
 
     def restart_master(self, side):
         """What both sides had goes on, and what comes afterwards works without help."""
@@ -59,8 +59,8 @@ class Faults(unittest.TestCase):
         master.kill()
         for index, (source, target) in enumerate((before, before[::-1])):
             topic = f"/{side}_master/before_{index}"
-            source.tell("publish", topic, SESSION.word("without_master"))
-            processes.wait_until(lambda: "without_master" in target.words(topic), 5, "a message without a master")
+            source.send("publish", topic, SESSION.word("without_master"))
+            processes.wait_until(lambda: "without_master" in target.texts(topic), 5, "a message without a master")
         master.start()
         processes.wait_until(lambda: NAME in SESSION.names(master), 15, "the translator, registered again")
         mine, theirs = SESSION.start(f"{side}_cpp_after_{side}", f"{other}_python")
@@ -72,7 +72,7 @@ class Faults(unittest.TestCase):
         if side == "workstation":  # where the translator has its own node, with its reports
             processes.wait_until(lambda: f"{NAME}_home" in master.nodes(0, "/diagnostics"), 10, "reports again")
         # What was known before the restart is still offered to those who come after it.
-        mine.tell("subscribe", f"/{side}_master/before_1", WORD)
+        mine.send("subscribe", f"/{side}_master/before_1", WORD)
         self.flow(before[1], mine, f"/{side}_master/before_1", "to_the_newcomer")
         SESSION.end_node(f"{side}_cpp_after_{side}")
 
@@ -116,9 +116,9 @@ class Faults(unittest.TestCase):
         streams = [(workstation, robot, "/command_to_robot" + name), (workstation, robot, "/plain_to_robot" + name),
                    (robot, workstation, "/plain_to_workstation" + name)]
         for source, target, topic in streams:
-            target.tell("subscribe", topic, "std_msgs/Float64")
-            source.tell("advertise", topic, "std_msgs/Float64", 0)
-            source.tell("stream", topic, 100, 1_000_000)
+            target.send("subscribe", topic, "std_msgs/Float64")
+            source.send("advertise", topic, "std_msgs/Float64", 0)
+            source.send("stream", topic, 100, 1_000_000)
         for source, target, topic in streams:
             target.wait_for("message", topic, 50)
         begin()
@@ -136,7 +136,7 @@ class Faults(unittest.TestCase):
                 self.assertLess(after[0].heard_at - mended, 8.0, f"{topic} flows again")
         self.serve(robot, SESSION.node("workstation_python"), SESSION.workstation, "/served_after_outage" + name)
         for source, _, topic in streams:
-            source.tell("stop", topic)
+            source.send("stop", topic)
 
     def test_rospy_hears_commands_again_after_an_outage(self):
         """It gives up a connection that ends, for good: somebody has to call it back."""
@@ -144,9 +144,9 @@ class Faults(unittest.TestCase):
             self.skipTest("needs network namespaces: run as root")
         source, listener = SESSION.start("workstation_cpp", "robot_python")
         topic = "/command_to_rospy"
-        listener.tell("subscribe", topic, "std_msgs/Float64")
-        source.tell("advertise", topic, "std_msgs/Float64", 0)
-        source.tell("stream", topic, 100, 1_000_000)
+        listener.send("subscribe", topic, "std_msgs/Float64")
+        source.send("advertise", topic, "std_msgs/Float64", 0)
+        source.send("stream", topic, 100, 1_000_000)
         listener.wait_for("message", topic, 50)
         for seconds in (1.0, 4.0):
             with self.subTest(outage_s=seconds):
@@ -160,7 +160,7 @@ class Faults(unittest.TestCase):
                 self.assertLess(after[0].heard_at - mended, 8.0)
                 ages = listener.ages(topic, count)
                 self.assertLess(max(ages), MAX_AGE_S + 0.5, sorted(ages)[-5:])
-        source.tell("stop", topic)
+        source.send("stop", topic)
 
     def test_publisher_replaced_during_an_outage(self):
         """The master tells it while nobody can hear; the translator's connection to the dead one looks alive."""
@@ -174,7 +174,7 @@ class Faults(unittest.TestCase):
                 cut = time.monotonic()
                 SESSION.end_node("robot_cpp_replaced", kill=True)
                 source = SESSION.node("robot_cpp_replaced")
-                source.tell("advertise", topic, WORD, 0)
+                source.send("advertise", topic, WORD, 0)
                 time.sleep(max(0.0, cut + seconds - time.monotonic()))  # the outage itself
                 SESSION.network.robot_cable.mend()
                 self.flow(source, target, topic, f"life_{life}")
@@ -188,12 +188,12 @@ class Faults(unittest.TestCase):
         source, plain, rospy_node = SESSION.start("workstation_cpp", "robot_cpp", "robot_python")
         image = eras.to_hex(SESSION.message("workstation", kind, width=100, height=333, step=300, data=bytes(100_000)))
         for node in (plain, rospy_node):
-            node.tell("subscribe", command, "std_msgs/Float64")
-        plain.tell("subscribe", images, kind)
-        source.tell("advertise", command, "std_msgs/Float64", 0)
-        source.tell("advertise", images, kind, 0)
-        source.tell("stream", command, 50, 1_000_000)
-        source.tell("repeat", images, 10, 1_000_000, image)
+            node.send("subscribe", command, "std_msgs/Float64")
+        plain.send("subscribe", images, kind)
+        source.send("advertise", command, "std_msgs/Float64", 0)
+        source.send("advertise", images, kind, 0)
+        source.send("stream", command, 50, 1_000_000)
+        source.send("repeat", images, 10, 1_000_000, image)
         listeners = [(plain, command), (rospy_node, command), (plain, images)]
         for node, topic in listeners:
             node.wait_for("message", topic, 20)
@@ -204,7 +204,7 @@ class Faults(unittest.TestCase):
         for (node, topic), count in zip(listeners, before):
             node.wait_for("message", topic, count + 50, seconds=20)
         for topic in (command, images):
-            source.tell("stop", topic)
+            source.send("stop", topic)
         for node in (plain, rospy_node):
             ages = node.ages(command)
             self.assertLess(max(ages), MAX_AGE_S + 0.7, f"{node.name}: {sorted(ages)[-5:]}")
@@ -215,24 +215,24 @@ class Faults(unittest.TestCase):
         source, well = SESSION.start("robot_cpp", "workstation_cpp")
         stopped = SESSION.node("workstation_cpp_stopped")
         for node in (well, stopped):
-            node.tell("subscribe", topic, kind)
-        source.tell("advertise", topic, kind, 0)
+            node.send("subscribe", topic, kind)
+        source.send("advertise", topic, kind, 0)
         image = eras.to_hex(SESSION.message("robot", kind, width=500, height=500, step=1000, data=bytes(500_000)))
 
         def both_hear():
-            source.tell("publish", topic, image)
+            source.send("publish", topic, image)
             return well.heard("message", topic) and stopped.heard("message", topic)
         processes.wait_until(both_hear, 15, "the first image at both")
         before_mb, heard = SESSION.translator.memory_mb(), len(well.heard("message", topic))
         stopped.process.send_signal(19)
         try:
-            source.tell("repeat", topic, 50, count, image)
+            source.send("repeat", topic, 50, count, image)
             well.wait_for("message", topic, heard + count, seconds=20)
             self.assertLess(SESSION.translator.memory_mb() - before_mb, 40, "10 images of 0.5 MB may wait")
         finally:
             stopped.process.send_signal(18)
         got = len(stopped.heard("message", topic))
-        source.tell("publish", topic, image)
+        source.send("publish", topic, image)
         stopped.wait_for("message", topic, got + 1)
         SESSION.end_node("workstation_cpp_stopped")
 
@@ -255,7 +255,7 @@ class Faults(unittest.TestCase):
         self.flow(source, target, "/hostile_workstation", "after")
         self.flow(target, source, "/hostile_robot", "after")
 
-    def test_strangers_are_told_why(self):
+    def test_strangers_get_the_reason(self):
         """A version that nobody knows: the refusal names the type, its MD5 and what to do."""
         source, target = SESSION.start("robot_cpp", "workstation_cpp")
         self.flow(source, target, "/strange", "before")
@@ -270,23 +270,23 @@ class Faults(unittest.TestCase):
     def test_action_server_is_killed_and_comes_back(self):
         name, kind = "/mortal", "control_msgs/FollowJointTrajectory"
         client = SESSION.node("workstation_cpp")
-        client.tell("action_client", name, kind)
+        client.send("action_client", name, kind)
         goal = eras.to_hex(SESSION.message("workstation", kind + "Goal"))
         result = eras.to_hex(SESSION.message("robot", kind + "Result"))
         for life in (1, 2):
             server = SESSION.node("robot_python_server")
-            server.tell("action_server", name, kind)
-            client.tell("wait_server", name, 20)
+            server.send("action_server", name, kind)
+            client.send("wait_server", name, 20)
             self.assertEqual(["1"], client.wait_for("connected", name, life, seconds=25)[-1])
 
             answered, begin, sent_at = 0, time.monotonic(), 0.0
             while len(client.heard("done", name)) < life:  # a goal for the dead server may be lost: send another
                 self.assertLess(time.monotonic() - begin, 15, "no result")
                 if time.monotonic() - sent_at > 3:
-                    client.tell("send_goal", name, goal)
+                    client.send("send_goal", name, goal)
                     sent_at = time.monotonic()
                 if len(server.heard("goal", name)) > answered:
-                    server.tell("succeed", name, result, "well")
+                    server.send("succeed", name, result, "well")
                     answered += 1
                 time.sleep(0.02)
             SESSION.end_node("robot_python_server", kill=True)
@@ -308,9 +308,9 @@ class Faults(unittest.TestCase):
         topic = "/no_way"
         robot, workstation = SESSION.start("robot_cpp", "workstation_cpp")
         listener = SESSION.node("workstation_python")
-        listener.tell("subscribe", "/diagnostics", "diagnostic_msgs/DiagnosticArray")
-        robot.tell("advertise", topic, "std_msgs/Float64", 0)
-        workstation.tell("subscribe", topic, "std_msgs/String")
+        listener.send("subscribe", "/diagnostics", "diagnostic_msgs/DiagnosticArray")
+        robot.send("advertise", topic, "std_msgs/Float64", 0)
+        workstation.send("subscribe", topic, "std_msgs/String")
         kind = SESSION.era_of("workstation").message("diagnostic_msgs/DiagnosticArray")
 
         def report():
@@ -329,7 +329,7 @@ class Clocks(unittest.TestCase):
     """The robot's clock is 100 s ahead; its stamps are known from a topic."""
     AHEAD_S = 100.0
 
-    def test_stamps_are_shifted_both_ways(self):
+    def test_stamps_are_shifted_in_both_directions(self):
         if not SESSION.separate:
             self.skipTest("needs the session of its own")
         second = SESSION.another_translator("/translator_clock", {
@@ -344,13 +344,13 @@ class Clocks(unittest.TestCase):
         kind = "sensor_msgs/JointState"
         robot, workstation = SESSION.start("robot_cpp", "workstation_cpp")
         for source, target, topic in ((robot, workstation, "/shift/states"), (workstation, robot, "/shift/back")):
-            source.tell("advertise", topic, kind, 0)
-            target.tell("subscribe", topic, kind)
+            source.send("advertise", topic, kind, 0)
+            target.send("subscribe", topic, kind)
 
         def send(node, side, topic, stamp):
             message = SESSION.message(side, kind, name=["a"])
             message.header.stamp.secs, message.header.stamp.nsecs = int(stamp), int(stamp % 1 * 1e9)
-            node.tell("publish", topic, eras.to_hex(message))
+            node.send("publish", topic, eras.to_hex(message))
 
         def stamps(node, side, topic):
             read = SESSION.era_of(side).message(kind)

@@ -34,8 +34,8 @@ def subscribers(master, topic):
 
 class Rospy(unittest.TestCase):
     def begin(self, source, target, topic):
-        source.tell("advertise", topic, WORD, 0)
-        target.tell("subscribe", topic, WORD)
+        source.send("advertise", topic, WORD, 0)
+        target.send("subscribe", topic, WORD)
         SESSION.flow(source, target, topic, "at_first")
 
     def test_listener_whose_connection_was_given_up_is_called_back(self):
@@ -46,11 +46,11 @@ class Rospy(unittest.TestCase):
         # Before the large ones: not in the middle of a long line of its output.
         target.process.send_signal(signal.SIGSTOP)
         try:
-            source.tell("repeat", topic, 50, 1_000_000, SESSION.word("x" * 400_000))
+            source.send("repeat", topic, 50, 1_000_000, SESSION.word("x" * 400_000))
             processes.wait_until(lambda: not subscribers(SESSION.robot, topic), 20, "the translator gives it up")
         finally:
             target.process.send_signal(signal.SIGCONT)
-        source.tell("stop", topic)
+        source.send("stop", topic)
         SESSION.flow(source, target, topic, "again")
         SESSION.end_node("robot_python_stops")
 
@@ -60,7 +60,7 @@ class Rospy(unittest.TestCase):
         self.begin(source, target, topic)
         SESSION.end_node("robot_python_mortal", kill=True)
         target = SESSION.node("robot_python_mortal")
-        target.tell("subscribe", topic, WORD)
+        target.send("subscribe", topic, WORD)
         SESSION.flow(source, target, topic, "second_life")
         self.assertEqual(["/robot_python_mortal"], subscribers(SESSION.robot, topic))
         SESSION.end_node("robot_python_mortal")
@@ -69,10 +69,10 @@ class Rospy(unittest.TestCase):
         topic = "/command_unwanted"
         source, target = SESSION.start("workstation_cpp", "robot_python")
         self.begin(source, target, topic)
-        target.tell("unsubscribe", topic)
+        target.send("unsubscribe", topic)
         processes.wait_until(lambda: not subscribers(SESSION.robot, topic), 20, "it leaves")
         heard = len(target.heard("message", topic))
-        target.tell("subscribe", topic, WORD)
+        target.send("subscribe", topic, WORD)
         SESSION.flow(source, target, topic, "wanted_again")
         self.assertGreater(len(target.heard("message", topic)), heard)
         self.assertEqual(1, len(subscribers(SESSION.robot, topic)), "one connection, not two")
@@ -86,7 +86,7 @@ class Rospy(unittest.TestCase):
         try:
             SESSION.end_node("robot_python_talker", kill=True)
             source = SESSION.node("robot_python_talker")
-            source.tell("advertise", topic, WORD, 0)
+            source.send("advertise", topic, WORD, 0)
             time.sleep(1.0)  # it stands still
         finally:
             SESSION.translator.process.send_signal(signal.SIGCONT)
@@ -100,7 +100,7 @@ class Rospy(unittest.TestCase):
         for stream in streams:
             self.begin(*stream)
         for life in range(3):
-            workstation.tell("call", f"{NAME}_home/reload_rules", "std_srvs/Trigger", "x")
+            workstation.send("call", f"{NAME}_home/reload_rules", "std_srvs/Trigger", "x")
             self.assertEqual("ok", workstation.wait_for("response", f"{NAME}_home/reload_rules", life + 1)[life][0])
             for stream in streams:
                 SESSION.flow(*stream, f"life_{life}")

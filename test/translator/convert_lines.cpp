@@ -51,9 +51,9 @@ class Converter {
       : definitions_(definitions), rules_(rules) {}
 
   std::string answer(const std::string& line) {
-    std::istringstream words(line);
+    std::istringstream tokens(line);
     std::string part, type, from, to, bytes;
-    words >> part >> type >> from >> to >> bytes;
+    tokens >> part >> type >> from >> to >> bytes;
     const auto plan = this->plan(part, type, from, to);
     if (!plan.second.empty()) return "error " + plan.second;
     const auto message = from_hex(bytes);

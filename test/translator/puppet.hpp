@@ -21,7 +21,7 @@ std::string to_hex(const Bytes& bytes);
 /// Throws std::invalid_argument.
 Bytes from_hex(const std::string& text);
 /// Writes a line, whole, from any thread.
-void tell(const std::string& line);
+void report(const std::string& line);
 
 /// What is typed in a message, seen without its type.
 struct MessageKind {

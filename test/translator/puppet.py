@@ -40,12 +40,12 @@ import roslib.message
 import rospy
 from actionlib_msgs.msg import GoalStatus
 
-_telling = threading.Lock()
+_reporting = threading.Lock()
 
 
-def tell(*words):
-    with _telling:
-        sys.stdout.write(" ".join(map(str, words)).replace("\n", " ") + "\n")
+def report(*arguments):
+    with _reporting:
+        sys.stdout.write(" ".join(map(str, arguments)).replace("\n", " ") + "\n")
         sys.stdout.flush()
 
 
@@ -75,12 +75,12 @@ class Puppet:
         self.action_clients = {}
 
     def obey(self, line):
-        words = line.split()
+        arguments = line.split()
         try:
-            getattr(self, "do_" + words[0])(*words[1:])
-            tell("ok", words[0])
+            getattr(self, "do_" + arguments[0])(*arguments[1:])
+            report("ok", arguments[0])
         except Exception as error:  # a test must hear of everything
-            tell("error", line[:200], repr(error))
+            report("error", line[:200], repr(error))
 
     # Topics
 
@@ -127,7 +127,7 @@ class Puppet:
                 once()
                 sent += 1
                 time.sleep(max(0.0, begin + sent / hz - time.monotonic()))
-            tell("repeated", topic, sent)
+            report("repeated", topic, sent)
         self.repeating.add(topic)
         threading.Thread(target=run, daemon=True).start()
 
@@ -138,7 +138,7 @@ class Puppet:
         kind = roslib.message.get_message_class(type_name)
 
         def hear(message):
-            tell("message", topic, message._connection_header["callerid"], to_hex(message))
+            report("message", topic, message._connection_header["callerid"], to_hex(message))
         self.subscribers[topic] = rospy.Subscriber(topic, kind, hear, tcp_nodelay=True)
 
     def do_unsubscribe(self, topic):
@@ -150,7 +150,7 @@ class Puppet:
         kind = roslib.message.get_service_class(type_name)
 
         def answer(request):
-            tell("request", name, to_hex(request))
+            report("request", name, to_hex(request))
             if response == "-":
                 raise rospy.ServiceException("the server of %s has no answer" % name)
             return from_hex(kind._response_class, response)
@@ -165,9 +165,9 @@ class Puppet:
         def run():
             try:
                 response = rospy.ServiceProxy(name, kind)(from_hex(kind._request_class, request))
-                tell("response", name, "ok", to_hex(response))
+                report("response", name, "ok", to_hex(response))
             except (rospy.ServiceException, OSError) as error:
-                tell("response", name, "failed", "x", error)
+                report("response", name, "failed", "x", error)
         threading.Thread(target=run, daemon=True).start()
 
     # Actions
@@ -176,26 +176,26 @@ class Puppet:
         kind = roslib.message.get_message_class(type_name + "Action")
         server = actionlib.SimpleActionServer(name, kind, auto_start=False)
         self.action_servers[name] = server, kind()
-        server.register_goal_callback(lambda: tell("goal", name, to_hex(server.accept_new_goal())))
-        server.register_preempt_callback(lambda: tell("preempt", name))
+        server.register_goal_callback(lambda: report("goal", name, to_hex(server.accept_new_goal())))
+        server.register_preempt_callback(lambda: report("preempt", name))
         server.start()
 
     def do_feedback(self, name, text):
         server, action = self.action_servers[name]
         server.publish_feedback(from_hex(type(action.action_feedback.feedback), text))
 
-    def _finish(self, how, name, text, words):
+    def _finish(self, how, name, text, arguments):
         server, action = self.action_servers[name]
-        getattr(server, how)(from_hex(type(action.action_result.result), text), " ".join(words))
+        getattr(server, how)(from_hex(type(action.action_result.result), text), " ".join(arguments))
 
-    def do_succeed(self, name, text, *words):
-        self._finish("set_succeeded", name, text, words)
+    def do_succeed(self, name, text, *arguments):
+        self._finish("set_succeeded", name, text, arguments)
 
-    def do_abort(self, name, text, *words):
-        self._finish("set_aborted", name, text, words)
+    def do_abort(self, name, text, *arguments):
+        self._finish("set_aborted", name, text, arguments)
 
-    def do_preempted(self, name, text, *words):
-        self._finish("set_preempted", name, text, words)
+    def do_preempted(self, name, text, *arguments):
+        self._finish("set_preempted", name, text, arguments)
 
     def do_action_client(self, name, type_name):
         kind = roslib.message.get_message_class(type_name + "Action")
@@ -205,7 +205,7 @@ class Puppet:
         client, _ = self.action_clients[name]
 
         def run():
-            tell("connected", name, int(client.wait_for_server(rospy.Duration(float(seconds)))))
+            report("connected", name, int(client.wait_for_server(rospy.Duration(float(seconds)))))
         threading.Thread(target=run, daemon=True).start()
 
     def do_send_goal(self, name, text):
@@ -213,14 +213,14 @@ class Puppet:
 
         def done(state, result):
             # The client is not done before this returns: a goal sent meanwhile would confuse it.
-            threading.Thread(target=tell_done, args=(state, result), daemon=True).start()
+            threading.Thread(target=report_done, args=(state, result), daemon=True).start()
 
-        def tell_done(state, result):
+        def report_done(state, result):
             client.wait_for_result()
-            tell("done", name, name_of(state), to_hex(result), client.get_goal_status_text())
+            report("done", name, name_of(state), to_hex(result), client.get_goal_status_text())
         client.send_goal(from_hex(type(action.action_goal.goal), text), done_cb=done,
-                         active_cb=lambda: tell("active", name),
-                         feedback_cb=lambda feedback: tell("feedback", name, to_hex(feedback)))
+                         active_cb=lambda: report("active", name),
+                         feedback_cb=lambda feedback: report("feedback", name, to_hex(feedback)))
 
     def do_cancel(self, name):
         self.action_clients[name][0].cancel_goal()
@@ -234,7 +234,7 @@ class Puppet:
 def main():
     rospy.init_node("puppet", disable_signals=True)
     puppet = Puppet()
-    tell("ready")
+    report("ready")
     for line in sys.stdin:
         puppet.obey(line)
     rospy.signal_shutdown("standard input ended")

@@ -18,8 +18,8 @@ class TypedServer : public ActionServer {
  public:
   TypedServer(ros::NodeHandle& node, const std::string& name) : server_(node, name, false) {
     server_.registerGoalCallback(
-        [this, name] { tell("goal " + name + " " + to_hex(to_bytes(*server_.acceptNewGoal()))); });
-    server_.registerPreemptCallback([name] { tell("preempt " + name); });
+        [this, name] { report("goal " + name + " " + to_hex(to_bytes(*server_.acceptNewGoal()))); });
+    server_.registerPreemptCallback([name] { report("preempt " + name); });
     server_.start();
   }
   void feedback(const Bytes& feedback) override { server_.publishFeedback(from_bytes<Feedback>(feedback)); }
@@ -49,11 +49,11 @@ class TypedClient : public ActionClient {
         from_bytes<Goal>(goal),
         [this](const actionlib::SimpleClientGoalState& state, const boost::shared_ptr<const Result>& result) {
           const auto bytes = result ? to_bytes(*result) : Bytes();
-          tell("done " + name_ + " " + state.toString() + " " + to_hex(bytes) + " " + state.getText());
+          report("done " + name_ + " " + state.toString() + " " + to_hex(bytes) + " " + state.getText());
         },
-        [this] { tell("active " + name_); },
+        [this] { report("active " + name_); },
         [this](const boost::shared_ptr<const Feedback>& feedback) {
-          tell("feedback " + name_ + " " + to_hex(to_bytes(*feedback)));
+          report("feedback " + name_ + " " + to_hex(to_bytes(*feedback)));
         });
   }
   void cancel() override { client_.cancelGoal(); }

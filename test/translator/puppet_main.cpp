@@ -40,7 +40,7 @@ Bytes from_hex(const std::string& text) {
   return bytes;
 }
 
-void tell(const std::string& line) {
+void report(const std::string& line) {
   static std::mutex mutex;
   const std::lock_guard<std::mutex> lock(mutex);
   std::fwrite(line.data(), 1, line.size(), stdout);
@@ -59,18 +59,18 @@ class Puppet {
   }
   void obey(const std::string& line) {
     std::istringstream stream(line);
-    const std::vector<std::string> words{std::istream_iterator<std::string>(stream), {}};
-    if (words.empty()) return;
+    const std::vector<std::string> tokens{std::istream_iterator<std::string>(stream), {}};
+    if (tokens.empty()) return;
     try {
-      commands_.at(words[0])(words);
-      tell("ok " + words[0]);
+      commands_.at(tokens[0])(tokens);
+      report("ok " + tokens[0]);
     } catch (const std::exception& error) {
-      tell("error " + line.substr(0, 200) + ": " + error.what());
+      report("error " + line.substr(0, 200) + ": " + error.what());
     }
   }
 
  private:
-  using Words = std::vector<std::string>;
+  using Tokens = std::vector<std::string>;
 
   void add_commands() {
     add_topic_commands();
@@ -79,34 +79,35 @@ class Puppet {
   }
 
   void add_topic_commands() {
-    commands_["advertise"] = [this](const Words& w) {
+    commands_["advertise"] = [this](const Tokens& w) {
       const auto& kind = kinds_.messages.at(w.at(2));
       publishers_[w.at(1)] = {kind.advertise(node_, w[1], w.at(3) == "1"), kind};
     };
-    commands_["unadvertise"] = [this](const Words& w) { publishers_.erase(w.at(1)); };
-    commands_["publish"] = [this](const Words& w) {
+    commands_["unadvertise"] = [this](const Tokens& w) { publishers_.erase(w.at(1)); };
+    commands_["publish"] = [this](const Tokens& w) {
       const auto& [publisher, kind] = publishers_.at(w.at(1));
       kind.publish(publisher, from_hex(w.at(2)));
     };
-    commands_["repeat"] = [this](const Words& w) {  // TOPIC RATE COUNT BYTES
+    commands_["repeat"] = [this](const Tokens& w) {  // TOPIC RATE COUNT BYTES
       const auto& out = publishers_.at(w.at(1));
       repeat(w.at(1), std::stod(w.at(2)), std::stoul(w.at(3)),
              [out, bytes = from_hex(w.at(4))] { out.second.publish(out.first, bytes); });
     };
-    commands_["stream"] = [this](const Words& w) {  // TOPIC RATE COUNT: std_msgs/Float64, the time of sending
-      const auto& out = publishers_.at(w.at(1));
-      repeat(w.at(1), std::stod(w.at(2)), std::stoul(w.at(3)), [publisher = out.first] {
-        std_msgs::Float64 now;
-        now.data = ros::WallTime::now().toSec();
-        publisher.publish(now);
-      });
-    };
-    commands_["stop"] = [this](const Words& w) { *repeating_.at(w.at(1)) = false; };
-    commands_["subscribe"] = [this](const Words& w) {
+    commands_["stream"] =
+        [this](const Tokens& w) {  // TOPIC RATE COUNT: std_msgs/Float64, the time of sending
+          const auto& out = publishers_.at(w.at(1));
+          repeat(w.at(1), std::stod(w.at(2)), std::stoul(w.at(3)), [publisher = out.first] {
+            std_msgs::Float64 now;
+            now.data = ros::WallTime::now().toSec();
+            publisher.publish(now);
+          });
+        };
+    commands_["stop"] = [this](const Tokens& w) { *repeating_.at(w.at(1)) = false; };
+    commands_["subscribe"] = [this](const Tokens& w) {
       subscribers_[w.at(1)] = kinds_.messages.at(w.at(2)).subscribe(node_, w[1]);
     };
-    commands_["unsubscribe"] = [this](const Words& w) { subscribers_.erase(w.at(1)); };
-    commands_["log"] = [](const Words& w) {
+    commands_["unsubscribe"] = [this](const Tokens& w) { subscribers_.erase(w.at(1)); };
+    commands_["log"] = [](const Tokens& w) {
       if (w.at(1) == "error") ROS_ERROR("%s", w.at(2).c_str());
       if (w.at(1) == "warn") ROS_WARN("%s", w.at(2).c_str());
       if (w.at(1) == "info") ROS_INFO("%s", w.at(2).c_str());
@@ -114,45 +115,45 @@ class Puppet {
   }
 
   void add_service_commands() {
-    commands_["serve"] = [this](const Words& w) {
+    commands_["serve"] = [this](const Tokens& w) {
       const auto response = w.at(3) == "-" ? nullptr : std::make_shared<Bytes>(from_hex(w[3]));
       servers_[w.at(1)] = kinds_.services.at(w.at(2)).serve(node_, w[1], response);
     };
-    commands_["unserve"] = [this](const Words& w) { servers_.erase(w.at(1)); };
-    commands_["call"] = [this](const Words& w) {
+    commands_["unserve"] = [this](const Tokens& w) { servers_.erase(w.at(1)); };
+    commands_["call"] = [this](const Tokens& w) {
       threads_.emplace_back(
           [this, kind = kinds_.services.at(w.at(2)), name = w[1], request = from_hex(w.at(3))] {
             Bytes response;
             const bool good = kind.call(node_, name, request, response);
-            tell("response " + name + (good ? " ok " + to_hex(response) : " failed x"));
+            report("response " + name + (good ? " ok " + to_hex(response) : " failed x"));
           });
     };
   }
 
   void add_action_commands() {
-    commands_["action_server"] = [this](const Words& w) {
+    commands_["action_server"] = [this](const Tokens& w) {
       action_servers_[w.at(1)] = kinds_.actions.at(w.at(2)).serve(node_, w[1]);
     };
     for (const auto* how : {"succeed", "abort", "preempted"})
-      commands_[how] = [this](const Words& w) {
+      commands_[how] = [this](const Tokens& w) {
         action_servers_.at(w.at(1))->finish(w[0], from_hex(w.at(2)), w.size() > 3 ? w[3] : "");
       };
-    commands_["feedback"] = [this](const Words& w) {
+    commands_["feedback"] = [this](const Tokens& w) {
       action_servers_.at(w.at(1))->feedback(from_hex(w.at(2)));
     };
-    commands_["action_client"] = [this](const Words& w) {
+    commands_["action_client"] = [this](const Tokens& w) {
       action_clients_[w.at(1)] = kinds_.actions.at(w.at(2)).connect(w[1]);
     };
-    commands_["wait_server"] = [this](const Words& w) {
+    commands_["wait_server"] = [this](const Tokens& w) {
       threads_.emplace_back(
           [name = w.at(1), client = action_clients_.at(w[1]).get(), seconds = std::stod(w.at(2))] {
-            tell("connected " + name + " " + (client->wait_for_server(seconds) ? "1" : "0"));
+            report("connected " + name + " " + (client->wait_for_server(seconds) ? "1" : "0"));
           });
     };
-    commands_["send_goal"] = [this](const Words& w) {
+    commands_["send_goal"] = [this](const Tokens& w) {
       action_clients_.at(w.at(1))->send_goal(from_hex(w.at(2)));
     };
-    commands_["cancel"] = [this](const Words& w) { action_clients_.at(w.at(1))->cancel(); };
+    commands_["cancel"] = [this](const Tokens& w) { action_clients_.at(w.at(1))->cancel(); };
   }
 
   void repeat(const std::string& topic, double rate, std::size_t count, const std::function<void()>& once) {
@@ -165,14 +166,14 @@ class Puppet {
         next += std::chrono::microseconds(static_cast<std::int64_t>(1e6 / rate));
         std::this_thread::sleep_until(next);
       }
-      tell("repeated " + topic + " " + std::to_string(sent));
+      report("repeated " + topic + " " + std::to_string(sent));
     });
   }
 
   const Kinds& kinds_;
   ros::NodeHandle node_;
   std::atomic<bool> ending_{false};
-  std::map<std::string, std::function<void(const Words&)>> commands_;
+  std::map<std::string, std::function<void(const Tokens&)>> commands_;
   std::map<std::string, std::pair<ros::Publisher, MessageKind>> publishers_;
   std::map<std::string, ros::Subscriber> subscribers_;
   std::map<std::string, ros::ServiceServer> servers_;
@@ -194,7 +195,7 @@ int main(int argc, char** argv) {
   ros::AsyncSpinner spinner(2);
   spinner.start();
   puppet::Puppet puppet(kinds);
-  puppet::tell("ready");
+  puppet::report("ready");
   for (std::string line; std::getline(std::cin, line);) puppet.obey(line);
   return 0;
 }

@@ -29,8 +29,8 @@ void add(Kinds& kinds) {
   kind.subscribe = [](ros::NodeHandle& node, const std::string& topic) {
     const boost::function<void(const ros::MessageEvent<const Message>&)> hear =
         [topic](const ros::MessageEvent<const Message>& event) {
-          tell("message " + topic + " " + event.getPublisherName() + " " +
-               to_hex(to_bytes(*event.getMessage())));
+          report("message " + topic + " " + event.getPublisherName() + " " +
+                 to_hex(to_bytes(*event.getMessage())));
         };
     return node.subscribe<Message>(topic, 1000, hear, ros::VoidConstPtr(),
                                    ros::TransportHints().tcpNoDelay());

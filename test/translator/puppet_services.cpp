@@ -15,7 +15,7 @@ ros::ServiceServer serve(ros::NodeHandle& node, const std::string& name,
   using Response = typename Service::Response;
   const boost::function<bool(Request&, Response&)> answer = [name, response](Request& request,
                                                                              Response& answered) {
-    tell("request " + name + " " + to_hex(to_bytes(request)));
+    report("request " + name + " " + to_hex(to_bytes(request)));
     if (!response) return false;
     answered = from_bytes<Response>(*response);
     return true;

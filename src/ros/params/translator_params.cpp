@@ -297,10 +297,10 @@ void read_bridging(GroupReader& groups, BridgeParams& bridge) {
     read_prefixes(reader, handle, "workstation_to_robot", bridge.params_workstation_to_robot);
   });
   groups.group("clock", [&](ParamReader& reader, Handle handle) {
-    static const Words<Directions> one_way{{"robot_to_workstation", Directions::kRobotToWorkstation},
-                                           {"workstation_to_robot", Directions::kWorkstationToRobot}};
+    static const Words<Directions> one_direction{{"robot_to_workstation", Directions::kRobotToWorkstation},
+                                                 {"workstation_to_robot", Directions::kWorkstationToRobot}};
     reader.read("bridge", bridge.clock);
-    read_word(reader, handle, "direction", bridge.clock_direction, one_way);
+    read_word(reader, handle, "direction", bridge.clock_direction, one_direction);
   });
   groups.group("rosout", [&](ParamReader& reader, Handle handle) {
     reader.read("bridge", bridge.rosout);

@@ -34,7 +34,7 @@ BridgeImpl::BridgeImpl(EventLoop& loop, BridgeParams params, DefinitionStore def
                [this](const std::string& line) {
                  if (handlers_.on_log) handlers_.on_log(line);
                },
-               [this](const std::string& line) { tell(line); },
+               [this](const std::string& line) { report_once(line); },
                [this](Side from) { return clock_ ? clock_->shift_ns(from) : 0; }} {}
 
 BridgeImpl::~BridgeImpl() {
@@ -185,14 +185,14 @@ void BridgeImpl::update_services() {
   }
 }
 
-void BridgeImpl::tell(const std::string& problem) {
-  if (told_.size() >= kMaxTold) told_.clear();
-  if (told_.insert(problem).second && handlers_.on_problem) handlers_.on_problem(problem);
+void BridgeImpl::report_once(const std::string& problem) {
+  if (reported_.size() >= kMaxReported) reported_.clear();
+  if (reported_.insert(problem).second && handlers_.on_problem) handlers_.on_problem(problem);
 }
 
 void BridgeImpl::replace_rules(RuleSet rules) {
   plans_.replace_rules(std::move(rules));
-  told_.clear();
+  reported_.clear();
   for (auto& [key, held] : topics_) held.route->begin_anew();
   for (auto& [name, held] : services_) held = {held.first, nullptr};
   update_services();

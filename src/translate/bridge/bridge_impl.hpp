@@ -45,9 +45,9 @@ class BridgeImpl final : public Bridge {
   [[nodiscard]] std::size_t publishers_of(const std::string& topic, Side from) const;
   void update_services();
   void schedule();
-  void tell(const std::string& problem);
+  void report_once(const std::string& problem);
 
-  static constexpr std::size_t kMaxTold = 1000;  // problems remembered, so that each is told once
+  static constexpr std::size_t kMaxReported = 1000;  // problems remembered, so that each is told once
 
   EventLoop& loop_;
   BridgeParams params_;
@@ -58,7 +58,7 @@ class BridgeImpl final : public Bridge {
   Profiles profiles_;
   FramePool frames_;
   BridgeContext context_;
-  std::set<std::string> told_;
+  std::set<std::string> reported_;
   std::array<std::uint64_t, 2> restarts_{};
 
   BridgeSelector::Graphs graphs_;

@@ -115,7 +115,7 @@ struct EventLoop::State {
     }
   }
 
-  bool tell_epoll(int descriptor, const Watch& watch) const {
+  bool update_epoll(int descriptor, const Watch& watch) const {
     epoll_event event{};
     event.events = watch.events;
     event.data.u64 = tag_of(descriptor, watch.generation);
@@ -252,7 +252,7 @@ void EventLoop::watch(int descriptor, std::uint32_t epoll_events, Priority prior
   state_->bury(state_->watches[index]);
   auto& placed = state_->watches[index];
   placed = std::move(watch);
-  if (!state_->tell_epoll(descriptor, *placed)) state_->mark_ready(descriptor, *placed, EPOLLERR);
+  if (!state_->update_epoll(descriptor, *placed)) state_->mark_ready(descriptor, *placed, EPOLLERR);
   if (state_->depth == 0) state_->clear_removed();
 }
 
@@ -260,7 +260,7 @@ void EventLoop::change(int descriptor, std::uint32_t epoll_events) {
   auto* watch = state_->find(descriptor);
   if (watch == nullptr || watch->events == epoll_events) return;
   watch->events = epoll_events;
-  if (!state_->tell_epoll(descriptor, *watch)) state_->mark_ready(descriptor, *watch, EPOLLERR);
+  if (!state_->update_epoll(descriptor, *watch)) state_->mark_ready(descriptor, *watch, EPOLLERR);
 }
 
 void EventLoop::set_priority(int descriptor, Priority priority) {

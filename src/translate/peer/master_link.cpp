@@ -100,11 +100,11 @@ struct MasterLink::State : std::enable_shared_from_this<MasterLink::State> {
   }
 
   void on_lost(const std::string& problem) {
-    const bool news = status.reachable || !ever_reported;
+    const bool changed = status.reachable || !ever_reported;
     status.reachable = false;
     status.problem = problem;
     forget_queue();
-    if (news) report("the master at " + params.master_uri + " is not reachable: " + problem);
+    if (changed) report("the master at " + params.master_uri + " is not reachable: " + problem);
   }
 
   void report(const std::string& line) {
@@ -201,7 +201,7 @@ struct MasterLink::State : std::enable_shared_from_this<MasterLink::State> {
   void step(RegistrationId id, Registration& registration) {
     if (registration.busy || registrations.is_busy(registration.what)) return;
     if (registration.dropped) {
-      const bool known = registration.told_pid == status.pid && registration.told_pid != 0;
+      const bool known = registration.registered_pid == status.pid && registration.registered_pid != 0;
       if (known && !registrations.keeps_too(id, registration.what)) return undo(id, registration);
       registrations.entries.erase(id);
     } else if (registration.again) {
@@ -219,7 +219,7 @@ struct MasterLink::State : std::enable_shared_from_this<MasterLink::State> {
   void make(RegistrationId id, Registration& registration) {
     registration.busy = true;
     registration.renew = false;
-    registration.told_pid = status.pid;
+    registration.registered_pid = status.pid;
     ++in_flight;
     const auto& what = registration.what;
     raw_call(what.method(), what.arguments(params.caller_api),
@@ -266,7 +266,7 @@ struct MasterLink::State : std::enable_shared_from_this<MasterLink::State> {
       registration.not_before = EventLoop::now() + params.period;
       return;
     }
-    registration.told_pid = 0;
+    registration.registered_pid = 0;
     registration.epoch = 0;
     registration.again = false;
     const auto what = registration.what;
@@ -280,7 +280,7 @@ struct MasterLink::State : std::enable_shared_from_this<MasterLink::State> {
     auto& registration = found->second;
     registration.dropped = true;
     registration.done = nullptr;
-    if (registration.told_pid == 0 && !registration.busy)
+    if (registration.registered_pid == 0 && !registration.busy)
       registrations.entries.erase(found);
     else
       queue(id, registration);
@@ -288,14 +288,16 @@ struct MasterLink::State : std::enable_shared_from_this<MasterLink::State> {
 
   void again(RegistrationId id) {
     const auto found = registrations.entries.find(id);
-    if (found == registrations.entries.end() || found->second.dropped || found->second.told_pid == 0) return;
+    if (found == registrations.entries.end() || found->second.dropped || found->second.registered_pid == 0)
+      return;
     found->second.again = true;
     queue(id, found->second);
   }
 
   void renew(RegistrationId id) {
     const auto found = registrations.entries.find(id);
-    if (found == registrations.entries.end() || found->second.dropped || found->second.told_pid == 0) return;
+    if (found == registrations.entries.end() || found->second.dropped || found->second.registered_pid == 0)
+      return;
     found->second.renew = true;
     queue(id, found->second);
   }

@@ -6,9 +6,9 @@
 namespace extperfc::translate {
 
 void MissingSubscribers::expect(const std::string& name) {
-  const bool nobody = names_.empty();
+  const bool was_empty = names_.empty();
   if (names_.size() < kMax) names_.insert(name);
-  if (!nobody) return;
+  if (!was_empty) return;
   calls_ = 0;
   delay_ = first_;
   arm(delay_);

@@ -216,7 +216,7 @@ void PublicationState::end_link(LinkId id, const std::string& reason) {
   found->second->stall.stop();
   found->second->socket.close();
   core_->loop.post([weak = weak_from_this(), id, reason] {
-    if (const auto self = weak.lock()) self->tell_down(id, reason);
+    if (const auto self = weak.lock()) self->report_down(id, reason);
   });
 }
 
@@ -232,7 +232,7 @@ void PublicationState::give_up(LinkId id, const std::string& reason) {
   if (found == links_.end() || found->second->dead) return;
   abort_connection(found->second->socket);
   break_link(id, reason);
-  core_->half_open.tell(found->second->ends, [weak = weak_from_this()] {
+  core_->half_open.notify(found->second->ends, [weak = weak_from_this()] {
     if (const auto self = weak.lock()) self->missing_subscribers_.hurry();
   });
 }
@@ -274,7 +274,7 @@ void PublicationState::ask_whether_listed(const std::string& caller, const std::
                       });
 }
 
-void PublicationState::tell_down(LinkId id, const std::string& reason) {
+void PublicationState::report_down(LinkId id, const std::string& reason) {
   if (closed_ || links_.count(id) == 0) return;
   if (handlers_.on_down) handlers_.on_down(id, reason);  // its stats() are still there
   links_.erase(id);

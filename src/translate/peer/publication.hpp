@@ -78,7 +78,7 @@ class PublicationState : public std::enable_shared_from_this<PublicationState> {
   /// The master's list of subscribers: nobody who is not on it comes back.
   void on_registered(const Result<XmlValue>& subscribers);
   void ask_whether_listed(const std::string& caller, const std::vector<std::string>& listed);
-  void tell_down(LinkId id, const std::string& reason);
+  void report_down(LinkId id, const std::string& reason);
   void apply(Link& link) const;
   /// Messages must not arrive late: what the kernel holds is watched from the first byte on.
   [[nodiscard]] bool ages() const { return params_.unacknowledged.has_value(); }

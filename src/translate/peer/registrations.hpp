@@ -13,9 +13,9 @@ namespace extperfc::translate {
 struct Registration {
   Registered what;
   MasterLink::Done done;
-  std::uint64_t epoch{0};    ///< of the master's life in which it was made; 0 is never
-  std::int32_t told_pid{0};  ///< the master that may know it; 0 is none
-  bool busy{false};          ///< a call is under way
+  std::uint64_t epoch{0};          ///< of the master's life in which it was made; 0 is never
+  std::int32_t registered_pid{0};  ///< the master that may know it; 0 is none
+  bool busy{false};                ///< a call is under way
   bool queued{false};
   bool dropped{false};
   bool again{false};        ///< unregister before the next registration

@@ -259,7 +259,7 @@ void SubscriptionState::read(SourcePtr source) {
     lose(source, source->reader->problem());
   } else if (outcome == FrameReader::Outcome::kBroken) {
     const auto problem = source->reader->problem();
-    tell_problem(*source, problem);
+    report_problem(*source, problem);
     if (source->attempt == attempt) lose(source, problem);
   }
 }
@@ -292,7 +292,7 @@ void SubscriptionState::note_loss(const SourcePtr& source, const std::string& re
   source->loss = reason;
   source->losses.push_back(EventLoop::now());
   if (source->losses.size() > kFlaps) source->losses.pop_front();
-  if (flaps(*source)) tell_problem(*source, flap_text(reason));
+  if (flaps(*source)) report_problem(*source, flap_text(reason));
 }
 
 bool SubscriptionState::flaps(const Source& source) const {
@@ -311,7 +311,7 @@ void SubscriptionState::reject(const SourcePtr& source, const std::string& reaso
   stop(*source);
   source->step = Step::kRejected;
   missing_publishers_.forget(source->link.uri);
-  if (!reason.empty()) tell_problem(*source, reason);
+  if (!reason.empty()) report_problem(*source, reason);
 }
 
 void SubscriptionState::fail_attempt(const SourcePtr& source, const std::string& reason) {
@@ -321,7 +321,7 @@ void SubscriptionState::fail_attempt(const SourcePtr& source, const std::string&
   // Most publishers that are lost have ended: the master soon lists them no more.
   const auto grace = core_->params.tcpros.lost_grace;
   if (source->down_since && EventLoop::now() - *source->down_since < grace) return;
-  tell_problem(*source, reason);
+  report_problem(*source, reason);
 }
 
 void SubscriptionState::retry_later(const SourcePtr& source) {
@@ -337,7 +337,7 @@ void SubscriptionState::retry_later(const SourcePtr& source) {
   });
 }
 
-void SubscriptionState::tell_problem(Source& source, const std::string& reason) {
+void SubscriptionState::report_problem(Source& source, const std::string& reason) {
   if (source.problem == reason) return;
   source.problem = reason;
   consumers_.problem(source.link.uri, reason);

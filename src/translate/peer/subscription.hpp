@@ -88,7 +88,7 @@ class SubscriptionState : public std::enable_shared_from_this<SubscriptionState>
   void fail_attempt(const SourcePtr& source, const std::string& reason);
   void retry_later(const SourcePtr& source);
   void stop(Source& source) const;
-  void tell_problem(Source& source, const std::string& reason);
+  void report_problem(Source& source, const std::string& reason);
   void note_loss(const SourcePtr& source, const std::string& reason);
   [[nodiscard]] bool flaps(const Source& source) const;
 

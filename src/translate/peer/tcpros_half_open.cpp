@@ -45,7 +45,7 @@ HalfOpenNotices::~HalfOpenNotices() {
   for (auto& [id, notice] : notices_) loop_.cancel(notice.timer);
 }
 
-void HalfOpenNotices::tell(const ConnectionEnds& ends, std::function<void()> done) {
+void HalfOpenNotices::notify(const ConnectionEnds& ends, std::function<void()> done) {
   if (ends.size == 0 || notices_.size() >= kMax) return;
   const auto id = ++last_id_;
   notices_[id].ends = ends;

@@ -37,7 +37,7 @@ class HalfOpenNotices {
 
   /// The old socket must be closed already. `done` runs once, when the other end has answered and so knows,
   /// or is not there any more; never when it cannot be reached in the end.
-  void tell(const ConnectionEnds& ends, std::function<void()> done);
+  void notify(const ConnectionEnds& ends, std::function<void()> done);
   [[nodiscard]] std::size_t pending() const { return notices_.size(); }
 
  private:

@@ -196,7 +196,7 @@ Result<void> Compiler::piece(Pair& pair, const Piece& one) {
     out_.zero(min_size(*one.target), path);
     return {};
   }
-  note(NoteKind::kRule, path, in_words(*one.rule));
+  note(NoteKind::kRule, path, to_text(*one.rule));
   const bool before = std::exchange(quiet_, true);
   auto done = source(pair, *one.rule, *one.target, path);
   quiet_ = before;
@@ -214,7 +214,7 @@ Result<void> Compiler::paired(Pair& pair, const Piece& one) {
   if (quiet_) return {};
   Plan::Note about{NoteKind::kKept, path, "copied"};
   if (one.rule != nullptr) {
-    about = {NoteKind::kRule, path, in_words(*one.rule)};
+    about = {NoteKind::kRule, path, to_text(*one.rule)};
   } else if (!kept) {
     about = {NoteKind::kConverted, path, conversion_text(*one.source, *one.target, options_)};
   } else if (one.moved) {

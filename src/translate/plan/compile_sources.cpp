@@ -14,12 +14,12 @@ std::string number(double value) {
   return text.data();
 }
 
-std::string literal_in_words(const Literal& value) {
+std::string literal_text(const Literal& value) {
   if (value.kind == Literal::Kind::kScalar) return value.scalar.empty() ? "''" : value.scalar;
   std::string text;
-  for (const auto& item : value.list) text += (text.empty() ? "" : ", ") + literal_in_words(item);
+  for (const auto& item : value.list) text += (text.empty() ? "" : ", ") + literal_text(item);
   for (const auto& [name, inner] : value.fields)
-    text += (text.empty() ? "" : ", ") + name + ": " + literal_in_words(inner);
+    text += (text.empty() ? "" : ", ") + name + ": " + literal_text(inner);
   return value.kind == Literal::Kind::kList ? "[" + text + "]" : "{" + text + "}";
 }
 
@@ -28,23 +28,23 @@ tl::unexpected<Error> no_field(const std::string& where, const MessageSchema& sc
   return fail(ErrorCode::kNotFound, where + ": " + schema.type() + " has no field " + name);
 }
 
-std::string field_in_words(const Source& source) {
-  auto text = "from " + in_words(source.path);
+std::string field_text(const Source& source) {
+  auto text = "from " + to_text(source.path);
   if (source.scale != 1.0) text += ", times " + number(source.scale);
   if (source.offset != 0.0) text += ", plus " + number(source.offset);
   std::string pairs;
   for (const auto& [key, value] : source.map)
-    pairs += (pairs.empty() ? "" : ", ") + literal_in_words(key) + " to " + literal_in_words(value);
+    pairs += (pairs.empty() ? "" : ", ") + literal_text(key) + " to " + literal_text(value);
   if (!pairs.empty()) text += ", " + pairs;
-  if (source.otherwise) text += ", otherwise " + literal_in_words(*source.otherwise);
+  if (source.otherwise) text += ", otherwise " + literal_text(*source.otherwise);
   if (source.overflow == Overflow::kSaturate) text += ", the nearest that fits";
-  if (!source.relative_to.empty()) text += ", in the parent of " + in_words(source.relative_to);
+  if (!source.relative_to.empty()) text += ", in the parent of " + to_text(source.relative_to);
   return text;
 }
 
 }  // namespace
 
-std::string in_words(const Path& path) {
+std::string to_text(const Path& path) {
   std::string text;
   for (const auto& step : path) {
     text += (text.empty() ? "" : ".") + step.field;
@@ -53,13 +53,13 @@ std::string in_words(const Path& path) {
   return text;
 }
 
-std::string in_words(const Source& source) {
-  if (source.kind == Source::Kind::kField) return field_in_words(source);
-  if (source.kind == Source::Kind::kValue) return "always " + literal_in_words(source.value);
+std::string to_text(const Source& source) {
+  if (source.kind == Source::Kind::kField) return field_text(source);
+  if (source.kind == Source::Kind::kValue) return "always " + literal_text(source.value);
   std::string text;
-  for (const auto& item : source.list) text += (text.empty() ? "" : "; ") + in_words(item);
+  for (const auto& item : source.list) text += (text.empty() ? "" : "; ") + to_text(item);
   for (const auto& [name, inner] : source.fields)
-    text += (text.empty() ? "" : "; ") + name + " " + in_words(inner);
+    text += (text.empty() ? "" : "; ") + name + " " + to_text(inner);
   return source.kind == Source::Kind::kList ? "list of " + text : "built: " + text;
 }
 
@@ -155,18 +155,18 @@ Result<std::uint32_t> Compiler::parent_pose(Pair& pair, const Path& path) {
   if (auto done = navigate(pair, path, leaf, jumps); !done) return tl::unexpected(done.error());
   if (!leaf.message || leaf.arity != Arity::kSingle || !is_pose(*leaf.message))
     return fail(ErrorCode::kInvalidArgument,
-                "`relative_to` names " + in_words(path) + ", which is no geometry_msgs/Pose");
+                "`relative_to` names " + to_text(path) + ", which is no geometry_msgs/Pose");
   const auto slot = out_.new_slot();
-  out_.mark(slot, in_words(path));
-  out_.skip(kPoseSize, in_words(path));
-  out_.anchor(in_words(path));
+  out_.mark(slot, to_text(path));
+  out_.skip(kPoseSize, to_text(path));
+  out_.anchor(to_text(path));
   return slot;
 }
 
 Result<void> Compiler::navigate(Pair& pair, const Path& path, Field& leaf, std::vector<std::size_t>& jumps) {
   const MessageSchema* inside = &pair.from;
   for (std::size_t step = 0; step < path.size(); ++step) {
-    const auto where = pair.path + in_words(path);
+    const auto where = pair.path + to_text(path);
     const auto* next = inside->find(path[step].field);
     if (next == nullptr) return no_field("path " + where, *inside, path[step].field);
     const auto index = static_cast<std::size_t>(next - inside->fields().data());

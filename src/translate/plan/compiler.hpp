@@ -124,7 +124,7 @@ struct Chain {
 /// True when a source is one whole field of the source message, so that it can be read where it stands.
 [[nodiscard]] bool is_whole_field(const Source& source);
 /// "from speed, times 0.01".
-[[nodiscard]] std::string in_words(const Source& source);
-[[nodiscard]] std::string in_words(const Path& path);
+[[nodiscard]] std::string to_text(const Source& source);
+[[nodiscard]] std::string to_text(const Path& path);
 
 }  // namespace extperfc::translate::plan

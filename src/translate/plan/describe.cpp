@@ -91,7 +91,7 @@ class Describer {
 
   void other(std::size_t at, std::size_t indent) {
     const Op& op = code_.ops[at];
-    const auto text = in_words(op, range(code_.remarks[at]));
+    const auto text = to_text(op, range(code_.remarks[at]));
     if (text) line(indent, *text);
     const bool has_steps = op.code == OpCode::kLoop || op.code == OpCode::kRepeat || op.code == OpCode::kMap;
     if (has_steps) steps(at + 1, at + 1 + op.body, indent + 1);
@@ -103,7 +103,7 @@ class Describer {
     }
   }
 
-  [[nodiscard]] static std::optional<std::string> in_words(const Op& op, const std::string& fields) {
+  [[nodiscard]] static std::optional<std::string> to_text(const Op& op, const std::string& fields) {
     const std::string pair = std::string(to_string(op.from)) + " to " + to_string(op.to);
     switch (op.code) {
       case OpCode::kLoop:

@@ -227,7 +227,7 @@ bool Runner::index(const Op*& op) {
 inline bool Runner::flush(const Op& op) {
   const auto size = static_cast<std::size_t>(at_ - anchor_);
   if (size == 0) return true;
-  if (!out_.room(size)) return fail(Failure::Kind::kTooLong, op, 0, out_.max_bytes());
+  if (!out_.fits(size)) return fail(Failure::Kind::kTooLong, op, 0, out_.max_bytes());
   std::memcpy(out_.take(size), anchor_, size);
   anchor_ = at_;
   return true;
@@ -241,14 +241,14 @@ inline bool Runner::seek(const Op& op) {
 
 bool Runner::emit(const Op& op, const void* bytes, std::size_t size) {
   if (!flush(op)) return false;
-  if (!out_.room(size)) return fail(Failure::Kind::kTooLong, op, 0, out_.max_bytes());
+  if (!out_.fits(size)) return fail(Failure::Kind::kTooLong, op, 0, out_.max_bytes());
   if (size != 0) std::memcpy(out_.take(size), bytes, size);
   return true;
 }
 
 inline bool Runner::zero(const Op& op, std::size_t size) {
   if (!flush(op)) return false;
-  if (!out_.room(size)) return fail(Failure::Kind::kTooLong, op, 0, out_.max_bytes());
+  if (!out_.fits(size)) return fail(Failure::Kind::kTooLong, op, 0, out_.max_bytes());
   if (size != 0) std::memset(out_.take(size), 0, size);
   return true;
 }
@@ -281,7 +281,7 @@ bool Runner::numbers(const Op& op, std::size_t count) {
   const auto* source = replace(count * size, op);
   if (source == nullptr) return count == 0 && failure_.kind == Failure::Kind::kNone;
   const auto bytes = count * *size_of(op.to);
-  if (!out_.room(bytes)) return fail(Failure::Kind::kTooLong, op, 0, out_.max_bytes());
+  if (!out_.fits(bytes)) return fail(Failure::Kind::kTooLong, op, 0, out_.max_bytes());
   auto* target = out_.take(bytes);
   const bool saturate = (op.flags & kSaturate) != 0;
   const auto fitted =
@@ -306,7 +306,7 @@ bool Runner::slash(const Op& op) {
     while (leading < count && text[leading] == '/') ++leading;
   const std::uint32_t added = add && count != 0 && text[0] != '/' ? 1 : 0;
   const std::uint32_t size = count - leading + added;
-  if (!out_.room(kCount + size)) return fail(Failure::Kind::kTooLong, op, 0, out_.max_bytes());
+  if (!out_.fits(kCount + size)) return fail(Failure::Kind::kTooLong, op, 0, out_.max_bytes());
   auto* target = out_.take(kCount + size);
   std::memcpy(target, &size, kCount);
   if (added != 0) target[kCount] = '/';
@@ -338,7 +338,7 @@ bool Runner::map(const Op*& op) {
 bool Runner::poses(const Op& op, std::size_t count) {
   const auto* source = replace(count * kPoseSize, op);
   if (source == nullptr) return count == 0 && failure_.kind == Failure::Kind::kNone;
-  if (!out_.room(count * kPoseSize)) return fail(Failure::Kind::kTooLong, op, 0, out_.max_bytes());
+  if (!out_.fits(count * kPoseSize)) return fail(Failure::Kind::kTooLong, op, 0, out_.max_bytes());
   compose_poses(slots_[op.extra], source, out_.take(count * kPoseSize), count);
   return true;
 }

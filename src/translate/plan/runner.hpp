@@ -37,13 +37,13 @@ struct Failure {
 /// Where converted bytes go: the end of a buffer, which grows as needed up to a bound.
 class Output {
  public:
-  /// Up to `max_bytes` may be written; room for `expected` is made at once.
+  /// Up to `max_bytes` may be written; memory for `expected` bytes is reserved at once.
   Output(ByteBuffer& buffer, std::size_t max_bytes, std::size_t expected);
 
-  [[nodiscard]] bool room(std::size_t bytes) {
+  [[nodiscard]] bool fits(std::size_t bytes) {
     return static_cast<std::size_t>(end_ - at_) >= bytes || grow(bytes);
   }
-  /// Only after room().
+  /// Only after fits().
   [[nodiscard]] std::uint8_t* take(std::size_t bytes) {
     auto* begin = at_;
     at_ += bytes;

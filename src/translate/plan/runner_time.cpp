@@ -34,7 +34,7 @@ Stamp shifted(Stamp stamp, std::int64_t by_ns) {
 bool Runner::shift(const Op& op, std::size_t count) {
   const auto size = count * kStampSize;
   if (left() < size) return fail(Failure::Kind::kEnds, op, left(), size);
-  if (!out_.room(size)) return fail(Failure::Kind::kTooLong, op, 0, out_.max_bytes());
+  if (!out_.fits(size)) return fail(Failure::Kind::kTooLong, op, 0, out_.max_bytes());
   auto* target = out_.take(size);
   if (time_shift_ns_ == 0) {
     if (size != 0) std::memcpy(target, at_, size);

@@ -8,8 +8,8 @@ namespace extperfc::translate::rules {
 
 namespace {
 
-constexpr std::size_t kLongestShown = 60;
-constexpr std::size_t kLongestWord = 200;  // longer words get no hint: the distance costs their product
+constexpr std::size_t kMaxShown = 60;
+constexpr std::size_t kMaxNameLength = 200;  // longer words get no hint: the distance costs their product
 
 }  // namespace
 
@@ -35,15 +35,15 @@ std::vector<std::string> Problems::lines() const {
   return texts;
 }
 
-std::string hint_for(const std::string& word, const std::vector<std::string>& known) {
-  if (word.empty() || word.size() > kLongestWord) return "";
-  const std::size_t farthest = 2 + word.size() / 8;  // edits
+std::string hint_for(const std::string& name, const std::vector<std::string>& known) {
+  if (name.empty() || name.size() > kMaxNameLength) return "";
+  const std::size_t farthest = 2 + name.size() / 8;  // edits
   const std::string* nearest = nullptr;
   std::size_t min_edits = farthest + 1;
   for (const std::string& candidate : known) {
-    if (candidate.size() > word.size() + farthest || word.size() > candidate.size() + farthest) continue;
-    const std::size_t edits = edit_distance(word, candidate);
-    if (edits < min_edits && edits < word.size()) {
+    if (candidate.size() > name.size() + farthest || name.size() > candidate.size() + farthest) continue;
+    const std::size_t edits = edit_distance(name, candidate);
+    if (edits < min_edits && edits < name.size()) {
       min_edits = edits;
       nearest = &candidate;
     }
@@ -51,15 +51,15 @@ std::string hint_for(const std::string& word, const std::vector<std::string>& kn
   return nearest == nullptr ? "" : ", did you mean \"" + *nearest + "\"?";
 }
 
-std::string enumeration(const std::vector<std::string>& words) {
-  if (words.empty()) return "none";
-  std::string text = words.front();
-  for (std::size_t i = 1; i < words.size(); ++i) text += (i + 1 == words.size() ? " and " : ", ") + words[i];
+std::string enumeration(const std::vector<std::string>& names) {
+  if (names.empty()) return "none";
+  std::string text = names.front();
+  for (std::size_t i = 1; i < names.size(); ++i) text += (i + 1 == names.size() ? " and " : ", ") + names[i];
   return text;
 }
 
 std::string in_quotes(const std::string& text) {
-  std::string shown = text.size() > kLongestShown ? text.substr(0, kLongestShown - 3) + "..." : text;
+  std::string shown = text.size() > kMaxShown ? text.substr(0, kMaxShown - 3) + "..." : text;
   std::replace_if(
       shown.begin(), shown.end(), [](char c) { return static_cast<unsigned char>(c) < 0x20 || c == 0x7f; },
       '?');

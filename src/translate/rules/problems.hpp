@@ -33,9 +33,9 @@ class Problems {
 };
 
 /// ", did you mean ...?" with the known word that is nearest to `word`; nothing when none is near.
-[[nodiscard]] std::string hint_for(const std::string& word, const std::vector<std::string>& known);
+[[nodiscard]] std::string hint_for(const std::string& name, const std::vector<std::string>& known);
 /// "a, b and c"; "none" for none.
-[[nodiscard]] std::string enumeration(const std::vector<std::string>& words);
+[[nodiscard]] std::string enumeration(const std::vector<std::string>& names);
 /// Text of a stranger for a message: in quotes, shortened, without control characters.
 [[nodiscard]] std::string in_quotes(const std::string& text);
 

@@ -84,7 +84,7 @@ void RuleReader::read_message_entry(const YamlMap& entry) {
   const End from = read_end(entry, "from", type), to = read_end(entry, "to", type);
   if (!from.md5.empty() && from.type == to.type && from.md5 == to.md5)
     entry.problem("to", "is the same definition as from");
-  read_both_ways(entry, {find_message(from), find_message(to), entry.line()});
+  read_both_directions(entry, {find_message(from), find_message(to), entry.line()});
 }
 
 void RuleReader::read_service_entry(const YamlMap& entry) {
@@ -112,7 +112,7 @@ void RuleReader::read_half(const YamlMap& entry, const std::string& key, const P
   const YAML::Node nothing(YAML::NodeType::Map);
   const YamlMap map(item != nullptr ? item->value : nothing, entry.where(key), *problems_);
   map.allow_only(kSides);
-  read_both_ways(map, pair);
+  read_both_directions(map, pair);
 }
 
 RuleReader::End RuleReader::read_end(const YamlMap& entry, const std::string& key, const std::string& type) {
@@ -141,12 +141,12 @@ RuleReader::End RuleReader::read_end(const YamlMap& entry, const std::string& ke
   return end;
 }
 
-void RuleReader::read_both_ways(const YamlMap& map, const Pair& pair) {
-  file_.drafts.push_back(read_one_way(map, "forward", pair));
-  file_.drafts.push_back(read_one_way(map, "backward", {pair.to, pair.from, pair.line}));
+void RuleReader::read_both_directions(const YamlMap& map, const Pair& pair) {
+  file_.drafts.push_back(read_one_direction(map, "forward", pair));
+  file_.drafts.push_back(read_one_direction(map, "backward", {pair.to, pair.from, pair.line}));
 }
 
-Draft RuleReader::read_one_way(const YamlMap& map, const std::string& direction, const Pair& pair) {
+Draft RuleReader::read_one_direction(const YamlMap& map, const std::string& direction, const Pair& pair) {
   const std::size_t before = problems_->size();
   const auto* item = map.find(direction);
   Draft draft;

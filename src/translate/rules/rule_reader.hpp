@@ -55,8 +55,8 @@ class RuleReader {
   void read_service_entry(const YamlMap& entry);
   void read_half(const YamlMap& entry, const std::string& key, const Pair& pair);
   [[nodiscard]] End read_end(const YamlMap& entry, const std::string& key, const std::string& type);
-  void read_both_ways(const YamlMap& map, const Pair& pair);
-  [[nodiscard]] Draft read_one_way(const YamlMap& map, const std::string& direction, const Pair& pair);
+  void read_both_directions(const YamlMap& map, const Pair& pair);
+  [[nodiscard]] Draft read_one_direction(const YamlMap& map, const std::string& direction, const Pair& pair);
   void read_dropped(const YamlMap& map, const std::string& key, Draft& draft);
   [[nodiscard]] SchemaPtr find_message(const End& end);
   [[nodiscard]] ServicePtr find_service(const End& end);

@@ -58,7 +58,7 @@ bool valid_name(std::string_view name) {
   });
 }
 
-std::string_view first_word(std::string_view text) {
+std::string_view first_token(std::string_view text) {
   return text.substr(0, std::find_if(text.begin(), text.end(), is_space) - text.begin());
 }
 
@@ -151,7 +151,7 @@ class LineReader {
   }
 
   Result<void> read_constant(std::string_view line, std::string_view code) {
-    const auto written = first_word(code);
+    const auto written = first_token(code);
     const auto primitive = find_builtin(written);
     if (!primitive || *primitive == Primitive::kTime || *primitive == Primitive::kDuration)
       return refuse(quoted(written) + " is no type for a constant: use a number, bool or string");
@@ -170,7 +170,7 @@ class LineReader {
   }
 
   Result<void> read_field(std::string_view code) {
-    const auto written = first_word(code);
+    const auto written = first_token(code);
     const auto name = strip(code.substr(written.size()));
     if (name.empty()) return refuse("a field needs a type and a name, not only " + quoted(code));
     if (!valid_name(name)) return refuse(quoted(name) + " is no name for a field");

@@ -25,21 +25,21 @@ struct StoredFile {
   fs::path path;
 };
 
-std::vector<std::string_view> words_of(std::string_view line) {
-  std::vector<std::string_view> words;
+std::vector<std::string_view> tokens_of(std::string_view line) {
+  std::vector<std::string_view> tokens;
   for (line = strip(line); !line.empty(); line = strip(line)) {
-    words.push_back(line.substr(0, line.find_first_of(" \t")));
-    line.remove_prefix(words.back().size());
+    tokens.push_back(line.substr(0, line.find_first_of(" \t")));
+    line.remove_prefix(tokens.back().size());
   }
-  return words;
+  return tokens;
 }
 
 /// What the leading lines of a stored definition say about the types that it embeds.
 std::map<std::string, std::string> read_embeds(std::string_view text) {
   std::map<std::string, std::string> keys;
   while (text.substr(0, kEmbeds.size()) == kEmbeds) {
-    const auto words = words_of(take_line(text).substr(kEmbeds.size()));
-    if (words.size() == 2) keys.emplace(words[0], words[1]);
+    const auto tokens = tokens_of(take_line(text).substr(kEmbeds.size()));
+    if (tokens.size() == 2) keys.emplace(tokens[0], tokens[1]);
   }
   return keys;
 }
@@ -187,9 +187,9 @@ class StoreReader {
     std::string_view rest = *text;
     for (std::size_t line = 1; !rest.empty(); ++line) {
       const auto content = take_line(rest);
-      const auto words = words_of(content.substr(0, content.find('#')));
-      if (words.empty()) continue;
-      if (words.size() != 3 || !put(file.stem().string(), words))
+      const auto tokens = tokens_of(content.substr(0, content.find('#')));
+      if (tokens.empty()) continue;
+      if (tokens.size() != 3 || !put(file.stem().string(), tokens))
         return fail(ErrorCode::kCorrupt,
                     file.string() + ":" + std::to_string(line) +
                         ": '<type> <msg|srv|action> <key>' of a stored definition is expected");
@@ -197,10 +197,10 @@ class StoreReader {
     return {};
   }
 
-  bool put(const std::string& set, const std::vector<std::string_view>& words) {
-    if (words[1] == "msg") return put(set, catalogue_.find_message(words[0], words[2]));
-    if (words[1] == "srv") return put(set, catalogue_.find_service(words[0], words[2]));
-    return words[1] == "action" && put(set, catalogue_.find_action(words[0], words[2]));
+  bool put(const std::string& set, const std::vector<std::string_view>& tokens) {
+    if (tokens[1] == "msg") return put(set, catalogue_.find_message(tokens[0], tokens[2]));
+    if (tokens[1] == "srv") return put(set, catalogue_.find_service(tokens[0], tokens[2]));
+    return tokens[1] == "action" && put(set, catalogue_.find_action(tokens[0], tokens[2]));
   }
   template <typename T>
   bool put(const std::string& set, const T* version) {

@@ -94,13 +94,13 @@ Result<Picked> pick(DefinitionStore& store, const Arguments& arguments, const st
 
 }  // namespace
 
-Result<int> run_check(const Words& words) {
+Result<int> run_check(const Tokens& tokens) {
   const auto arguments =
-      Arguments::read(words, {0,
-                              0,
-                              {"--from-set", "--to-set", "--from-tree", "--to-tree", "--robot",
-                               "--workstation", "--timeout", "--rules", "--config"},
-                              {"--all", "--fields", "--json", "--help"}});
+      Arguments::read(tokens, {0,
+                               0,
+                               {"--from-set", "--to-set", "--from-tree", "--to-tree", "--robot",
+                                "--workstation", "--timeout", "--rules", "--config"},
+                               {"--all", "--fields", "--json", "--help"}});
   if (!arguments) return tl::unexpected(arguments.error());
   if (arguments->has("--help")) {
     std::cout << kHelp;

@@ -17,10 +17,10 @@ class PairJudge {
  public:
   PairJudge(const RuleSet& rules, Row& row) : rules_(rules), row_(row) {}
 
-  void both_ways(const SchemaPtr& robot_schema, const SchemaPtr& workstation_schema,
-                 const std::string& part) {
-    one_way(robot_schema, workstation_schema, part + "robot to workstation", true);
-    one_way(workstation_schema, robot_schema, part + "workstation to robot", false);
+  void both_directions(const SchemaPtr& robot_schema, const SchemaPtr& workstation_schema,
+                       const std::string& part) {
+    one_direction(robot_schema, workstation_schema, part + "robot to workstation", true);
+    one_direction(workstation_schema, robot_schema, part + "workstation to robot", false);
   }
 
   [[nodiscard]] Verdict verdict() const {
@@ -29,7 +29,7 @@ class PairJudge {
   }
 
  private:
-  void one_way(const SchemaPtr& from, const SchemaPtr& to, const std::string& direction, bool forward) {
+  void one_direction(const SchemaPtr& from, const SchemaPtr& to, const std::string& direction, bool forward) {
     const auto plan = Plan::compile(from, to, rules_);
     if (!plan) {
       add_once(row_.reasons, direction + ": " + plan.error().message);
@@ -81,15 +81,17 @@ Row judge(const TypeId& robot_id, const TypeId& workstation_id, const TypeDefini
   }
   PairJudge judge(rules, row);
   if (robot_definition.message) {
-    judge.both_ways(robot_definition.message, workstation_definition.message, "");
+    judge.both_directions(robot_definition.message, workstation_definition.message, "");
   } else if (robot_definition.service) {
-    judge.both_ways(robot_definition.service->request, workstation_definition.service->request, "request, ");
-    judge.both_ways(robot_definition.service->response, workstation_definition.service->response,
-                    "response, ");
+    judge.both_directions(robot_definition.service->request, workstation_definition.service->request,
+                          "request, ");
+    judge.both_directions(robot_definition.service->response, workstation_definition.service->response,
+                          "response, ");
   } else {
-    judge.both_ways(robot_definition.action->goal, workstation_definition.action->goal, "goal, ");
-    judge.both_ways(robot_definition.action->result, workstation_definition.action->result, "result, ");
-    judge.both_ways(robot_definition.action->feedback, workstation_definition.action->feedback, "feedback, ");
+    judge.both_directions(robot_definition.action->goal, workstation_definition.action->goal, "goal, ");
+    judge.both_directions(robot_definition.action->result, workstation_definition.action->result, "result, ");
+    judge.both_directions(robot_definition.action->feedback, workstation_definition.action->feedback,
+                          "feedback, ");
   }
   row.verdict = judge.verdict();
   if (row.verdict == Verdict::kPass && same_md5) row.verdict = Verdict::kSame;

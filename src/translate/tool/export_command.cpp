@@ -84,8 +84,8 @@ class Exporter {
 
 }  // namespace
 
-Result<int> run_export(const Words& words) {
-  const auto arguments = Arguments::read(words, {0, 2, {"--config", "--package"}, {"--help"}});
+Result<int> run_export(const Tokens& tokens) {
+  const auto arguments = Arguments::read(tokens, {0, 2, {"--config", "--package"}, {"--help"}});
   if (!arguments) return tl::unexpected(arguments.error());
   if (arguments->has("--help")) {
     std::cout << kExportHelp;
@@ -104,8 +104,8 @@ Result<int> run_export(const Words& words) {
   return kFine;
 }
 
-Result<int> run_store(const Words& words) {
-  const auto arguments = Arguments::read(words, {0, 1, {"--set", "--fallback"}, {"--help"}});
+Result<int> run_store(const Tokens& tokens) {
+  const auto arguments = Arguments::read(tokens, {0, 1, {"--set", "--fallback"}, {"--help"}});
   if (!arguments) return tl::unexpected(arguments.error());
   if (arguments->has("--help")) {
     std::cout << kStoreHelp;

@@ -91,7 +91,7 @@ class MasterReader {
       });
     }
     for (const auto& [name, topic] : graph_.topics)
-      if (told_.count(name) == 0 && topic.type != "*") guess(topic.type, "msg", name);
+      if (answered_.count(name) == 0 && topic.type != "*") guess(topic.type, "msg", name);
   }
 
   std::unique_ptr<Asked> ask(const std::string& topic) {
@@ -101,7 +101,7 @@ class MasterReader {
     Subscription::Handlers handlers;
     handlers.on_up = [this, state, topic](const PublisherLink& link) {
       state->answered.insert(link.uri);
-      told(topic, link.header);
+      on_publisher(topic, link.header);
       return false;  // that was all
     };
     handlers.on_message = [](const PublisherLink&, const FramePtr&, SteadyTime) {};
@@ -114,7 +114,7 @@ class MasterReader {
     return asked;
   }
 
-  void told(const std::string& topic, const ConnectionHeader& header) {
+  void on_publisher(const std::string& topic, const ConnectionHeader& header) {
     const auto type = value_of(header, "type");
     const auto md5 = value_of(header, "md5sum");
     TypeDefinition definition;
@@ -123,7 +123,7 @@ class MasterReader {
       definition.message = *learned;
     else
       definition.message = store_.find_message(type, md5);
-    told_.insert(topic);
+    answered_.insert(topic);
     add({type, "msg"}, std::move(definition), topic);
   }
 
@@ -140,14 +140,14 @@ class MasterReader {
         const auto name = names[i];
         peer_->open_service(name, "*", true, [this, name, left](Result<std::shared_ptr<ServiceLink>> link) {
           --*left;
-          if (link) service_told(name, (*link)->header());
+          if (link) on_service(name, (*link)->header());
         });
       }
       wait([&] { return *left == 0; });
     }
   }
 
-  void service_told(const std::string& name, const ConnectionHeader& header) {
+  void on_service(const std::string& name, const ConnectionHeader& header) {
     const auto type = value_of(header, "type");
     TypeDefinition definition;
     definition.md5 = value_of(header, "md5sum");
@@ -184,7 +184,7 @@ class MasterReader {
   FramePool frames_;
   SteadyTime deadline_;
   GraphState graph_;
-  std::set<std::string> told_;
+  std::set<std::string> answered_;
   TypeSet side_;
   std::unique_ptr<Peer> peer_;  ///< last: it uses what stands above
 };

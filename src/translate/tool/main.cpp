@@ -36,10 +36,10 @@ constexpr std::array<Entry, 6> kCommands{{{"check", tool::run_check},
                                           {"status", tool::run_status},
                                           {"store", tool::run_store}}};
 
-int run(const std::string& name, const tool::Words& words) {
+int run(const std::string& name, const tool::Tokens& tokens) {
   for (const auto& command : kCommands) {
     if (command.name != name) continue;
-    const auto status = command.run(words);
+    const auto status = command.run(tokens);
     if (status) return *status;
     std::cerr << "extperfc-translate " << name << ": " << status.error().message << "\n";
     return tool::kFailed;
@@ -52,12 +52,12 @@ int run(const std::string& name, const tool::Words& words) {
 
 int main(int argc, char** argv) {
   try {
-    const tool::Words words(argv + 1, argv + argc);
-    if (words.empty() || words[0] == "--help" || words[0] == "-h") {
-      (words.empty() ? std::cerr : std::cout) << kHelp;
-      return words.empty() ? tool::kFailed : tool::kFine;
+    const tool::Tokens tokens(argv + 1, argv + argc);
+    if (tokens.empty() || tokens[0] == "--help" || tokens[0] == "-h") {
+      (tokens.empty() ? std::cerr : std::cout) << kHelp;
+      return tokens.empty() ? tool::kFailed : tool::kFine;
     }
-    return run(words[0], {words.begin() + 1, words.end()});
+    return run(tokens[0], {tokens.begin() + 1, tokens.end()});
   } catch (const std::exception& problem) {
     std::cerr << "extperfc-translate: " << problem.what() << "\n";
     return tool::kFailed;

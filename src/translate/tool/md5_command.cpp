@@ -99,9 +99,9 @@ Result<TypeDefinitions> find(DefinitionStore& store, const std::string& type, co
 
 }  // namespace
 
-Result<int> run_md5(const Words& words) {
+Result<int> run_md5(const Tokens& tokens) {
   const auto arguments =
-      Arguments::read(words, {0, 1, {"--set", "--tree", "--file", "--kind", "--config"}, {"--help"}});
+      Arguments::read(tokens, {0, 1, {"--set", "--tree", "--file", "--kind", "--config"}, {"--help"}});
   if (!arguments) return tl::unexpected(arguments.error());
   if (arguments->has("--help")) {
     std::cout << kHelp;

@@ -101,22 +101,22 @@ bool all_well(const Comparison& comparison) {
 }
 
 std::string wrapped(const std::string& text, std::size_t columns, const std::string& indent) {
-  std::istringstream words(text);
+  std::istringstream tokens(text);
   std::string lines;
   std::string line = indent;
-  for (std::string word; words >> word;) {
-    for (const auto room = columns - indent.size() - 2; word.size() > room; word.erase(0, room)) {
+  for (std::string token; tokens >> token;) {
+    for (const auto width = columns - indent.size() - 2; token.size() > width; token.erase(0, width)) {
       if (line.size() > indent.size()) lines += line + "\n";
-      lines += indent + "  " + word.substr(0, room) + "\n";
+      lines += indent + "  " + token.substr(0, width) + "\n";
       line = indent;
     }
-    if (line.size() > indent.size() && line.size() + 1 + word.size() > columns) {
+    if (line.size() > indent.size() && line.size() + 1 + token.size() > columns) {
       lines += line + "\n";
       line = indent + "  ";
     } else if (line.size() > indent.size()) {
       line += " ";
     }
-    line += word;
+    line += token;
   }
   return lines + line + "\n";
 }

@@ -109,7 +109,7 @@ void print_side_by_side(const MessageSchema& left, const MessageSchema& right) {
   }
 }
 
-const char* to_words(Plan::Note::Kind kind) {
+const char* to_text(Plan::Note::Kind kind) {
   switch (kind) {
     case Plan::Note::Kind::kKept:
       return "kept";
@@ -145,7 +145,7 @@ bool print_plan(const std::string& title, const SchemaPtr& from, const SchemaPtr
       continue;
     }
     std::cout << wrapped(
-        std::string(to_words(note.kind)) + " " + note.path + (note.text.empty() ? "" : ": ") + note.text,
+        std::string(to_text(note.kind)) + " " + note.path + (note.text.empty() ? "" : ": ") + note.text,
         kColumns, "    ");
   }
   if (kept != 0) std::cout << "    kept: " << kept << (kept == 1 ? " field\n" : " fields\n");
@@ -192,9 +192,9 @@ Result<int> show(const DefinitionStore& store, const RuleSet& rules, const Argum
 
 }  // namespace
 
-Result<int> run_show(const Words& words) {
+Result<int> run_show(const Tokens& tokens) {
   const auto arguments = Arguments::read(
-      words, {0, 1, {"--from", "--to", "--to-type", "--kind", "--rules", "--config"}, {"--help"}});
+      tokens, {0, 1, {"--from", "--to", "--to-type", "--kind", "--rules", "--config"}, {"--help"}});
   if (!arguments) return tl::unexpected(arguments.error());
   if (arguments->has("--help")) {
     std::cout << kHelp;

@@ -128,8 +128,8 @@ class StatusReader {
 
 }  // namespace
 
-Result<int> run_status(const Words& words) {
-  const auto arguments = Arguments::read(words, {0, 0, {"--node", "--master", "--timeout"}, {"--help"}});
+Result<int> run_status(const Tokens& tokens) {
+  const auto arguments = Arguments::read(tokens, {0, 0, {"--node", "--master", "--timeout"}, {"--help"}});
   if (!arguments) return tl::unexpected(arguments.error());
   if (arguments->has("--help")) {
     std::cout << kHelp;

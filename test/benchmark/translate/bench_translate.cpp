@@ -87,10 +87,10 @@ int run(const TranslateOptions& options) {
   return complain("cannot write " + options.json, 1);
 }
 
-int run_part(const std::vector<std::string>& words) {
-  const std::vector<std::string> arguments(words.begin() + 1, words.end());
-  if (words.front() == "receiver") return run_receiver(arguments);
-  if (words.front() == "relay") return run_relay(arguments);
+int run_part(const std::vector<std::string>& tokens) {
+  const std::vector<std::string> arguments(tokens.begin() + 1, tokens.end());
+  if (tokens.front() == "receiver") return run_receiver(arguments);
+  if (tokens.front() == "relay") return run_relay(arguments);
   return run_bridge(arguments);
 }
 

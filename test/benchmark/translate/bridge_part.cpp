@@ -46,8 +46,8 @@ Result<void> run(const std::vector<std::string>& arguments) {
   params.topics.allow = {"/(pass|convert|load)/.*"};
   params.rosout = false;
   translate::EventLoop loop;
-  const auto tell = [](const std::string& line) { std::fprintf(stderr, "translator: %s\n", line.c_str()); };
-  auto bridge = Bridge::make(loop, std::move(params), std::move(*store), {}, {nullptr, tell, nullptr});
+  const auto log = [](const std::string& line) { std::fprintf(stderr, "translator: %s\n", line.c_str()); };
+  auto bridge = Bridge::make(loop, std::move(params), std::move(*store), {}, {nullptr, log, nullptr});
   if (!bridge) return tl::unexpected(bridge.error());
   loop.watch(STDIN_FILENO, EPOLLIN, translate::Priority::kBulk, [&](std::uint32_t) {
     loop.unwatch(STDIN_FILENO);

@@ -89,8 +89,8 @@ class Latency {
   std::array<std::array<Stream, kWays>, kSizes.size()> streams_;
 };
 
-std::string topic_of(const char* way, const SizeClass& size) {
-  return std::string("/") + way + "/bytes_" + std::to_string(size.bytes);
+std::string topic_of(const char* route, const SizeClass& size) {
+  return std::string("/") + route + "/bytes_" + std::to_string(size.bytes);
 }
 
 Result<void> Latency::start_processes() {
@@ -127,9 +127,9 @@ void Latency::make_streams() {
   for (std::size_t s = 0; s < kSizes.size(); ++s) {
     const auto& size = kSizes[s];
     const auto first = static_cast<std::uint32_t>(2 * s);
-    const auto stream = [&](const char* way, const Definition& definition, ArrivalReader& reader,
+    const auto stream = [&](const char* route, const Definition& definition, ArrivalReader& reader,
                             const Process* middle, std::uint32_t index, std::uint32_t growth) {
-      return Stream{std::make_unique<Sender>(handle_, topic_of(way, size), definition, size.bytes), &reader,
+      return Stream{std::make_unique<Sender>(handle_, topic_of(route, size), definition, size.bytes), &reader,
                     middle, index, size.bytes + growth};
     };
     streams_[s][kDirect] = stream("direct", definitions.plain, *robot_reader_, nullptr, first, 0);
@@ -193,9 +193,9 @@ Result<void> Latency::measure(std::size_t size, int samples) {
   return {};
 }
 
-void add_latency_rows(const std::string& way, Stream& ours, Stream& relay, Stream& direct,
+void add_latency_rows(const std::string& route, Stream& ours, Stream& relay, Stream& direct,
                       const SizeClass& size, std::vector<Row>& rows) {
-  const std::string name = std::string(size.name) + ", " + way;
+  const std::string name = std::string(size.name) + ", " + route;
   for (const auto& [metric, fraction] : {std::pair{"p50", 0.5}, std::pair{"p99", 0.99}}) {
     const double value = percentile(ours.latency_us, fraction);
     const double of_relay = percentile(relay.latency_us, fraction);

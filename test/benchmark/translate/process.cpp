@@ -67,33 +67,34 @@ Result<Process> Process::start_part(const std::vector<std::string>& arguments) {
   process.input_ = input[1];
   process.records_ = records[0];
   fcntl(records[0], F_SETFL, O_NONBLOCK);
-  std::vector<std::string> words{"/proc/self/exe", "--part"};
-  words.insert(words.end(), arguments.begin(), arguments.end());
-  const auto started = process.run(words, {input[0], -1, records[1]});
+  std::vector<std::string> command{"/proc/self/exe", "--part"};
+  command.insert(command.end(), arguments.begin(), arguments.end());
+  const auto started = process.run(command, {input[0], -1, records[1]});
   close(input[0]);
   close(records[1]);
   if (!started) return tl::unexpected(started.error());
   return process;
 }
 
-Result<Process> Process::start_program(const std::vector<std::string>& words, const std::string& output) {
+Result<Process> Process::start_program(const std::vector<std::string>& command, const std::string& output) {
   const int file = open(output.c_str(), O_WRONLY | O_CREAT | O_APPEND | O_CLOEXEC, 0644);
   if (file < 0) return system_error(output);
   Process process;
-  const auto started = process.run(words, {-1, file, -1});
+  const auto started = process.run(command, {-1, file, -1});
   close(file);
   if (!started) return tl::unexpected(started.error());
   return process;
 }
 
 // fork() and not posix_spawn(): the child asks for a signal at our death.
-Result<void> Process::run(const std::vector<std::string>& words, const Descriptors& descriptors) {
+Result<void> Process::run(const std::vector<std::string>& command, const Descriptors& descriptors) {
   std::vector<char*> arguments;
-  arguments.reserve(words.size() + 1);
-  for (const auto& word : words) arguments.push_back(const_cast<char*>(word.c_str()));  // NOLINT: exec's type
+  arguments.reserve(command.size() + 1);
+  for (const auto& argument : command)
+    arguments.push_back(const_cast<char*>(argument.c_str()));  // NOLINT: exec's type
   arguments.push_back(nullptr);
   pid_ = fork();
-  if (pid_ < 0) return system_error("starting " + words.front());
+  if (pid_ < 0) return system_error("starting " + command.front());
   if (pid_ == 0) {
     prctl(PR_SET_PDEATHSIG, SIGTERM);
     if (descriptors.input >= 0) dup2(descriptors.input, STDIN_FILENO);
@@ -110,7 +111,7 @@ Result<void> Process::run(const std::vector<std::string>& words, const Descripto
     execvp(arguments.front(), arguments.data());
     _exit(127);
   }
-  if (clock_getcpuclockid(pid_, &cpu_clock_) != 0) return system_error("CPU clock of " + words.front());
+  if (clock_getcpuclockid(pid_, &cpu_clock_) != 0) return system_error("CPU clock of " + command.front());
   return {};
 }
 

@@ -28,7 +28,7 @@ class Process {
   /// This program again, as `--part arguments...`. Its standard input ends when it shall end.
   [[nodiscard]] static Result<Process> start_part(const std::vector<std::string>& arguments);
   /// Another program, found on the PATH; its output goes to a file.
-  [[nodiscard]] static Result<Process> start_program(const std::vector<std::string>& words,
+  [[nodiscard]] static Result<Process> start_program(const std::vector<std::string>& command,
                                                      const std::string& output);
 
   [[nodiscard]] pid_t pid() const { return pid_; }
@@ -43,7 +43,7 @@ class Process {
   struct Descriptors {
     int input{-1}, output{-1}, records{-1};  ///< of the child; -1 leaves it as it is
   };
-  [[nodiscard]] Result<void> run(const std::vector<std::string>& words, const Descriptors& descriptors);
+  [[nodiscard]] Result<void> run(const std::vector<std::string>& command, const Descriptors& descriptors);
   void end();
 
   pid_t pid_{-1};

@@ -161,7 +161,7 @@ TEST(TopicStatusReport, ATopicWithoutAPlanIsAWarning) {
   EXPECT_EQ(topic_status(topic, params()).message, "a message was damaged");
 }
 
-TEST(TopicStatusReport, NobodyListensIsIdle) {
+TEST(TopicStatusReport, WithoutSubscribersIsIdle) {
   auto topic = joint_states();
   topic.to.clear();
   topic.from_md5.clear();

@@ -61,7 +61,7 @@ TEST(Knowledge, AnOverlaysVersionOfATypeCounts) {
   EXPECT_NE(knowledge->definitions.message_of_set(kInstalledSet, "mine_msgs/Other"), nullptr);
 }
 
-TEST(Knowledge, FilesThatDoNotParseAreTold) {
+TEST(Knowledge, FilesThatDoNotParseAreReported) {
   const TemporaryFolder folder;
   (void)folder.write("mine_msgs/msg/Good.msg", "int32 a\n");
   (void)folder.write("mine_msgs/msg/Bad.msg", "int32\n");

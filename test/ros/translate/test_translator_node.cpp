@@ -161,7 +161,7 @@ TEST_F(TranslatorNodeTest, RulesAreReadAgainOrStayWhenTheyDoNotFit) {
       << refused.response.message;
 }
 
-TEST_F(TranslatorNodeTest, AMasterThatIsAwayIsToldAndWaitedFor) {
+TEST_F(TranslatorNodeTest, AnUnreachableMasterIsReportedAndAwaited) {
   start_node();
   ASSERT_TRUE(link_is(diagnostic_msgs::DiagnosticStatus::ERROR, "robot side master " + robot_uri_))
       << log_.text();

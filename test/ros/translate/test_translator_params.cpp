@@ -117,7 +117,7 @@ bool any_match(const std::vector<std::string>& expressions, const std::string& n
                      [&](const auto& expression) { return std::regex_match(name, std::regex(expression)); });
 }
 
-TEST_F(TranslatorParamsTest, ShippedFiltersLetUsefulThingsCross) {
+TEST_F(TranslatorParamsTest, ShippedFiltersBridgeUsefulTopics) {
   set_from_file(kNs, "config/translator.yaml");
   const auto bridge = loaded().bridge;
   const auto crosses = [](const translate::NameFilter& filter, const std::string& name) {
@@ -310,7 +310,7 @@ TEST_F(TranslatorParamsTest, OneMasterIsNotTwo) {
   expect_problems({"robot/master_uri and workstation/master_uri are the same master"});
 }
 
-TEST_F(TranslatorParamsTest, EveryProblemIsToldAtOnce) {
+TEST_F(TranslatorParamsTest, EveryProblemIsReportedAtOnce) {
   set_yaml(R"(
 colour: red
 robot: {master_uri: robot, name: no slash, hosts: ['robot.local 10.0.0.2', '10.0.0.2'], master_period_s: 0, port: 1}

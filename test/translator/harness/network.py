@@ -21,8 +21,8 @@ class Host:
     """This computer's own network."""
     address = "127.0.0.1"
 
-    def command(self, words):
-        return words
+    def command(self, arguments):
+        return arguments
 
     @contextlib.contextmanager
     def inside(self):
@@ -47,12 +47,12 @@ class Namespace:
     def pid(self):
         return self._holder.pid
 
-    def command(self, words):
-        """A command line that runs `words` in here."""
-        return ["nsenter", f"--net={self._file}", "--", *map(str, words)]
+    def command(self, arguments):
+        """A command line that runs `arguments` in here."""
+        return ["nsenter", f"--net={self._file}", "--", *map(str, arguments)]
 
-    def run(self, *words):
-        subprocess.run(self.command(words), check=True, capture_output=True, text=True)
+    def run(self, *arguments):
+        subprocess.run(self.command(arguments), check=True, capture_output=True, text=True)
 
     @contextlib.contextmanager
     def inside(self):

@@ -42,13 +42,13 @@ def wait_until(condition, seconds, what):
 class Child:
     """A process in a place, with its output in a log file."""
 
-    def __init__(self, name, place, words, log_folder, environment, **popen):
+    def __init__(self, name, place, arguments, log_folder, environment, **popen):
         self.name = name
         self.log = pathlib.Path(log_folder) / f"{name}.log"
         with open(self.log, "a") as log:
             popen.setdefault("stdout", log)
             popen.setdefault("stdin", subprocess.DEVNULL)
-            self.process = subprocess.Popen(place.command(words), stderr=log, env=environment, **popen)
+            self.process = subprocess.Popen(place.command(arguments), stderr=log, env=environment, **popen)
 
     @property
     def pid(self):
@@ -104,8 +104,8 @@ class Master:
         return environment
 
     def start(self):
-        words = ["rosmaster", "--core", "-p", str(self.port)]
-        self.child = Child(f"master_{self.name}", self.place, words, self.folder, self.environment())
+        arguments = ["rosmaster", "--core", "-p", str(self.port)]
+        self.child = Child(f"master_{self.name}", self.place, arguments, self.folder, self.environment())
         wait_until(lambda: self.ask("getPid", quiet=True), 20, lambda: "master: " + self.child.log_tail())
         return self
 
@@ -138,10 +138,10 @@ class Master:
 
 
 class Event(list):
-    """Words that a puppet told, and when they were heard [s since 1970]."""
+    """Arguments that a puppet reported, and when they were received [s since 1970]."""
 
-    def __init__(self, heard_at, words):
-        super().__init__(words)
+    def __init__(self, heard_at, arguments):
+        super().__init__(arguments)
         self.heard_at = heard_at
 
 
@@ -150,12 +150,12 @@ class Puppet(Child):
 
     def __init__(self, name, era, language, master):
         environment = master.environment()
-        words = [str(PROGRAMS / f"era_node_{era}")]
+        arguments = [str(PROGRAMS / f"era_node_{era}")]
         if language == "python":
-            words = [PYTHON, str(PUPPET)]
+            arguments = [PYTHON, str(PUPPET)]
             environment["PYTHONPATH"] = f"{ERAS / era / 'python'}:{environment.get('PYTHONPATH', '')}"
         self._events, self._last_line, self._lock = collections.defaultdict(list), "", threading.Condition()
-        super().__init__(name, master.place, [*words, f"__name:={name}"], master.folder, environment,
+        super().__init__(name, master.place, [*arguments, f"__name:={name}"], master.folder, environment,
                          stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True, bufsize=1)
         self.era, self.language = era, language
         self._reader = threading.Thread(target=self._read, daemon=True)
@@ -163,10 +163,10 @@ class Puppet(Child):
 
     def _read(self):
         for line in self.process.stdout:
-            words = line.split() or [""]
+            tokens = line.split() or [""]
             with self._lock:
-                key = words[0] if words[0] in ("ok", "error") else tuple(words[:2])
-                self._events[key].append(Event(time.time(), words[2:]))
+                key = tokens[0] if tokens[0] in ("ok", "error") else tuple(tokens[:2])
+                self._events[key].append(Event(time.time(), tokens[2:]))
                 self._last_line = line[:160]
                 self._lock.notify_all()
 
@@ -180,11 +180,11 @@ class Puppet(Child):
                 raise TooLate(f"{self.name}: not within {seconds} s: {what}\nlast line: {self._last_line}\n"
                               f"{self.log_tail()}")
 
-    def tell(self, *words):
+    def send(self, *arguments):
         """Gives a command and waits until it is obeyed."""
         obeyed, failed = self._events["ok"], self._events["error"]
         before = len(obeyed), len(failed)
-        command = " ".join(map(str, words))
+        command = " ".join(map(str, arguments))
         self.process.stdin.write(command + "\n")
         self.process.stdin.flush()
         self._wait(lambda: (len(obeyed), len(failed)) != before, 20, f"an answer to {command[:120]}")
@@ -192,11 +192,11 @@ class Puppet(Child):
             raise RuntimeError(f"{self.name} cannot {command[:120]}: {' '.join(failed[-1])}\n{self.log_tail()}")
 
     def heard(self, kind, name):
-        """The events of a kind about a name, without those two words."""
+        """The events of a kind about a name, without those two tokens."""
         with self._lock:
             return list(self._events[kind, name])
 
-    def words(self, topic):
+    def texts(self, topic):
         """The texts of a topic's std_msgs/String."""
         return [bytes.fromhex(content[9:]).decode() for _, content in self.heard("message", topic)]
 

@@ -52,9 +52,9 @@ class Session:
         self.eras = {era: eras.Era(processes.ERAS / era) for era in ("indigo", "noetic")}
         self._nodes = {}
 
-    def _keep(self, thing):
-        self._closing.append(thing.close)
-        return thing
+    def _keep(self, resource):
+        self._closing.append(resource.close)
+        return resource
 
     def close(self):
         for close in reversed(self._closing):
@@ -133,8 +133,8 @@ class Session:
     def flow(self, source, target, topic, word, seconds=20):
         """Sends a word again and again until it arrives."""
         def arrived():
-            source.tell("publish", topic, self.word(word))
-            return word in target.words(topic)
+            source.send("publish", topic, self.word(word))
+            return word in target.texts(topic)
         processes.wait_until(arrived, seconds, lambda: f"{word} from {source.name} to {target.name}; "
                              f"translator: {self.translator.log_tail(5)}")
 
@@ -151,6 +151,6 @@ def _set_fields(message, fields):
     return message
 
 
-def both_ways():
+def both_directions():
     """(from, to) of the two directions."""
     return (("robot", "workstation"), ("workstation", "robot"))

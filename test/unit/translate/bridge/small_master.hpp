@@ -71,12 +71,12 @@ class SmallMaster {
     for (const auto& [node, uri] : nodes) all.emplace_back(uri);
     return all;
   }
-  void tell_publishers(const std::string& name, const Topic& topic) {
+  void notify_publishers(const std::string& name, const Topic& topic) {
     for (const auto& [node, uri] : topic.subscribers)
       client_.call(uri, "publisherUpdate", {"/master", name, uris(topic.publishers)}, std::chrono::seconds(3),
                    [](const Result<XmlValue>&) {});
   }
-  void tell_param(const std::string& name, const XmlValue& value) {
+  void notify_param(const std::string& name, const XmlValue& value) {
     for (const auto& [prefix, uri] : watchers_)
       if (name == prefix || name.rfind(prefix + "/", 0) == 0)
         client_.call(uri, "paramUpdate", {"/master", name + "/", value}, std::chrono::seconds(3),
@@ -110,7 +110,7 @@ class SmallMaster {
     }
     if (method == "registerPublisher") {
       topic.publishers[node] = text(call, 3);
-      tell_publishers(name, topic);
+      notify_publishers(name, topic);
       return good(uris(topic.subscribers));
     }
     if (method == "registerSubscriber") {
@@ -119,7 +119,7 @@ class SmallMaster {
     }
     if (method == "unregisterPublisher") {
       const auto count = topic.publishers.erase(node);
-      tell_publishers(name, topic);
+      notify_publishers(name, topic);
       return good(static_cast<std::int32_t>(count));
     }
     if (method == "unregisterSubscriber")
@@ -137,12 +137,12 @@ class SmallMaster {
     const auto name = text(call, 1);
     if (method == "setParam") {
       params_[name] = call.arguments.at(2);
-      tell_param(name, params_[name]);
+      notify_param(name, params_[name]);
       return good(0);
     }
     if (method == "deleteParam") {
       params_.erase(name);
-      tell_param(name, XmlStruct{});
+      notify_param(name, XmlStruct{});
       return good(0);
     }
     const auto value = tree(name);

@@ -161,7 +161,7 @@ class BridgeTest : public testing::Test {
   std::unique_ptr<Peer> robot_node_, workstation_node_;
 };
 
-TEST_F(BridgeTest, ATopicCrossesConvertedAndAsItIs) {
+TEST_F(BridgeTest, ATopicIsBridgedConvertedAndUnchanged) {
   const auto bridge = start();
   Talker talker(*robot_node_, "/value", robot_value_);
   Listener changed(*workstation_node_, "/value", workstation_value_);
@@ -263,7 +263,7 @@ TEST_F(BridgeTest, ALatchedMessageReachesWhoComesLate) {
   EXPECT_EQ(first.heard.size(), 1U);
 }
 
-TEST_F(BridgeTest, AServiceCrossesWithBothHalvesConverted) {
+TEST_F(BridgeTest, AServiceIsBridgedWithBothHalvesConverted) {
   const auto bridge = start();
   const auto robot_set = definitions_.service_of_set("robot", "demo/Set");
   const auto workstation_set = definitions_.service_of_set("workstation", "demo/Set");
@@ -303,7 +303,7 @@ TEST_F(BridgeTest, AServiceCrossesWithBothHalvesConverted) {
   EXPECT_EQ(bridge->status().services.at(0).calls, 2U);
 }
 
-TEST_F(BridgeTest, ParametersCrossByPrefix) {
+TEST_F(BridgeTest, ParametersAreBridgedByPrefix) {
   params_.params_robot_to_workstation = {"/shared"};
   const auto bridge = start();
   bool done = false;

@@ -25,7 +25,7 @@ BridgeSelector::Graphs talker_on_robot(const std::string& topic = "/chatter",
   return graphs;
 }
 
-TEST(BridgeSelector, ATopicCrossesFromItsPublisher) {
+TEST(BridgeSelector, ATopicIsBridgedFromItsPublisher) {
   auto selector = selector_of(open_params());
   const auto bridged = selector.topics(talker_on_robot());
   ASSERT_EQ(bridged.size(), 1U);
@@ -44,7 +44,7 @@ TEST(BridgeSelector, ListenersOfTheOtherSideAreSeen) {
   EXPECT_TRUE(selector.topics(graphs).begin()->second.listeners);
 }
 
-TEST(BridgeSelector, WhatWePublishOurselvesDoesNotCrossBack) {
+TEST(BridgeSelector, OwnPublicationsAreNotBridgedBack) {
   auto selector = selector_of(open_params());
   EXPECT_TRUE(selector.topics(talker_on_robot("/chatter", "/bridge")).empty());
 }
@@ -69,7 +69,7 @@ TEST(BridgeSelector, FiltersAndDirectionsHold) {
       << "all of the name must match";
 }
 
-TEST(BridgeSelector, TheClockCrossesOnlyWhenAskedAndOneWay) {
+TEST(BridgeSelector, TheClockIsBridgedOnRequestInOneDirection) {
   auto params = open_params();
   auto graphs = talker_on_robot("/clock");
   graphs[1].topics["/clock"] = {"rosgraph_msgs/Clock", {"/simulator"}, {}};
@@ -103,7 +103,7 @@ BridgeSelector::Graphs action_on_robot() {
   return graphs;
 }
 
-TEST(BridgeSelector, AnActionCrossesAsOneBeforeAnyClientIsThere) {
+TEST(BridgeSelector, AnActionIsBridgedAsAUnitBeforeAnyClientExists) {
   auto selector = selector_of(open_params());
   const auto bridged = selector.topics(action_on_robot());
   ASSERT_EQ(bridged.size(), 5U);
@@ -116,7 +116,7 @@ TEST(BridgeSelector, AnActionCrossesAsOneBeforeAnyClientIsThere) {
   }
 }
 
-TEST(BridgeSelector, AnActionThatMayNotCrossStaysWhole) {
+TEST(BridgeSelector, ADeniedActionIsNotBridgedInPart) {
   auto params = open_params();
   params.topics.deny = {"/arm/.*"};
   EXPECT_TRUE(selector_of(params).topics(action_on_robot()).empty());

@@ -191,7 +191,7 @@ TEST(ClockOffset, WhenNothingAgreesTheLatestCounts) {
   EXPECT_TRUE(clock.estimate(kStartS)) << "it says something, with whatever uncertainty";
 }
 
-TEST(ClockOffset, NtpIsTheMeanOfBothWaysBoundedByHalfTheTrip) {
+TEST(ClockOffset, NtpIsTheMeanOfBothDirectionsBoundedByHalfTheRoundTrip) {
   ClockOffset clock;
   // Old clock 10 s ahead; 30 ms there, 1 ms at the server, 10 ms back.
   clock.add_ntp_sample(kStartS, kStartS + 10.030, kStartS + 10.031, kStartS + 0.041);

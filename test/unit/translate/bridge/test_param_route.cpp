@@ -21,7 +21,7 @@ TEST_F(ParamRouteTest, ANamespaceIsWrittenLeafByLeaf) {
   EXPECT_EQ(route.count(), 2U);
 }
 
-TEST_F(ParamRouteTest, ADeletionCrosses) {
+TEST_F(ParamRouteTest, ADeletionIsBridged) {
   const ParamRoute route(context_, written_, "/robot", Side::kRobot);
   robot_.on_param("/robot/a", 1);
   robot_.on_param("/robot/a", XmlStruct{});

@@ -93,7 +93,7 @@ TEST(SntpPacket, WhatIsNoAnswerIsNamed) {
   }
 }
 
-TEST(SntpPacket, TheKissCodeIsTold) {
+TEST(SntpPacket, TheKissCodeIsReported) {
   auto bytes = right_answer();
   bytes[1] = 0;
   const std::string code = "RATE";
@@ -186,7 +186,7 @@ TEST_F(Sntp, ASilentServerIsAProblemOnceAndAskedMoreRarely) {
   EXPECT_EQ(client_->period(), milliseconds(5)) << "quick again";
 }
 
-TEST_F(Sntp, ARefusalIsTold) {
+TEST_F(Sntp, ARefusalIsReported) {
   NtpServer server(loop_, kOffsetS, [](auto answer) {
     answer[1] = 0;
     const std::string code = "DENY";
@@ -210,7 +210,7 @@ TEST_F(Sntp, StrangersPacketsAreNoSamples) {
   EXPECT_TRUE(samples_.empty());
 }
 
-TEST_F(Sntp, APortWhereNobodyListensIsToldAtOnce) {
+TEST_F(Sntp, AClosedPortIsReportedAtOnce) {
   std::uint16_t port = 0;
   {
     const NtpServer gone(loop_, kOffsetS);
@@ -220,7 +220,7 @@ TEST_F(Sntp, APortWhereNobodyListensIsToldAtOnce) {
   ASSERT_TRUE(wait_for_problem("refused"));
 }
 
-TEST_F(Sntp, ANameThatIsNoneIsTold) {
+TEST_F(Sntp, AnInvalidNameIsReported) {
   auto wrong = params(123);
   wrong.host = "no-such-robot.invalid";
   client_ = std::make_unique<SntpClient>(

@@ -94,7 +94,7 @@ TEST_F(TopicRouteTest, EqualMd5OfAnotherLayoutDoesNotPass) {
   EXPECT_TRUE(listener->refused);
 }
 
-TEST_F(TopicRouteTest, IsSubscribedOnlyWhileSomebodyListens) {
+TEST_F(TopicRouteTest, IsSubscribedOnlyWhileThereAreSubscribers) {
   auto& route = make();
   route.look(false, 1);
   EXPECT_FALSE(subscribed());
@@ -164,7 +164,7 @@ TEST_F(TopicRouteTest, ARateLimitDropsWhatComesTooSoonAndCountsIt) {
   EXPECT_EQ(route_->status().dropped, 9U);
 }
 
-TEST_F(TopicRouteTest, ADamagedMessageIsCountedAndTold) {
+TEST_F(TopicRouteTest, ADamagedMessageIsCountedAndReported) {
   make();
   const auto listener = publication().request(subscriber(workstation_schema_));
   const auto link = subscription().connect(publisher(robot_schema_));

@@ -44,7 +44,7 @@ class GraphMaster {
   /// As if nodes had registered or left.
   void set_publishers(const std::string& topic, const std::vector<std::string>& uris) {
     publishers_[topic] = {uris.begin(), uris.end()};
-    tell(topic);
+    notify(topic);
   }
   void set_subscriber(const std::string& topic, const std::string& node, const std::string& uri) {
     nodes_[node] = uri;
@@ -62,7 +62,7 @@ class GraphMaster {
 
   std::map<std::string, int> calls;  ///< how often each method was called
   std::map<std::string, XmlValue> params;
-  bool tells{true};  ///< false: subscribers are not told of publishers, as when the network is away
+  bool notifies{true};  ///< false: subscribers are not told of publishers, as when the network is away
 
  private:
   static XmlValue reply(std::int32_t code, XmlValue value) { return XmlArray{code, "", std::move(value)}; }
@@ -77,12 +77,12 @@ class GraphMaster {
       if (nodes_[text(call, 0)] != text(call, 3)) publishers_[text(call, 1)].erase(nodes_[text(call, 0)]);
       nodes_[text(call, 0)] = text(call, 3);
       publishers_[text(call, 1)].insert(text(call, 3));
-      tell(text(call, 1));
+      notify(text(call, 1));
       return reply(1, list(subscribers_[text(call, 1)]));
     }
     if (method == "unregisterPublisher") {
       publishers_[text(call, 1)].erase(text(call, 2));
-      tell(text(call, 1));
+      notify(text(call, 1));
       return reply(1, 1);
     }
     if (method == "registerSubscriber") {
@@ -150,8 +150,8 @@ class GraphMaster {
     return array;
   }
 
-  void tell(const std::string& topic) {
-    if (!tells) return;
+  void notify(const std::string& topic) {
+    if (!notifies) return;
     for (const auto& api : subscribers_[topic]) {
       call_node(api, "publisherUpdate", {"/master", topic, list(publishers_[topic])});
     }

@@ -100,7 +100,7 @@ TEST_F(FrameReaderTest, AnAbsurdLengthBreaksTheStreamBeforeMemoryIsTaken) {
   EXPECT_NE(reader.problem().find("4294967280"), std::string::npos) << reader.problem();
 }
 
-TEST_F(FrameReaderTest, AnEndAmidAMessageIsTold) {
+TEST_F(FrameReaderTest, AnEndAmidAMessageIsReported) {
   FrameReader reader(pool, scratch, params);
   ASSERT_TRUE(far.send(little_endian(100) + "half"));
   far.close();
@@ -122,7 +122,7 @@ TEST_F(FrameReaderTest, AnExactReaderLeavesTheNextMessageInTheSocket) {
   EXPECT_EQ(near.received, second);
 }
 
-TEST_F(FrameReaderTest, StatusBytesOfResponsesAreTold) {
+TEST_F(FrameReaderTest, StatusBytesOfResponsesAreReported) {
   params = {1U << 20U, true, true};
   FrameReader reader(pool, scratch, params);
   ASSERT_TRUE(far.send(std::string("\x01", 1) + message("good") + std::string("\0", 1) + message("bad")));

@@ -53,11 +53,11 @@ TEST_F(HalfOpen, ASubscriberThatMissedOurEndLearnsOfIt) {
   if (!vanish()) GTEST_SKIP() << "TCP_REPAIR needs the capability CAP_NET_ADMIN";
   EXPECT_EQ(finds(), 0) << "it does not know yet";
   HalfOpenNotices notices(loop_);
-  int told = 0;
-  notices.tell(ends_, [&] { ++told; });
+  int notified = 0;
+  notices.notify(ends_, [&] { ++notified; });
   EXPECT_TRUE(loop_until(loop_, [this] { return finds() == ECONNRESET; }));
   EXPECT_TRUE(loop_until(loop_, [&] { return notices.pending() == 0; }));
-  EXPECT_EQ(told, 1);
+  EXPECT_EQ(notified, 1);
   auto other = begin_connect("127.0.0.1", ntohs(reinterpret_cast<const sockaddr_in&>(ends_.local).sin_port));
   EXPECT_TRUE(other) << "the port still takes subscribers";
 }
@@ -66,9 +66,9 @@ TEST_F(HalfOpen, OneThatIsGoneNeedsNoNotice) {
   subscriber_.close();
   abort_connection(ours_);
   HalfOpenNotices notices(loop_);
-  int told = 0;
-  notices.tell(ends_, [&] { ++told; });
-  EXPECT_TRUE(loop_until(loop_, [&] { return told == 1; })) << "whoever calls it back may begin";
+  int notified = 0;
+  notices.notify(ends_, [&] { ++notified; });
+  EXPECT_TRUE(loop_until(loop_, [&] { return notified == 1; })) << "whoever calls it back may begin";
   EXPECT_EQ(notices.pending(), 0U);
 }
 
@@ -79,20 +79,20 @@ TEST_F(HalfOpen, AnAbortedConnectionIsResetAtOnce) {
 
 TEST_F(HalfOpen, UnknownEndsAreLeftAlone) {
   HalfOpenNotices notices(loop_);
-  notices.tell(ends_of(-1), [] { ADD_FAILURE() << "nobody was told"; });
+  notices.notify(ends_of(-1), [] { ADD_FAILURE() << "nobody was told"; });
   EXPECT_EQ(notices.pending(), 0U);
 }
 
-TEST_F(HalfOpen, WhatIsDoneAfterwardsMayTellAgain) {
+TEST_F(HalfOpen, ACallbackMayNotifyAgain) {
   subscriber_.close();
   abort_connection(ours_);
   HalfOpenNotices notices(loop_);
-  int told = 0;
-  notices.tell(ends_, [&] {
-    ++told;
-    notices.tell(ends_, [&] { ++told; });
+  int notified = 0;
+  notices.notify(ends_, [&] {
+    ++notified;
+    notices.notify(ends_, [&] { ++notified; });
   });
-  EXPECT_TRUE(loop_until(loop_, [&] { return told == 2; }));
+  EXPECT_TRUE(loop_until(loop_, [&] { return notified == 2; }));
 }
 
 }  // namespace

@@ -130,7 +130,7 @@ TEST_F(LostLinks, OneThatIsConnectedTwiceIsThere) {
   EXPECT_EQ(second.updates, 0);
 }
 
-TEST_F(LostLinks, WhomTheMasterNoLongerListsNobodyCalls) {
+TEST_F(LostLinks, SubscribersThatTheMasterNoLongerListsAreNotCalled) {
   RospyLike listener(loop, master, "/listener", "/command");
   RospyLike witness(loop, master, "/witness", "/command");
   publish_to(listener);
@@ -155,12 +155,12 @@ TEST_F(LostLinks, WithNoSubscriberListedTheFirstAnswerEndsIt) {
   EXPECT_EQ(master.calls["registerPublisher"], registered + 1);
 }
 
-TEST_F(LostLinks, APublisherReplacedWhileNobodyCouldTellUsIsFound) {
+TEST_F(LostLinks, APublisherReplacedWithoutNotificationIsFound) {
   auto robot = make_plain("/robot");
   auto publication = publish(*robot, "/state");
   const auto subscription = subscribe(*translator_, "/state");
   ASSERT_TRUE(until([&] { return ups.size() == 1; }));
-  master.tells = false;
+  master.notifies = false;
   const auto old_uri = robot->uri();
   publication.reset();
   robot.reset();
@@ -182,7 +182,7 @@ TEST_F(LostLinks, APublisherThatEndsIsNoProblem) {
   auto publication = publish(*robot, "/state");
   const auto subscription = subscribe(*translator_, "/state");
   ASSERT_TRUE(until([&] { return ups.size() == 1; }));
-  master.tells = false;  // its end is seen before the master says so
+  master.notifies = false;  // its end is seen before the master says so
   publication.reset();
   robot.reset();
   ASSERT_TRUE(until([&] { return downs.size() == 1; }));
@@ -213,7 +213,7 @@ TEST_F(LostLinks, APublisherThatOnlyTheGraphShowsIsAskedFor) {
   const auto robot = make_plain("/robot");
   const auto subscription = subscribe(*translator_, "/state");
   ASSERT_TRUE(until([&] { return master.subscriber_count("/state") == 1; }));
-  master.tells = false;
+  master.notifies = false;
   const auto publication = publish(*robot, "/state");
   ASSERT_TRUE(until([&] { return master.publisher_count("/state") == 1; }));
   for (int look = 0; look < 2; ++look) subscription->compare(1);

@@ -48,7 +48,7 @@ TEST_F(MissingSubscribersTest, EndsWhenTheLastOneCame) {
   EXPECT_EQ(called_.size(), 2U);
 }
 
-TEST_F(MissingSubscribersTest, NobodyMissingNobodyCalled) {
+TEST_F(MissingSubscribersTest, CallsNoOneWhenNoneIsMissing) {
   missing_.hurry();
   missing_.expect("/a");
   missing_.clear();

@@ -71,7 +71,7 @@ TEST_F(PeerTest, TheSlaveApiRefusesWhatItCannot) {
   EXPECT_EQ(ask("publisherUpdate", {"/x", "/unknown", XmlArray{3, "x"}})[0], XmlValue(1));
 }
 
-TEST_F(PeerTest, WhoeverEndsANodeIsHeard) {
+TEST_F(PeerTest, EveryRequestToShutDownIsHandled) {
   int ended = 0;
   Peer::Handlers handlers;
   handlers.on_shutdown = [&] { ++ended; };

@@ -119,7 +119,7 @@ TEST_F(Services, CallsOfOneLinkAreAnsweredInOrder) {
   held[0](true, bytes_of("twice"));  // counts once
 }
 
-TEST_F(Services, AProbeTellsTheTypeAndNeverCalls) {
+TEST_F(Services, AProbeReturnsTheTypeAndNeverCalls) {
   const auto server = serve(*robot);
   const auto link = open(*translator, "*", true);
   ASSERT_TRUE(link);

@@ -66,7 +66,7 @@ TEST_F(SharedSubscriptions, OneThatComesLaterGetsTheLatchedMessage) {
   EXPECT_EQ(requests.size(), 1U);
 }
 
-TEST_F(SharedSubscriptions, TheConnectionLastsAsLongAsSomebodyWantsIt) {
+TEST_F(SharedSubscriptions, TheConnectionLastsAsLongAsItHasSubscribers) {
   begin(clock);
   begin(route);
   ASSERT_TRUE(until([&] { return clock.ups == 1 && route.ups == 1; }));

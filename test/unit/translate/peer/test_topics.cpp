@@ -176,7 +176,7 @@ TEST_F(Topics, OurOwnPublicationIsNotSubscribed) {
   EXPECT_TRUE(requests.empty());
 }
 
-TEST_F(Topics, ARefusalIsToldOnceAndTriedAgain) {
+TEST_F(Topics, ARefusalIsReportedOnceAndTriedAgain) {
   const auto robot = make_plain("/robot");
   const auto translator = make("/translator");
   int asked = 0;
@@ -282,7 +282,7 @@ TEST_F(Topics, ASubscriberThatTalksChangesNothing) {
   EXPECT_TRUE(left.empty());
 }
 
-TEST_F(Topics, ASubscriberThatLeavesIsTold) {
+TEST_F(Topics, ASubscriberThatLeavesIsReported) {
   const auto robot = make_plain("/robot");
   const auto translator = make("/translator");
   const auto publication = publish(*translator, "/chat");

@@ -102,7 +102,7 @@ TEST_F(PlanFields, ReorderedFieldsMove) {
       Bytes().count(2).put<std::uint16_t>(1).put<std::uint16_t>(2).put<std::uint8_t>(4).text("hey").str());
 }
 
-TEST_F(PlanFields, EmbeddedMessagesPairByTheirFieldsWhateverTheirName) {
+TEST_F(PlanFields, EmbeddedMessagesPairByTheirFieldsRegardlessOfTheirName) {
   definitions.define("old/Part", "uint8 a\nuint8 b");
   definitions.define("renamed/Part", "uint8 b\nuint8 a\nuint8 c");
   EXPECT_EQ(
@@ -271,7 +271,7 @@ TEST_F(PlanFields, NotesNameEveryFieldAndDroppedOnesLast) {
   EXPECT_EQ(all->notes()[1].text, "from int32 to int64");
 }
 
-TEST_F(PlanFields, ThePlanInWords) {
+TEST_F(PlanFields, ThePlanAsText) {
   const auto added = plan("Header header\nfloat64 set_point\nfloat64 error",
                           "Header header\nfloat64 set_point\nfloat64 error\nbool windup");
   EXPECT_EQ(added->describe(),

@@ -58,9 +58,9 @@ class ShippedTest : public testing::Test {
     EXPECT_EQ(std::string(reinterpret_cast<const char*>(converted.data()), converted.size()),
               std::string(reinterpret_cast<const char*>(expected.data()), expected.size()));
   }
-  static void expect_both_ways(const std::string& type, const std::string& old_set,
-                               const std::string& old_text, const std::string& new_set,
-                               const std::string& new_text) {
+  static void expect_both_directions(const std::string& type, const std::string& old_set,
+                                     const std::string& old_text, const std::string& new_set,
+                                     const std::string& new_text) {
     expect_becomes(type, old_set, old_text, new_set, new_text);
     expect_becomes(type, new_set, new_text, old_set, old_text);
   }

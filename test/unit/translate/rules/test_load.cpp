@@ -87,7 +87,7 @@ TEST_F(LoadTest, NothingIsNoRule) {
   EXPECT_EQ(good("rules: []\n").size(), 0U);
 }
 
-TEST_F(LoadTest, AnEntryIsARuleEachWay) {
+TEST_F(LoadTest, AnEntryIsARuleInEachDirection) {
   const auto rules =
       good(entry("  forward: {ratio: {from: speed, scale: 0.01, offset: 1, overflow: saturate}}\n"));
   EXPECT_EQ(rules.size(), 2U);
@@ -245,7 +245,7 @@ INSTANTIATE_TEST_SUITE_P(
         BadCase{"  forward:\n    ratio: {from: names}\n", "r.yaml:4: "},
         BadCase{"  forward:\n    name: {from: names}\n", "r.yaml:4: "}));
 
-TEST_F(LoadTest, EveryProblemIsToldAtOnceInTheFilesOrder) {
+TEST_F(LoadTest, EveryProblemIsReportedAtOnceInTheFilesOrder) {
   const auto message =
       problem(entry("  forward:\n    small: {value: 200}\n    ratio: {from: sped}\n  frm: 1\n"));
   const auto first = message.find("r.yaml:5:"), second = message.find("r.yaml:6:"),
@@ -257,7 +257,7 @@ TEST_F(LoadTest, EveryProblemIsToldAtOnceInTheFilesOrder) {
   EXPECT_LT(second, third);
 }
 
-TEST_F(LoadTest, UnknownDefinitionsAreTold) {
+TEST_F(LoadTest, UnknownDefinitionsAreReported) {
   const std::string zeros(32, '0');
   expect_problem("- type: p/Head\n  from: " + zeros + "\n  to: " + store.md5("new", "p/Head") + "\n",
                  "r.yaml:2: p/Head: no definition with MD5 " + zeros + "; known are ");
@@ -280,7 +280,7 @@ TEST_F(LoadTest, ASecondRuleForAPairIsRefused) {
                  "is the same definition as from");
 }
 
-TEST_F(LoadTest, WhatIsNoYamlIsToldWithItsLine) {
+TEST_F(LoadTest, InvalidYamlIsReportedWithItsLine) {
   expect_problem("rules:\n  - {type: [\n", "r.yaml:");
   expect_problem("rules:\n  - {type: [\n", "is no YAML");
   expect_problem("just a text\n", "r.yaml:1: must be a map");
@@ -300,7 +300,7 @@ TEST_F(LoadTest, TreesThatAnAliasMakesEndlessOrHugeAreRefused) {
   expect_problem(entry(bomb), "more than 100000 values");
 }
 
-TEST_F(LoadTest, FilesAreReadInOrderAndMissingOnesTold) {
+TEST_F(LoadTest, FilesAreReadInOrderAndMissingOnesReported) {
   const auto first = store.folder() / "a.yaml", second = store.folder() / "b.yaml";
   std::ofstream(first) << entry("");
   std::ofstream(second) << "rules:\n"

@@ -34,7 +34,7 @@ class RuleSetTest : public testing::Test {
             v3 = message("p/T", "int32 a\n"), v4 = message("p/T", "int64 a\n");
 };
 
-TEST_F(RuleSetTest, FindsARuleByThePairOneWay) {
+TEST_F(RuleSetTest, FindsARuleByThePairInOneDirection) {
   join(v1, v2);
   ASSERT_NE(rules.find(*v1, *v2), nullptr);
   EXPECT_EQ(rules.find(*v1, *v2)->to_md5, v2->md5());
