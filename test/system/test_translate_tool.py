@@ -179,7 +179,7 @@ class TranslateTool(unittest.TestCase):
             rows["visualization_msgs/Marker"][key] for key in ("verdict", "robot_md5", "workstation_md5", "robot_where")))
         self.assertEqual(("same", "srv"), (rows["std_srvs/Trigger"]["verdict"], rows["std_srvs/Trigger"]["kind"]))
         self.assertEqual("unknown", rows["sensor_msgs/Image"]["verdict"])
-        self.assertIn("nobody publishes it", rows["sensor_msgs/Image"]["reasons"][0])
+        self.assertIn("there is no publisher", rows["sensor_msgs/Image"]["reasons"][0])
         self.run_tool("check", "--robot", robot, "--from-set", "indigo", "--workstation", workstation)
         for uri in (robot, workstation):  # nothing stays behind
             with xmlrpc.client.ServerProxy(uri) as master:
@@ -223,7 +223,7 @@ class TranslateTool(unittest.TestCase):
                 (["md5", "a/B", "c/D"], "unexpected argument c/D"),
                 (["md5", "a/B", "--set", "melodic"], "no set 'melodic'; there are: baxter_sdk_0.7.0"),
                 (["md5", "no_msgs/Such", "--set", "indigo"], "no set has the type no_msgs/Such"),
-                (["md5", "a/B", "--file", file], "line 2: field a is there twice"),
+                (["md5", "a/B", "--file", file], "line 2: field a appears twice"),
                 (["md5", "a/B", "--tree", "/no/such"], "/no/such"),
                 (["check", "--to-set", "noetic"], "--from-set SET"),
                 (["check", "--from-set", "indigo"], "--to-set SET"),

@@ -113,7 +113,7 @@ class StatusTool(unittest.TestCase):
         for arguments, environment, expected in (
                 ((), {}, rf"no translator /translator at {SESSION.workstation.uri}; give one of these with --node: "
                          rf".*{NAME}_home"),
-                (("--master", SESSION.robot.uri), {}, "none runs there: roslaunch extperfc translator.launch"),
+                (("--master", SESSION.robot.uri), {}, "no translator is running: roslaunch extperfc translator.launch"),
                 ((), {"ROS_MASTER_URI": "http://127.0.0.1:9"}, "no master at http://127.0.0.1:9.*--master"),
                 (("--timeout", "0"), {}, "--timeout")):
             done = status(*arguments, **environment)

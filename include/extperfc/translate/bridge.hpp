@@ -150,7 +150,7 @@ class Bridge {
   virtual ~Bridge() = default;
 
   [[nodiscard]] virtual BridgeStatus status() = 0;
-  /// Takes other rules: every plan is made anew, and subscribers that had none are called back.
+  /// Takes other rules: every plan is compiled again, and refused subscribers are invited again.
   virtual void replace_rules(RuleSet rules) = 0;
   /// Unregisters on both sides, then `done`.
   virtual void shut_down(std::chrono::milliseconds patience, std::function<void()> done) = 0;

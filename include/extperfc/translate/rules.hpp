@@ -71,7 +71,7 @@ struct MigrationRule {
   std::string from_type, from_md5;
   std::string to_type, to_md5;
   std::vector<std::pair<std::string, Source>> targets;  ///< fields of the target not named here pair by name
-  std::vector<std::string> dropped;  ///< fields of the source that are left out on purpose: no warning
+  std::vector<std::string> dropped;  ///< fields of the source that are dropped by a rule: no warning
   std::string origin;                ///< "file:line" for messages
 };
 

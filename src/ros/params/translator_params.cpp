@@ -120,7 +120,7 @@ void read_filter(ParamReader& reader, const ros::NodeHandle& handle, translate::
   read_strings(reader, handle, "never", never);
   if (!handle.hasParam("allow"))
     reader.complain(handle.resolveName("allow") +
-                    " is not set: load config/translator.yaml, or list what may cross");
+                    " is not set: load config/translator.yaml, or list the names to bridge");
   filter.deny.insert(filter.deny.end(), never.begin(), never.end());
   check_expressions(reader, handle.resolveName("allow"), filter.allow);
   check_expressions(reader, handle.resolveName("deny"), filter.deny);
@@ -132,7 +132,7 @@ void read_prefixes(ParamReader& reader, const ros::NodeHandle& handle, const std
   for (const auto& prefix : prefixes)
     if (prefix.size() < 2 || prefix.front() != '/')
       reader.complain(handle.resolveName(key) + ": '" + prefix +
-                      "' is no prefix: begin with a slash and name a namespace or a parameter");
+                      "' is not a prefix: start with a slash and name a namespace or a parameter");
 }
 
 bool is_address(const std::string& text) {
@@ -162,7 +162,7 @@ void check_name(ParamReader& reader, const ros::NodeHandle& handle, const std::s
   static const std::regex valid("(/[A-Za-z][A-Za-z0-9_]*)+");
   if (!std::regex_match(name, valid))
     reader.complain(handle.resolveName("name") + ": '" + name +
-                    "' is no absolute name of a node, such as /extperfc_translator");
+                    "' is not an absolute node name such as /extperfc_translator");
 }
 
 void check_uri(ParamReader& reader, const ros::NodeHandle& handle, const std::string& uri) {
@@ -207,8 +207,9 @@ void read_workstation(ParamReader& reader, const ros::NodeHandle& handle, SidePa
   read_side(reader, handle, side);
   if (side.peer.advertised_host.empty()) side.peer.advertised_host = host_of_environment();
   if (side.peer.name == node_name)
-    reader.complain(handle.resolveName("name") + ": '" + node_name +
-                    "' is the name of this very node: its master would end one of the two; use another name");
+    reader.complain(
+        handle.resolveName("name") + ": '" + node_name +
+        "' is the name of this ROS node: the master would shut one of the two down; use another name");
 }
 
 void read_connections(ParamReader& reader, std::array<SideParams, 2>& sides) {
@@ -245,7 +246,7 @@ void read_clocks(ParamReader& reader, const ros::NodeHandle& handle, translate::
   clocks.ntp_port = static_cast<std::uint16_t>(port);
   if (clocks.shift_stamps && clocks.reference_topics.empty() && clocks.ntp_server.empty())
     reader.complain(handle.resolveName("shift_stamps") +
-                    " needs a measurement: name reference_topics of the robot side, or an ntp_server");
+                    " needs a measurement: set reference_topics or ntp_server");
 }
 
 void read_definitions(ParamReader& reader, const ros::NodeHandle& handle, TranslatorDefinitions& params) {
@@ -316,7 +317,7 @@ void check_masters(GroupReader& groups, const std::array<SideParams, 2>& sides) 
   if (robot_master && workstation_master && robot_master->host == workstation_master->host &&
       robot_master->port == workstation_master->port)
     groups.complain("robot/master_uri and workstation/master_uri are the same master, " +
-                    sides[0].peer.master_uri + ": a translator stands between two");
+                    sides[0].peer.master_uri + ": the translator needs two masters");
 }
 
 }  // namespace

@@ -37,9 +37,9 @@ void log(const Knowledge& knowledge) {
   ROS_INFO("%s", knowledge.summary.c_str());
   const auto& problems = knowledge.problems;
   for (std::size_t i = 0; i < std::min(problems.size(), kShownProblems); ++i)
-    ROS_WARN("definition left out: %s", problems[i].c_str());
+    ROS_WARN("ignoring definition: %s", problems[i].c_str());
   if (problems.size() > kShownProblems)
-    ROS_WARN("%zu more definitions are left out", problems.size() - kShownProblems);
+    ROS_WARN("ignoring %zu more definitions", problems.size() - kShownProblems);
 }
 
 /// Runs `ask` on the loop's thread and waits; nothing when it does not come to it in time.
@@ -124,7 +124,7 @@ void TranslatorNode::shut_down() {
   auto closed = done->get_future();
   loop_.post([this, patience, done] { bridge_->shut_down(patience, [done] { done->set_value(); }); });
   if (closed.wait_for(patience + kClosing) != std::future_status::ready)
-    ROS_WARN("a master did not answer: it may list our topics until it notices that we are gone");
+    ROS_WARN("a master did not answer: it may list the translator's topics until it detects the shutdown");
   loop_.stop();
   thread_.join();
 }
@@ -141,7 +141,7 @@ void TranslatorNode::report() {
     report.status.emplace_back();
     report.status.back().level = diagnostic_msgs::DiagnosticStatus::ERROR;
     report.status.back().name = report_params_.node + ": link";
-    report.status.back().message = "the bridge has not answered for seconds: is the processor overloaded?";
+    report.status.back().message = "the bridge does not answer: check the processor load";
     diagnostics_.publish(report);
     return;
   }
@@ -164,7 +164,7 @@ bool TranslatorNode::on_reload_rules(Trigger::Request& /*request*/, Trigger::Res
   auto knowledge = load(params_);
   if (!knowledge) {
     response.success = 0U;
-    response.message = "the old rules stay: " + knowledge.error().message;
+    response.message = "keeping the previous rules: " + knowledge.error().message;
     ROS_WARN("%s", response.message.c_str());
     return true;
   }
@@ -174,8 +174,8 @@ bool TranslatorNode::on_reload_rules(Trigger::Request& /*request*/, Trigger::Res
     return true;
   });
   response.success = static_cast<std::uint8_t>(replaced.has_value());
-  response.message = replaced ? std::to_string(rules->size()) + " rules were read; every plan is made anew"
-                              : "the bridge did not answer in time: ask for ~status";
+  response.message = replaced ? std::to_string(rules->size()) + " rules loaded; every plan is compiled again"
+                              : "the bridge did not answer in time: check ~status";
   ROS_INFO("%s", response.message.c_str());
   return true;
 }

@@ -79,7 +79,7 @@ void BridgeImpl::on_master(Side side, const Peer::MasterStatus& status) {
     return;
   }
   if (std::exchange(restarts_[index(side)], status.restarts) == status.restarts) return;
-  context_.log(label + "was started again");
+  context_.log(label + "restarted");
   for (auto& [from, route] : param_routes_)
     if (other(from) == side) route->write_again();
 }

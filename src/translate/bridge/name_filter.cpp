@@ -31,7 +31,7 @@ Result<std::regex> make_expression(const std::string& text, const std::string& w
     return std::regex(text, std::regex::ECMAScript | std::regex::optimize);
   } catch (const std::regex_error& error) {
     return fail(ErrorCode::kInvalidArgument,
-                what + ": '" + text + "' is no regular expression (" + error.what() + ")");
+                what + ": '" + text + "' is not a regular expression (" + error.what() + ")");
   }
 }
 

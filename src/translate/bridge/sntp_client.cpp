@@ -141,13 +141,14 @@ Result<SntpAnswer> read_sntp_answer(ByteView packet, std::uint64_t nonce) {
   if (mode != kServerMode)
     return fail(ErrorCode::kCorrupt, "mode " + std::to_string(mode) + " is not a server's answer");
   if (read_timestamp(packet, kOriginateAt) != nonce)
-    return fail(ErrorCode::kCorrupt, "it answers a question that we did not ask");
+    return fail(ErrorCode::kCorrupt, "unexpected answer: it does not match the request");
   const unsigned stratum = packet.data[kStratumAt];
-  if (stratum == 0) return fail(ErrorCode::kUnsupported, "it refuses to answer: '" + kiss_code(packet) + "'");
+  if (stratum == 0)
+    return fail(ErrorCode::kUnsupported, "the server refuses to answer: '" + kiss_code(packet) + "'");
   const auto received = read_timestamp(packet, kReceiveAt);
   const auto transmitted = read_timestamp(packet, kTransmitAt);
   if (stratum > kLastStratum || received == 0 || transmitted == 0)
-    return fail(ErrorCode::kCorrupt, "its answer has no time in it");
+    return fail(ErrorCode::kCorrupt, "the answer contains no time");
   return SntpAnswer{ntp_to_unix_s(received), ntp_to_unix_s(transmitted), stratum,
                     packet.data[0] >> 6U != kNotSynchronised && stratum < kLastStratum};
 }

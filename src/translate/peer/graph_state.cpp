@@ -56,12 +56,12 @@ Result<GraphState> read_graph(const XmlValue& system_state, const XmlValue& topi
   const auto* types = topic_types.as<XmlArray>();
   if (!whole || types == nullptr)
     return fail(ErrorCode::kCorrupt,
-                "the master's answer to getSystemState or getTopicTypes has another shape");
+                "the master's answer to getSystemState or getTopicTypes has an unexpected format");
   for (const auto& pair : *types) {
     const auto* topic = text_at(pair, 0);
     const auto* type = text_at(pair, 1);
     if (topic == nullptr || type == nullptr)
-      return fail(ErrorCode::kCorrupt, "the master's answer to getTopicTypes has another shape");
+      return fail(ErrorCode::kCorrupt, "the master's answer to getTopicTypes has an unexpected format");
     // The master remembers types of topics that nobody has any more.
     if (const auto found = graph.topics.find(*topic); found != graph.topics.end()) found->second.type = *type;
   }

@@ -187,7 +187,7 @@ HttpReader::Step HttpReader::choose_body() {
   if (kind_ == Kind::kRequest && message_.method != "POST") return broken(405, "not a POST request");
   if (const auto coding = headers.find("transfer-encoding"); coding != headers.end()) {
     if (kind_ == Kind::kRequest || lower(coding->second) != "chunked" || headers.count("content-length") != 0)
-      return broken(501, "a transfer encoding, which no client of ROS uses, or an unknown one");
+      return broken(501, "an unsupported transfer encoding");
     part_ = Part::kChunkSize;
   } else if (const auto length = headers.find("content-length"); length != headers.end()) {
     if (const auto step = choose_length(length->second); step != Step::kMore) return step;

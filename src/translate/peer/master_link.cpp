@@ -96,7 +96,7 @@ struct MasterLink::State : std::enable_shared_from_this<MasterLink::State> {
     for (auto& [id, registration] : registrations.entries) registration.not_before = {};
     queue_all();
     report(std::string("the master at ") + params.master_uri + (restarted ? " restarted" : " is reachable") +
-           ": everything is registered there");
+           ": registered everything");
   }
 
   void on_lost(const std::string& problem) {

@@ -73,7 +73,7 @@ Result<void> PeerCore::find_host() {
                                      : local_address_towards(address, master_at->port);
   host = in_uri(local ? *local : host_name());
   if (!local) {
-    log(params.name + " cannot tell its address towards " + master_at->host + " (" + local.error().message +
+    log(params.name + " cannot determine its address for " + master_at->host + " (" + local.error().message +
         ") and advertises " + host + "; " + params.advertised_host_remedy);
   }
   return {};
@@ -83,7 +83,8 @@ Result<void> PeerCore::open() {
   const auto master_at = parse_uri(params.master_uri);
   if (!master_at) return tl::unexpected<Error>(master_at.error());
   if (params.name.size() < 2 || params.name.front() != '/') {
-    return fail(ErrorCode::kInvalidArgument, "'" + params.name + "' is no node name; it begins with '/'");
+    return fail(ErrorCode::kInvalidArgument,
+                "'" + params.name + "' is not a node name: it must begin with '/'");
   }
   if (auto found = find_host(); !found) return found;
   const std::weak_ptr<PeerCore> weak = weak_from_this();
@@ -145,7 +146,7 @@ void PeerCore::open_log_window() {
     self->log_window_open_ = false;
     self->lines_left_ = kLinesAtOnce;
     const auto dropped = std::exchange(self->lines_dropped_, 0);
-    if (dropped > 0) self->log(std::to_string(dropped) + " more lines like these were left out");
+    if (dropped > 0) self->log(std::to_string(dropped) + " similar lines were suppressed");
   });
 }
 

@@ -19,7 +19,7 @@ class Request : public SubscriberRequest {
         id_(id),
         header_(std::move(incoming.header)),
         address_(std::move(incoming.remote_address)) {}
-  ~Request() override { Request::refuse("nobody answers for this topic"); }
+  ~Request() override { Request::refuse("the topic is not available"); }
   Request(const Request&) = delete;
   Request& operator=(const Request&) = delete;
   const ConnectionHeader& header() const override { return header_; }
@@ -79,7 +79,7 @@ void PublicationState::open(const std::string& type) {
 void PublicationState::close() {
   if (std::exchange(closed_, true)) return;
   end_registration(*core_, core_->publications, topic_, this);
-  while (!pending_.empty()) refuse(pending_.begin()->first, "the publisher of " + topic_ + " goes away");
+  while (!pending_.empty()) refuse(pending_.begin()->first, "the publisher of " + topic_ + " shuts down");
   links_.clear();
   missing_subscribers_.clear();
 }
@@ -91,7 +91,7 @@ void PublicationState::incoming(Incoming incoming) {
   const auto mark = core_->mark_in(incoming.header);
   if (!mark.empty()) {
     return refuse_now(topic_ + " is translated by " + core_->params.name +
-                      " and not for another translator (" + mark + "): that could make a loop");
+                      " and is not available to another translator (" + mark + "), to prevent a loop");
   }
   if (pending_.size() + links_.size() >= core_->params.tcpros.links) {
     return refuse_now("too many subscribers of " + topic_ + " (" + std::to_string(links_.size()) + ")");
@@ -141,7 +141,7 @@ LinkId PublicationState::accept(LinkId id, ConnectionHeader header) {
   frame->seal();
 
   auto link = std::make_unique<Link>(core_->loop, [weak = weak_from_this(), id] {
-    if (const auto self = weak.lock()) self->give_up(id, "it does not read what it is sent");
+    if (const auto self = weak.lock()) self->give_up(id, "it does not read its messages");
   });
   link->socket = std::move(found->second.socket);
   link->ends = ends_of(link->socket.get());

@@ -179,7 +179,7 @@ void Resolver::resolve(const std::string& host, Done done) {
     return done(Result<std::string>(known->second.address));
   if (state_->waiting_count >= kWaiting ||
       (state_->waiting.count(name) == 0 && state_->waiting.size() >= kNames))
-    return done(fail(ErrorCode::kFailed, "too many names wait to be looked up: '" + name + "' is left out"));
+    return done(fail(ErrorCode::kFailed, "too many pending name lookups: ignoring '" + name + "'"));
   auto& callbacks = state_->waiting[name];
   callbacks.push_back(std::move(done));
   ++state_->waiting_count;

@@ -174,7 +174,7 @@ struct RpcClient::State : std::enable_shared_from_this<RpcClient::State> {
 
   void proceed(const ServerPtr& server, HttpReader::Step step) {
     if (step == HttpReader::Step::kBroken)
-      return fail_active(server, ErrorCode::kCorrupt, "not an answer of HTTP: " + server->reader.problem());
+      return fail_active(server, ErrorCode::kCorrupt, "not an HTTP response: " + server->reader.problem());
     if (step != HttpReader::Step::kDone) return;
     const auto message = server->reader.take();
     server->used = true;

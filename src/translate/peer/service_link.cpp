@@ -117,7 +117,7 @@ void LinkState::read() {
 }
 
 void LinkState::finish(std::shared_ptr<Frame> response, bool ok) {
-  if (calls_.empty() || !under_way_) return lose("the server answered what nobody asked");
+  if (calls_.empty() || !under_way_) return lose("unexpected response from the server");
   auto call = std::move(calls_.front());
   calls_.pop_front();
   under_way_ = false;
@@ -181,8 +181,8 @@ class Opener : public std::enable_shared_from_this<Opener> {
         "lookupService", {service_}, [self = shared_from_this(), md5](const Result<XmlValue>& uri) {
           if (!uri) return self->end(tl::unexpected<Error>(Error{ErrorCode::kNotFound, uri.error().message}));
           const auto* text = uri->as<std::string>();
-          const auto to =
-              text != nullptr ? parse_uri(*text) : fail(ErrorCode::kCorrupt, "the master knows no URI");
+          const auto to = text != nullptr ? parse_uri(*text)
+                                          : fail(ErrorCode::kCorrupt, "the master does not know its URI");
           if (!to) return self->end(tl::unexpected<Error>(call_error(self->service_, to.error().message)));
           self->connect(*to, md5);
         });

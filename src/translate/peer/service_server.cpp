@@ -42,7 +42,7 @@ class Request : public ServiceRequest {
  public:
   Request(std::weak_ptr<ServiceServerState> server, LinkId link, ConnectionHeader header)
       : server_(std::move(server)), link_(link), header_(std::move(header)) {}
-  ~Request() override { Request::refuse("nobody answers for this service"); }
+  ~Request() override { Request::refuse("the service is not available"); }
   Request(const Request&) = delete;
   Request& operator=(const Request&) = delete;
 
@@ -80,7 +80,7 @@ void ServiceServerState::open() {
 void ServiceServerState::close() {
   if (std::exchange(closed_, true)) return;
   end_registration(*core_, core_->services, name_, this);
-  const std::string reason = name_ + " goes away";
+  const std::string reason = name_ + " shuts down";
   for (auto& [id, client] : clients_) {
     core_->loop.cancel(client->deadline);
     if (client->step == Step::kPending) send_refusal(client->socket.get(), core_->own_header(), reason);
@@ -98,7 +98,7 @@ void ServiceServerState::incoming(Incoming incoming) {
   const auto mark = core_->mark_in(incoming.header);
   if (!mark.empty()) {
     return refuse_now(name_ + " is translated by " + core_->params.name +
-                      " and not for another translator (" + mark + "): that could make a loop");
+                      " and is not available to another translator (" + mark + "), to prevent a loop");
   }
   if (clients_.size() >= core_->params.tcpros.links) return refuse_now("too many clients of " + name_);
   if (!handlers_.on_request) return refuse_now(name_ + " takes no clients");

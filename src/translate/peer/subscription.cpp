@@ -164,19 +164,19 @@ Result<HostPort> address_in(const XmlValue& answer) {
     return fail(ErrorCode::kFailed, "its answer to requestTopic " + why);
   };
   const auto* list = answer.as<XmlArray>();
-  if (list == nullptr || list->size() != 3) return refused("has not three elements");
+  if (list == nullptr || list->size() != 3) return refused("does not have three elements");
   const auto* code = (*list)[0].as<std::int32_t>();
   const auto* status = (*list)[1].as<std::string>();
   if (code == nullptr || *code != 1)
     return refused("is a refusal: " + (status != nullptr ? *status : "no reason"));
   const auto* protocol = (*list)[2].as<XmlArray>();
-  if (protocol == nullptr || protocol->size() < 3) return refused("names no protocol that we speak");
+  if (protocol == nullptr || protocol->size() < 3) return refused("offers no supported protocol");
   const auto* name = (*protocol)[0].as<std::string>();
   const auto* host = (*protocol)[1].as<std::string>();
   const auto* port = (*protocol)[2].as<std::int32_t>();
   if (name == nullptr || *name != "TCPROS" || host == nullptr || port == nullptr || *port <= 0 ||
       *port > 65535) {
-    return refused("names no TCPROS address");
+    return refused("contains no TCPROS address");
   }
   return HostPort{*host, static_cast<std::uint16_t>(*port)};
 }
@@ -211,7 +211,7 @@ void SubscriptionState::connected_to(const SourcePtr& source, Result<Outgoing> o
   if (!outgoing) return fail_attempt(source, outgoing.error().message);
   const auto mark = core_->mark_in(outgoing->header);
   if (!mark.empty()) {
-    return reject(source, "it is translator " + mark + ": what was translated is not translated again");
+    return reject(source, "it is translator " + mark + ": translated messages are not translated again");
   }
   const auto refused = outgoing->header.find("error");
   if (refused != outgoing->header.end()) return fail_attempt(source, "it refused: " + refused->second);
@@ -267,8 +267,8 @@ void SubscriptionState::read(SourcePtr source) {
 namespace {
 
 std::string flap_text(const std::string& reason) {
-  return "the connection ends again and again, and messages are lost: look at the publisher's log, and for "
-         "another node of our name (last reason: " +
+  return "the connection ends again and again, and messages are lost: check the publisher's log, and whether "
+         "another node has the same name (last reason: " +
          reason + ")";
 }
 

@@ -97,8 +97,8 @@ bool FrameReader::begin_frame() {
   std::uint32_t size = 0;
   for (unsigned i = 0; i < Frame::kPrefix; ++i) size |= static_cast<std::uint32_t>(at[i]) << (8U * i);
   if (size > params_.message_bytes) {
-    problem_ = "it sent a message of " + std::to_string(size) + " bytes; at most " +
-               std::to_string(params_.message_bytes) + " are taken";
+    problem_ = "it sent a message of " + std::to_string(size) + " bytes; the maximum is " +
+               std::to_string(params_.message_bytes);
     return false;
   }
   try {

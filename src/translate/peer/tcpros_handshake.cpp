@@ -23,8 +23,8 @@ HeaderReader::Outcome HeaderReader::length_is_known() {
   size_ = 0;
   for (unsigned i = 0; i < length_.size(); ++i) size_ |= static_cast<std::size_t>(length_[i]) << (8U * i);
   if (size_ > max_bytes_) {
-    return fail_with("its connection header has " + std::to_string(size_) + " bytes; at most " +
-                     std::to_string(max_bytes_) + " are taken");
+    return fail_with("its connection header has " + std::to_string(size_) + " bytes; the maximum is " +
+                     std::to_string(max_bytes_));
   }
   return Outcome::kWaiting;
 }

@@ -76,8 +76,7 @@ void Compiler::note(NoteKind kind, const std::string& path, std::string text) {
 
 Result<void> Compiler::embedded(const SchemaPtr& from, const SchemaPtr& to, const std::string& path) {
   if (budget_.depth == 0)
-    return fail(ErrorCode::kUnsupported,
-                "field " + path + " is embedded too deeply, or rules go round in circles");
+    return fail(ErrorCode::kUnsupported, "field " + path + " is embedded too deeply, or rules form a cycle");
   --budget_.depth;
   const bool same = from->type() == to->type() && from->md5() == to->md5();
   const auto* rule = same ? nullptr : rules_.find(*from, *to);
@@ -238,7 +237,7 @@ void Compiler::note_dropped(const Pair& pair, const std::vector<Piece>& all) {
     const bool wanted =
         pair.rule != nullptr && std::count(pair.rule->dropped.begin(), pair.rule->dropped.end(), name);
     note(NoteKind::kDropped, pair.path + name,
-         wanted ? "left out on purpose" : "dropped: the target has no such field");
+         wanted ? "dropped by a rule" : "dropped: the target has no such field");
   }
 }
 
@@ -259,7 +258,7 @@ Result<void> Compiler::chain(const std::vector<RuleSet::Link>& links, const Sche
 
 Result<Chain> compile_chain(const std::vector<RuleSet::Link>& links, const RuleSet& rules,
                             const PlanOptions& options, Budget& budget) {
-  if (budget.depth == 0) return fail(ErrorCode::kUnsupported, "rules go round in circles");
+  if (budget.depth == 0) return fail(ErrorCode::kUnsupported, "rules form a cycle");
   --budget.depth;
   Chain chain;
   for (std::size_t i = 0; i < links.size(); ++i) {

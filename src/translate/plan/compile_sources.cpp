@@ -93,7 +93,7 @@ Result<void> Compiler::constant(const Literal& value, const Field& to, const std
 
 Result<void> Compiler::from_list(Pair& pair, const Source& from, const Field& to, const std::string& path) {
   if (to.arity == Arity::kSingle)
-    return fail(ErrorCode::kInvalidArgument, "field " + path + " is no array: it takes no `list`");
+    return fail(ErrorCode::kInvalidArgument, "field " + path + " is not an array: it takes no `list`");
   const auto count = static_cast<std::uint32_t>(from.list.size());
   if (to.arity == Arity::kFixed && to.fixed_count != count)
     return fail(ErrorCode::kInvalidArgument, "field " + path + " has " + std::to_string(to.fixed_count) +
@@ -110,7 +110,7 @@ Result<void> Compiler::from_list(Pair& pair, const Source& from, const Field& to
 Result<void> Compiler::from_fields(Pair& pair, const Source& from, const Field& to, const std::string& path) {
   if (to.primitive != Primitive::kMessage || to.arity != Arity::kSingle)
     return fail(ErrorCode::kInvalidArgument,
-                "field " + path + " is no embedded message: it takes no `fields`");
+                "field " + path + " is not an embedded message: it takes no `fields`");
   for (const auto& [name, inner] : from.fields)
     if (to.message->find(name) == nullptr) return no_field("field " + path, *to.message, name);
   for (const auto& field : to.message->fields()) {
@@ -155,7 +155,7 @@ Result<std::uint32_t> Compiler::parent_pose(Pair& pair, const Path& path) {
   if (auto done = navigate(pair, path, leaf, jumps); !done) return tl::unexpected(done.error());
   if (!leaf.message || leaf.arity != Arity::kSingle || !is_pose(*leaf.message))
     return fail(ErrorCode::kInvalidArgument,
-                "`relative_to` names " + to_text(path) + ", which is no geometry_msgs/Pose");
+                "`relative_to` names " + to_text(path) + ", which is not a geometry_msgs/Pose");
   const auto slot = out_.new_slot();
   out_.mark(slot, to_text(path));
   out_.skip(kPoseSize, to_text(path));
@@ -182,9 +182,9 @@ Result<void> Compiler::navigate(Pair& pair, const Path& path, Field& leaf, std::
     }
     if (step + 1 == path.size()) break;
     if (!leaf.message || leaf.arity != Arity::kSingle)
-      return fail(
-          ErrorCode::kInvalidArgument,
-          "path " + where + ": " + leaf.name + " is no single message; give an index, or end the path there");
+      return fail(ErrorCode::kInvalidArgument,
+                  "path " + where + ": " + leaf.name +
+                      " is not a single message: give an index, or end the path there");
     inside = leaf.message.get();
   }
   if (path.empty()) return fail(ErrorCode::kInvalidArgument, "a path is empty");

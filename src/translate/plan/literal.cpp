@@ -18,7 +18,7 @@ constexpr std::size_t kMaxBytes = 0xFFFFFFFF;  // of a message: its length is a 
 constexpr std::int64_t kNanosecondsPerSecond = 1'000'000'000;
 
 tl::unexpected<Error> refuse(const std::string& text, const Field& field) {
-  return fail(ErrorCode::kInvalidArgument, "'" + text + "' is no value of " + to_string(field));
+  return fail(ErrorCode::kInvalidArgument, "'" + text + "' is not a value of " + to_string(field));
 }
 
 template <typename T>
@@ -109,7 +109,7 @@ Result<void> append_list(const Literal& value, const Field& field, ByteBuffer& o
   const auto count = static_cast<std::uint32_t>(value.list.size());
   if (field.arity == Arity::kVariable) out.append(&count, sizeof count);
   if (field.arity == Arity::kFixed && count != field.fixed_count)
-    return fail(ErrorCode::kInvalidArgument, to_string(field) + " takes exactly so many elements, " +
+    return fail(ErrorCode::kInvalidArgument, to_string(field) + " takes exactly that many elements, " +
                                                  std::to_string(count) + " are given");
   const Field element = plan::element_of(field);
   for (const auto& item : value.list)

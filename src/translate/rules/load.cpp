@@ -64,7 +64,7 @@ Page read_page(const std::string& text, const std::string& name, const Definitio
     if (second > 0) page.problems.add(second, "", "a second document begins: write one list of rules");
     page.content = rules::RuleReader(definitions, page.problems).read(YAML::Load(text));
   } catch (const YAML::Exception& error) {
-    page.problems.add(error.mark.is_null() ? 0 : error.mark.line + 1, "", "is no YAML: " + error.msg);
+    page.problems.add(error.mark.is_null() ? 0 : error.mark.line + 1, "", "is not valid YAML: " + error.msg);
   }
   return page;
 }

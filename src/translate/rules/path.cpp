@@ -52,7 +52,7 @@ Error bad_step(const PathStep& step, const std::string& why) {
 
 /// What keeps this step from being taken; `last` when nothing follows it.
 std::optional<Error> obstacle(const PathStep& step, const Field& field, bool last) {
-  if (step.index && field.arity == Arity::kSingle) return bad_step(step, "is no array: remove the index");
+  if (step.index && field.arity == Arity::kSingle) return bad_step(step, "is not an array: remove the index");
   if (step.index && field.arity == Arity::kFixed && *step.index >= field.fixed_count)
     return bad_step(step, "has " + std::to_string(field.fixed_count) + " elements, from index 0");
   if (last) return std::nullopt;
@@ -76,7 +76,7 @@ Result<Path> parse_path(const std::string& text) {
     rest.remove_prefix(1);
   }
   return fail(ErrorCode::kInvalidArgument,
-              in_quotes(text) + " is no path of fields: write it like pose.position.x or names[0]");
+              in_quotes(text) + " is not a field path: write it like pose.position.x or names[0]");
 }
 
 std::string to_string(const Path& path) {
@@ -97,7 +97,7 @@ Result<PathEnd> resolve(const Path& path, const MessageSchema& root) {
     if (auto error = obstacle(step, *end.field, &step == &path.back())) return tl::unexpected<Error>(*error);
     end.element = step.index.has_value();
   }
-  if (end.field == nullptr) return fail(ErrorCode::kInvalidArgument, "an empty path names no field");
+  if (end.field == nullptr) return fail(ErrorCode::kInvalidArgument, "an empty path does not name a field");
   return end;
 }
 

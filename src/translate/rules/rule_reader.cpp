@@ -46,7 +46,7 @@ void RuleReader::read_renames(const YamlMap& root) {
     const std::string from = map.text("from").value_or(""), to = map.text("to").value_or("");
     const bool same_kind = (from.find('/') == std::string::npos) == (to.find('/') == std::string::npos);
     if (from.empty() || to.empty() || from == to || !same_kind)
-      map.problem("", "needs from and to: two types, or two packages");
+      map.problem("", "needs from and to: two types or two packages");
     else
       file_.renames.emplace_back(from, to);
   }

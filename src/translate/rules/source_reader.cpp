@@ -63,7 +63,7 @@ Source SourceReader::read(const YAML::Node& node, const std::string& where, Targ
       path(node.Scalar(), line, where, source.path);
     else
       problems_->add(line, where,
-                     in_quotes(node.Scalar()) + " names no field: write {value: ...} for a value");
+                     in_quotes(node.Scalar()) + " does not name a field: write {value: ...} for a value");
     return source;
   }
   const YamlMap map(node, where, *problems_);
@@ -71,7 +71,7 @@ Source SourceReader::read(const YAML::Node& node, const std::string& where, Targ
   const auto kind = kind_of(map);
   if (!kind) {
     map.allow_only(every_key());
-    map.problem("", "says nothing of where the value comes from: give one of from, value, list and fields");
+    map.problem("", "has no source: give one of from, value, list and fields");
     return source;
   }
   source.kind = *kind;
@@ -134,7 +134,7 @@ void SourceReader::read_constants(const YamlMap& map, Target target, const PathE
     bool has_index = false;
     for (const PathStep& step : source.path) has_index = has_index || step.index.has_value();
     if (source.map.empty() && !has_index)
-      map.problem("otherwise", "is for a map, or an index beyond the end: there is neither");
+      map.problem("otherwise", "applies to a map or to an index beyond the end, but there is neither");
   }
 }
 

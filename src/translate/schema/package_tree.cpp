@@ -92,7 +92,7 @@ class Walker {
     if (valid_type_name(type))
       tree_.files.push_back({kind, std::move(type), path});
     else
-      tree_.problems.push_back(path.string() + ": the names of package and file are no name of a type");
+      tree_.problems.push_back(path.string() + ": package and file names do not form a type name");
   }
 
   std::set<std::string> seen_;

@@ -103,7 +103,7 @@ class FullText {
 Result<void> check_size(const std::string& type, std::string_view text, const SchemaLimits& limits) {
   if (!valid_type_name(type))
     return fail(ErrorCode::kInvalidArgument,
-                "'" + type.substr(0, 60) + "' is no name of a type: write package/Name");
+                "'" + type.substr(0, 60) + "' is not a type name: write package/Name");
   if (text.size() <= limits.text_bytes) return {};
   return fail(ErrorCode::kCorrupt, type + ": a definition of " + std::to_string(text.size()) +
                                        " bytes; the limit is " + std::to_string(limits.text_bytes));
@@ -189,7 +189,7 @@ Result<ServicePtr> parse_service(const std::string& type, std::string_view text,
   if (parts.size() != 2)
     return fail(ErrorCode::kCorrupt,
                 type + ": a service has a request and a response, divided by one line '---'; " +
-                    std::to_string(parts.size() - 1) + " such lines are there");
+                    std::to_string(parts.size() - 1) + " such lines found");
   auto request = parse_part(type + "Request", parts[0], find, limits);
   if (!request) return tl::unexpected(request.error());
   auto response = parse_part(type + "Response", parts[1], find, limits);
@@ -205,7 +205,7 @@ Result<ActionPtr> parse_action(const std::string& type, std::string_view text, c
   if (parts.size() != 3)
     return fail(ErrorCode::kCorrupt,
                 type + ": an action has goal, result and feedback, divided by two lines '---'; " +
-                    std::to_string(parts.size() - 1) + " such lines are there");
+                    std::to_string(parts.size() - 1) + " such lines found");
   auto goal = parse_part(type + "Goal", parts[0], find, limits);
   if (!goal) return tl::unexpected(goal.error());
   auto result = parse_part(type + "Result", parts[1], find, limits);

@@ -154,14 +154,14 @@ class LineReader {
     const auto written = first_token(code);
     const auto primitive = find_builtin(written);
     if (!primitive || *primitive == Primitive::kTime || *primitive == Primitive::kDuration)
-      return refuse(quoted(written) + " is no type for a constant: use a number, bool or string");
+      return refuse(quoted(written) + " is not a type for a constant: use a number, bool or string");
     // A string goes to the end of the line: no comments there.
     const auto whole = *primitive == Primitive::kString ? line : code;
     const auto equals = whole.find('=');
     const auto name =
         strip(code.substr(written.size(), code.find('=') - std::min(written.size(), code.find('='))));
     const auto value = strip(whole.substr(equals + 1));
-    if (!valid_name(name)) return refuse(quoted(name) + " is no name for a constant");
+    if (!valid_name(name)) return refuse(quoted(name) + " is not a name for a constant");
     if (!valid_constant(*primitive, value))
       return refuse("constant " + std::string(name) + ": " + quoted(value) + " does not fit " +
                     std::string(written));
@@ -173,9 +173,9 @@ class LineReader {
     const auto written = first_token(code);
     const auto name = strip(code.substr(written.size()));
     if (name.empty()) return refuse("a field needs a type and a name, not only " + quoted(code));
-    if (!valid_name(name)) return refuse(quoted(name) + " is no name for a field");
+    if (!valid_name(name)) return refuse(quoted(name) + " is not a name for a field");
     if (!names_.insert(std::string(name)).second)
-      return refuse("field " + std::string(name) + " is there twice");
+      return refuse("field " + std::string(name) + " appears twice");
     RawField raw;
     raw.line = line_;
     raw.field.name = std::string(name);
@@ -202,7 +202,7 @@ class LineReader {
       raw.embedded = package_ + "/" + std::string(base);
     else
       raw.embedded = std::string(base);
-    if (!valid_type_name(raw.embedded)) return refuse(quoted(base) + " is no name of a type");
+    if (!valid_type_name(raw.embedded)) return refuse(quoted(base) + " is not a type name");
     return {};
   }
 
@@ -214,7 +214,7 @@ class LineReader {
     const bool closed = brackets.size() > 2 && brackets.back() == ']';
     const auto digits = closed ? brackets.substr(1, brackets.size() - 2) : std::string_view();
     if (!holds<std::uint32_t>(digits) || (digits.size() > 1 && digits.front() == '0'))
-      return refuse(quoted(brackets) + " is no array: write [] or [count], one dimension");
+      return refuse(quoted(brackets) + " is not an array: write [] or [count], one dimension");
     std::from_chars(digits.data(), digits.data() + digits.size(), field.fixed_count);
     field.arity = Arity::kFixed;
     if (field.fixed_count > limits_.fixed_count)
@@ -279,7 +279,7 @@ std::vector<TextPart> split_at_dashes(std::string_view text) {
 
 Result<RawDefinition> parse_lines(const std::string& type, const TextPart& part, const SchemaLimits& limits) {
   if (!valid_type_name(type))
-    return fail(ErrorCode::kInvalidArgument, quoted(type) + " is no name of a type: write package/Name");
+    return fail(ErrorCode::kInvalidArgument, quoted(type) + " is not a type name: write package/Name");
   if (part.text.size() > limits.text_bytes)
     return fail(ErrorCode::kCorrupt, type + ": a definition of " + std::to_string(part.text.size()) +
                                          " bytes; the limit is " + std::to_string(limits.text_bytes));

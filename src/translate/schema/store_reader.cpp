@@ -68,7 +68,7 @@ class StoreReader {
     std::error_code error;
     if (!fs::is_directory(folder / "sets", error))
       return fail(ErrorCode::kNotFound,
-                  folder.string() + ": no store of definitions (it has no folder 'sets')");
+                  folder.string() + ": not a store of definitions (it has no folder 'sets')");
     for (const auto& package : sorted(folder)) {
       const auto name = package.filename().string();
       for (const auto& file : fs::is_directory(package, error) ? sorted(package) : std::vector<fs::path>()) {

@@ -33,7 +33,7 @@ TreeReader::Definitions TreeReader::read_all() {
   read_.problems = tree_.problems;
   std::unordered_set<std::string> seen;
   for (const auto& file : tree_.files) {
-    // A package that is there twice counts once, as in an overlaid workspace.
+    // A package that appears twice counts once, as in an overlaid workspace.
     if (!seen.insert(to_string(file.kind) + file.type).second) continue;
     if (file.kind == DefinitionKind::kMessage) {
       if (auto schema = find(file.type)) read_.messages.push_back(std::move(schema));

@@ -17,30 +17,31 @@
 namespace extperfc::translate::tool {
 namespace {
 
-constexpr const char* kHelp = R"(What differs between two sides, and what translating it takes.
+constexpr const char* kHelp = R"(Compares the definitions of two sides, and lists what needs a rule.
 
   extperfc-translate check                                        the shipped sets: indigo and noetic
   extperfc-translate check --from-set SET --to-set SET            two sets of definitions
   extperfc-translate check --from-tree DIR[:DIR] --to-tree DIR    two trees of packages (a workspace's src,
                                                                   /opt/ros/*/share, a ROS_PACKAGE_PATH)
   extperfc-translate check --robot URI --workstation URI          two running masters, http://host:11311: types that
-                                                                  nodes of both sides use
-Sets, trees and masters may be mixed. With both for one side, the tree's types are compared, and the set stands in for what they
-embed and the tree lacks. A set beside a master stands in for what is subscribed to and published by nobody: only
-publishers tell their MD5. Every publisher gets a subscriber for a moment, every service a probe.
+                                                                  nodes on both sides use
+Sets, trees and masters may be combined. With a set and a tree for one side, the tree's types are compared, and the set
+provides embedded types that the tree lacks. A set beside a master provides the types of topics that have subscribers but
+no publisher, because only publishers report their MD5. The tool briefly subscribes to every publisher and probes every
+service.
 
 Verdicts: pass (only constants differ: the bytes are forwarded untouched), convert (both ways, by rules or by the
 fields' names alone), needs a rule (with the reason), unknown (a definition is missing).
 
 Options:
-  --all           also what is the same
-  --fields        with the fields that come from a rule, get a default or are left out, from robot to workstation
-  --json          for programs
-  --timeout SEC   for a master and its nodes, 10 by default; what did not answer by then is unknown
+  --all           also types that are the same
+  --fields        also the fields that come from a rule, get a default or are dropped, from robot to workstation
+  --json          output as JSON
+  --timeout SEC   timeout for a master and its nodes, 10 by default; types without an answer are unknown
   --rules FILE    these rules instead of those in the configuration; may be given several times
   --config DIR    the folder with definitions/ and the rules *.yaml
 
-Exit status: 0 all pass or convert, 1 something needs a rule or is unknown, 2 something went wrong.
+Exit status: 0 all pass or convert, 1 something needs a rule or is unknown, 2 an error occurred.
 )";
 
 /// The definitions of one side, "from" or "to", and a name for people.

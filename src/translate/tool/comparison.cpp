@@ -74,8 +74,8 @@ Row judge(const TypeId& robot_id, const TypeId& workstation_id, const TypeDefini
       if (!definition.known())
         row.reasons.push_back(std::string(side) + ": " +
                               (definition.md5.empty()
-                                   ? "nobody publishes it there, so nobody tells its MD5; a set given for "
-                                     "that side (--from-set, --to-set) stands in"
+                                   ? "there is no publisher, so its MD5 is not known; give a set for "
+                                     "that side (--from-set, --to-set)"
                                    : "no definition of " + definition.md5 + " is known"));
     return row;
   }

@@ -19,7 +19,7 @@ constexpr const char* kExportHelp =
 
   extperfc-translate export SET DIR [--package NAME]... [--config DIR]
 
-The messages that an action derives are not written: generators derive them. With --package, these packages only.
+Messages that are derived from actions are not written, since generators derive them. With --package, only these packages.
 )";
 
 constexpr const char* kStoreHelp =
@@ -27,8 +27,8 @@ constexpr const char* kStoreHelp =
 
   extperfc-translate store DIR --set NAME=TREE[:TREE...] [--set NAME=TREE...]... [--fallback SET]
 
-Each set is read from trees of packages; of a type that is in several of them the first one's counts. What a set's
-definitions embed and its trees lack is taken from --fallback, a set given before. Comments are left out.
+Each set is read from trees of packages; the first tree with a type has precedence. Embedded types that the trees lack are
+taken from --fallback, a set given before. Comments are removed.
 )";
 
 /// Writes the files of one set.

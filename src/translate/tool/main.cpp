@@ -12,17 +12,17 @@ using extperfc::translate::tool::Command;
 namespace tool = extperfc::translate::tool;
 
 constexpr const char* kHelp =
-    R"(Definitions of ROS 1 messages, services and actions: what differs, and how it is translated.
+    R"(Compares definitions of ROS 1 messages, services and actions, and shows how they are converted.
 
-  extperfc-translate check   what differs between two sets, trees or running masters, and what that takes
-  extperfc-translate show    how one type is converted from one definition to another, in words
-  extperfc-translate md5     the MD5 of a type
+  extperfc-translate check   compares two sets, trees or running masters, and lists what needs a rule
+  extperfc-translate show    shows how a type is converted from one definition to another
+  extperfc-translate md5     prints the MD5 of a type
   extperfc-translate export  writes a set of definitions as a tree of packages
-  extperfc-translate status  what a running translator carries, and how
+  extperfc-translate status  prints the bridged topics and services of a running translator
   extperfc-translate store   writes a store of definitions from trees of packages
 
-`extperfc-translate SUBCOMMAND --help` tells more. Exit status: 0 fine, 1 `check` found types that need a rule,
-2 something went wrong.
+`extperfc-translate SUBCOMMAND --help` lists its options. Exit status: 0 fine, 1 `check` found types that need a rule,
+2 an error occurred.
 )";
 
 struct Entry {

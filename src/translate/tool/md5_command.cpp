@@ -17,16 +17,16 @@
 namespace extperfc::translate::tool {
 namespace {
 
-constexpr const char* kHelp = R"(The MD5 of a message, service or action, as genmsg computes it.
+constexpr const char* kHelp = R"(Prints the MD5 of a message, service or action, as genmsg computes it.
 
-  extperfc-translate md5 TYPE                    of every version in the store, with the sets that have it
-  extperfc-translate md5 TYPE --set SET          of the set's version
-  extperfc-translate md5 TYPE --tree DIR[:DIR]   of the version in a tree of packages; what it embeds and the tree
-                                                 lacks comes from --set, "noetic" by default
-  extperfc-translate md5 TYPE --file FILE        of a file .msg, .srv or .action; what it embeds comes from --set
+  extperfc-translate md5 TYPE                    of every definition in the store, with the sets that contain it
+  extperfc-translate md5 TYPE --set SET          of the definition in the set
+  extperfc-translate md5 TYPE --tree DIR[:DIR]   of the definition in a tree of packages; embedded types that the
+                                                 tree lacks come from --set, "noetic" by default
+  extperfc-translate md5 TYPE --file FILE        of a file .msg, .srv or .action; embedded types come from --set
 
 Options:
-  --kind msg|srv|action   when a name stands for several
+  --kind msg|srv|action   if the name stands for several kinds
   --config DIR            the folder with definitions/
 
 TYPE is package/Name. An action's MD5 is that of its message <Name>Action.

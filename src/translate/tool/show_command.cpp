@@ -17,21 +17,21 @@
 namespace extperfc::translate::tool {
 namespace {
 
-constexpr const char* kHelp = R"(How a message, service or action is converted, in words.
+constexpr const char* kHelp = R"(Shows how a message, service or action is converted.
 
   extperfc-translate show TYPE --from SET|MD5 --to SET|MD5
 
-Both definitions side by side, what happens to each field, and the steps of the plan. For a service the client is on
+Prints both definitions side by side, the conversion of each field, and the steps of the plan. For a service the client is on
 the --from side and the server on the --to side: requests go there, responses come back; so do goals, and results and
 feedback, of an action. MD5s may be cut to six digits.
 
 Options:
-  --kind msg|srv|action   when a name stands for several
-  --to-type TYPE          when the type has another name on that side
+  --kind msg|srv|action   if the name stands for several kinds
+  --to-type TYPE          if the type has another name on that side
   --rules FILE            these rules instead of those in the configuration; may be given several times
   --config DIR            the folder with definitions/ and the rules *.yaml
 
-Exit status: 0 there is a plan, 1 a rule is needed, 2 something went wrong.
+Exit status: 0 there is a plan, 1 a rule is needed, 2 an error occurred.
 )";
 
 constexpr std::size_t kColumns = 100;

@@ -16,8 +16,8 @@ Result<fs::path> config_folder(const Arguments& arguments) {
   std::error_code error;
   if (folder.empty())
     return fail(ErrorCode::kInvalidArgument,
-                "where are the definitions? Give --config DIR (config/translate of the package), or start "
-                "tools/extperfc-translate, which does");
+                "no definitions: give --config DIR (config/translate of the package), or run "
+                "tools/extperfc-translate, which sets it");
   if (!fs::is_directory(folder / "definitions", error))
     return fail(ErrorCode::kNotFound, folder.string() + ": no folder 'definitions' there (--config)");
   return folder;

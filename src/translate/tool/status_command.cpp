@@ -23,16 +23,16 @@ namespace extperfc::translate::tool {
 namespace {
 
 constexpr const char* kHelp =
-    R"(What a running translator carries, and how: both masters, clocks, and a line for each topic and service.
+    R"(Prints the status of a running translator: both masters, clocks, and a line for each topic and service.
 
   extperfc-translate status [--node NAME] [--master URI] [--timeout SEC]
 
-It calls the node's service ~status, and prints its answer as text. Topics and services with a problem come first.
+Calls the node's service ~status and prints the response as text. Topics and services with a problem come first.
 
 Options:
-  --node NAME     of the translator's ROS node, /translator by default
-  --master URI    where that node is registered: the workstation side's; ROS_MASTER_URI by default, else http://localhost:11311
-  --timeout SEC   for the master and the node, 5 by default, up to 60
+  --node NAME     name of the translator's ROS node, /translator by default
+  --master URI    master of that node (the workstation's); ROS_MASTER_URI by default, else http://localhost:11311
+  --timeout SEC   timeout for the master and the node, 5 by default, max. 60
 
 Exit status: 0 fine, 2 no master, no translator, or no answer.
 )";
@@ -62,7 +62,7 @@ Result<std::string> text_in(const Frame& response) {
   for (std::size_t i = 0; i < 4 && bytes.size >= kText; ++i)
     size |= static_cast<std::size_t>(bytes.data[1 + i]) << (8 * i);
   if (bytes.size < kText || bytes.size - kText != size)
-    return fail(ErrorCode::kFailed, "its answer is no std_srvs/TriggerResponse");
+    return fail(ErrorCode::kFailed, "the answer is not a std_srvs/TriggerResponse");
   std::string text(reinterpret_cast<const char*>(bytes.data) + kText, size);
   if (bytes.data[0] == 0) return fail(ErrorCode::kFailed, text);
   return text;
@@ -115,7 +115,7 @@ class StatusReader {
     const auto running = translators_in(graph);
     return fail(ErrorCode::kNotFound,
                 "no translator " + node_ + " at " + master_uri_ + "; " +
-                    (running.empty() ? "none runs there: roslaunch extperfc translator.launch"
+                    (running.empty() ? "no translator is running: roslaunch extperfc translator.launch"
                                      : "give one of these with --node: " + joined(running)));
   }
 

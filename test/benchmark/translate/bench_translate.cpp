@@ -28,7 +28,7 @@ constexpr char kExplanation[] =
     "relay: through\n"
     "a roscpp node that takes and publishes raw bytes. pass, convert: through the translator, with "
     "definitions that\n"
-    "are the same and that differ. The ways take turns, in ten blocks each. CPU: of the process in the "
+    "are the same and that differ. The four routes alternate, in ten blocks each. CPU: of the process in the "
     "middle.\n";
 
 int complain(const std::string& message, int code) {

@@ -156,7 +156,7 @@ TEST_F(TranslatorNodeTest, RulesAreReadAgainOrStayWhenTheyDoNotFit) {
       << "rules:\n  - type: no_such/Type\n    from: {md5: a}\n    to: {md5: b}\n";
   const auto refused = call("/translator/reload_rules");
   EXPECT_FALSE(refused.response.success);
-  EXPECT_NE(refused.response.message.find("the old rules stay: " + (rules / "bad.yaml").string()),
+  EXPECT_NE(refused.response.message.find("keeping the previous rules: " + (rules / "bad.yaml").string()),
             std::string::npos)
       << refused.response.message;
 }
@@ -194,7 +194,7 @@ TEST_F(TranslatorNodeTest, RefusesToStartWithEveryReason) {
   EXPECT_EQ(node_->wait_for_end(), 1);
   std::ifstream file(output_file_);
   const std::string output((std::istreambuf_iterator<char>(file)), std::istreambuf_iterator<char>());
-  for (const char* text : {"/translator/robot/master_uri is not set", "is the name of this very node",
+  for (const char* text : {"/translator/robot/master_uri is not set", "is the name of this ROS node",
                            "/translator/typo is not a parameter"})
     EXPECT_NE(output.find(text), std::string::npos) << text << "\n" << output;
 }

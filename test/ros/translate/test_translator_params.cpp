@@ -299,7 +299,7 @@ TEST_F(TranslatorParamsTest, TheBridgeNeedsAnotherNameThanTheNode) {
   set_yaml("{workstation: {name: /translator}, robot: {name: /translator}}");
   const auto params = load();
   ASSERT_FALSE(params);
-  EXPECT_NE(params.error().message.find("/workstation/name: '/translator' is the name of this very node"),
+  EXPECT_NE(params.error().message.find("/workstation/name: '/translator' is the name of this ROS node"),
             std::string::npos);
   EXPECT_EQ(params.error().message.find("/robot/name"), std::string::npos)
       << "at the other master it is free";
@@ -331,16 +331,16 @@ diagnostics: {max_items: -1}
 )");
   expect_problems({"/colour is not a parameter",
                    "/robot/master_uri: ",
-                   "/robot/name: 'no slash' is no absolute name",
+                   "/robot/name: 'no slash' is not an absolute node name",
                    "/robot/hosts: 'robot.local 10.0.0.2' must be an address and its names",
                    "/robot/hosts: '10.0.0.2' must be an address",
                    "/robot/master_period_s = 0 is out of its range",
                    "/robot/port is not a parameter",
                    "/workstation must be a group of parameters",
                    "/poll_period_s must be a number, but is 'soon'",
-                   "/topics/allow: '(' is no regular expression",
+                   "/topics/allow: '('",
                    "/services/allow must be a list of texts",
-                   "/profiles: '*' is no regular expression",
+                   "/profiles: '*'",
                    "/profiles[0]/queue: 0 is out of its range [1, 100000]",
                    "/profiles[0]/directions: 'up' is unknown: use one of both, workstation_to_robot, "
                    "robot_to_workstation",
@@ -349,8 +349,8 @@ diagnostics: {max_items: -1}
                    "/profiles: a profile has no pattern",
                    "/profiles[2] must be a group of keys and values",
                    "/common_profiles must be a list",
-                   "'robot_description' is no prefix",
-                   "'/' is no prefix",
+                   "'robot_description' is not a prefix",
+                   "'/' is not a prefix",
                    "/clock/direction: 'both' is unknown",
                    "/rosout/min_level: 'loud' is unknown: use one of debug",
                    "/clocks/shift_stamps needs a measurement",

@@ -254,7 +254,7 @@ TEST_F(PlanRules, RelativeToNeedsPoses) {
   expect_says(problem, "geometry_msgs/Pose");
   relative.relative_to = {{"b", std::nullopt}};
   EXPECT_FALSE(with("float64 b\ngeometry_msgs/Pose a", "geometry_msgs/Pose a", {{"a", relative}}));
-  expect_says(problem, "b, which is no geometry_msgs/Pose");
+  expect_says(problem, "b, which is not a geometry_msgs/Pose");
 }
 
 TEST_F(PlanRules, RulesApplyAtAnyDepth) {
@@ -279,7 +279,7 @@ TEST_F(PlanRules, ARuleThatDoesNotFitNamesTheField) {
   EXPECT_FALSE(with("uint8 a", "uint8 b", {{"b", from(Path{{"a", 0}})}}));
   expect_says(problem, "a has no element 0");
   EXPECT_FALSE(with("uint8 a", "uint8 b", {{"b", value(scalar("300"))}}));
-  expect_says(problem, "field b: '300' is no value of uint8 b");
+  expect_says(problem, "field b: '300' is not a value of uint8 b");
   auto scaled = from("a");
   scaled.scale = 2;
   EXPECT_FALSE(with("string a", "string b", {{"b", scaled}}));

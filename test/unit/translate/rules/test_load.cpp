@@ -190,15 +190,14 @@ INSTANTIATE_TEST_SUITE_P(
         BadCase{"  forward: {}\n  forward: {}\n", "r.yaml:5: p/Head: \"forward\" is given twice"},
         BadCase{"  forward:\n    ratio: {from: speed, scal: 2}\n",
                 "r.yaml:5: p/Head.forward.ratio: unknown key \"scal\", did you mean \"scale\"?"},
-        BadCase{"  forward:\n    ratio: {scale: 2}\n",
-                "r.yaml:5: p/Head.forward.ratio: says nothing of where"},
+        BadCase{"  forward:\n    ratio: {scale: 2}\n", "r.yaml:5: p/Head.forward.ratio: has no source"},
         BadCase{"  forward:\n    ratio: {form: speed}\n", "unknown key \"form\", did you mean \"from\"?"},
         BadCase{"  forward:\n    ratio: {from: speed, value: 2}\n", "unknown key \"value\""},
         BadCase{"  forward:\n    ratio: 3\n",
-                "r.yaml:5: p/Head.forward.ratio: \"3\" names no field: write {value"},
+                "r.yaml:5: p/Head.forward.ratio: \"3\" does not name a field: write {value"},
         BadCase{"  forward:\n    ratio: [speed]\n", "r.yaml:5: p/Head.forward.ratio: must be a map"},
-        BadCase{"  forward:\n    ratio: {from: speed..x}\n", "is no path of fields"},
-        BadCase{"  forward:\n    ratio: {from: \"speed[-1]\"}\n", "is no path of fields"},
+        BadCase{"  forward:\n    ratio: {from: speed..x}\n", "is not a field path"},
+        BadCase{"  forward:\n    ratio: {from: \"speed[-1]\"}\n", "is not a field path"},
         BadCase{"  forward:\n    ratio: {from: speed, scale: .nan}\n", "scale: must be a finite number"},
         BadCase{"  forward:\n    ratio: {from: speed, scale: 0}\n", "must not be 0"},
         BadCase{"  forward:\n    ratio: {from: speed, overflow: wrap}\n",
@@ -220,7 +219,7 @@ INSTANTIATE_TEST_SUITE_P(
                 "geometry_msgs/Pose has no field \"positions\", did you mean \"position\"?"},
         BadCase{"  forward:\n    ratio: {from: poses.position.x}\n",
                 "\"poses\" is an array: say which element"},
-        BadCase{"  forward:\n    ratio: {from: \"speed[0]\"}\n", "\"speed\" is no array"},
+        BadCase{"  forward:\n    ratio: {from: \"speed[0]\"}\n", "\"speed\" is not an array"},
         BadCase{"  forward:\n    ratio: {from: speed.x}\n", "\"speed\" has no fields"},
         BadCase{"  forward:\n    flags: {list: [{from: \"flags[3]\"}]}\n", "\"flags\" has 3 elements"},
         BadCase{"  forward:\n    name: {from: \"names[0]\", scale: 2}\n", "scale: is for numbers"},
@@ -282,7 +281,7 @@ TEST_F(LoadTest, ASecondRuleForAPairIsRefused) {
 
 TEST_F(LoadTest, InvalidYamlIsReportedWithItsLine) {
   expect_problem("rules:\n  - {type: [\n", "r.yaml:");
-  expect_problem("rules:\n  - {type: [\n", "is no YAML");
+  expect_problem("rules:\n  - {type: [\n", "is not valid YAML");
   expect_problem("just a text\n", "r.yaml:1: must be a map");
   expect_problem("rule: []\n", "unknown key \"rule\", did you mean \"rules\"?");
   expect_problem("rules: []\n---\nrules: []\n", "a second document");

@@ -140,7 +140,7 @@ TEST(SameLayout, ConstantsAndNamesOfTypesDoNotCount) {
 
 TEST(ParseMessage, RefusesWhatIsNoDefinition) {
   EXPECT_NE(std::string::npos, problem("int32 a\nint32").find("pkg/Name line 2"));
-  EXPECT_NE(std::string::npos, problem("int32 a\n\nfloat32 a").find("line 3: field a is there twice"));
+  EXPECT_NE(std::string::npos, problem("int32 a\n\nfloat32 a").find("line 3: field a appears twice"));
   for (const auto* text : {"int32 1a",
                            "int32 a b",
                            "int32 a-b",
