@@ -16,8 +16,8 @@
 #include "extperfc/translate/plan.hpp"
 #include "extperfc/translate/rules.hpp"
 
-/// Two masters joined: what is published, served or set on one side appears on the other, converted where the
-/// definitions differ.
+/// A bridge between two masters: topics, services and parameters of one side appear on the other, converted
+/// where the definitions differ.
 namespace extperfc::translate {
 
 /// The two sides that a bridge joins: the robot and the workstation.
@@ -29,39 +29,39 @@ enum class Side : std::uint8_t { kRobot = 0, kWorkstation = 1 };
 
 enum class Directions : std::uint8_t { kBoth, kRobotToWorkstation, kWorkstationToRobot };
 
-/// What crosses: a name crosses when an `allow` expression matches all of it and no `deny` expression does
-/// (ECMAScript regular expressions over absolute names).
+/// Which names are bridged: those that an `allow` expression matches completely and no `deny` expression
+/// matches (ECMAScript regular expressions over absolute names).
 struct NameFilter {
   std::vector<std::string> allow;
   std::vector<std::string> deny;
 };
 
-/// How the topics that match are carried. The first entry that matches counts.
+/// Transport settings of the topics that match. The first matching entry applies.
 struct TopicProfile {
   std::string pattern;  ///< regular expression over the whole name
   Directions directions{Directions::kBoth};
   std::size_t queue{10};  ///< messages per subscriber, drop-oldest
-  double max_rate_hz{0};  ///< 0: every message
-  double max_age_s{0};    ///< a message that waited longer is dropped; 0: any age
+  double max_rate_hz{0};  ///< 0: no limit
+  double max_age_s{0};    ///< messages that waited longer are dropped; 0: no limit
   Priority priority{Priority::kNormal};
   bool tcp_nodelay{true};
-  bool lazy{true};  ///< subscribe on one side only while somebody subscribes on the other
+  bool lazy{true};  ///< subscribe on one side only while the other has subscribers
   PlanOptions::Slash frame_slash{PlanOptions::Slash::kKeep};
 };
 
 struct SideParams {
   PeerParams peer;
-  /// Sets of the definition store in which this side's own version of a type is looked up, in order; for
-  /// subscribers that take any MD5 (rosbag) and for types that nobody has told yet.
+  /// Definition sets in which this side's definition of a type is looked up, in order; for subscribers that
+  /// accept any MD5 (rosbag) and for types that no connection has defined yet.
   std::vector<std::string> definitions;
 };
 
 struct ClockParams {
   bool shift_stamps{false};  ///< add the measured offset to every `time` field
-  /// Topics of the robot side whose first field is a Header; the smallest (receive time - stamp) of a window
-  /// is the offset plus the shortest delay.
+  /// Topics of the robot whose first field is a Header. The smallest (receive time - stamp) of a window is
+  /// the offset plus the shortest delay.
   std::vector<std::string> reference_topics;
-  std::string ntp_server;  ///< SNTP host of the robot side; preferred to topics; empty: none
+  std::string ntp_server;  ///< SNTP host on the robot's network; preferred to topics; empty: not used
   std::uint16_t ntp_port{123};
   double window_s{10.0};
   double report_above_s{0.1};  ///< diagnostics warn above
@@ -69,14 +69,14 @@ struct ClockParams {
 
 struct BridgeParams {
   std::array<SideParams, 2> sides;  ///< by Side
-  double poll_period_s{1.0};        ///< between looks at the graphs
+  double poll_period_s{1.0};        ///< period of reading the masters' graphs
   NameFilter topics, services;
-  std::vector<TopicProfile> profiles;  ///< what matches none has TopicProfile's defaults
+  std::vector<TopicProfile> profiles;  ///< topics without a match use TopicProfile's defaults
   std::vector<std::string> params_robot_to_workstation,
       params_workstation_to_robot;  ///< prefixes; none by default
-  bool clock{false};                ///< let /clock cross, in this direction only
+  bool clock{false};                ///< bridge /clock, in this direction only
   Directions clock_direction{Directions::kRobotToWorkstation};
-  bool rosout{true};                 ///< let /rosout cross, robot to workstation
+  bool rosout{true};                 ///< bridge /rosout from the robot to the workstation
   std::uint8_t rosout_min_level{4};  ///< rosgraph_msgs/Log: 1 debug, 2 info, 4 warn, 8 error, 16 fatal
   double service_timeout_s{60.0};
   double schema_patience_s{3.0};  ///< how long a subscriber waits for the publisher's definition
@@ -89,7 +89,7 @@ struct TopicStatus {
   Side from{Side::kRobot};
   struct Target {
     std::string type, md5;
-    std::string plan;  ///< "pass", "convert", or why there is none
+    std::string plan;  ///< "pass", "convert", or the reason why there is no plan
     std::size_t subscribers{0};
   };
   std::string from_type, from_md5;
@@ -126,24 +126,24 @@ struct BridgeStatus {
   std::size_t params{0};
   struct Clock {
     bool known{false};
-    double offset_s{0};  ///< the robot's clock minus ours (the workstation side's)
+    double offset_s{0};  ///< the robot's clock minus the workstation's
     std::string source;  ///< "ntp host", "topic /robot/joint_states"
     double age_s{0};
     std::string problem;  ///< of a reference topic; empty when all is well
   } clock;
 };
 
-/// The bridge itself, on one event loop. Construct, run the loop; destroy on the loop's thread after it
-/// ended.
+/// The bridge, on one event loop. Construct it, run the loop, and destroy it on the loop's thread after the
+/// loop has ended.
 class Bridge {
  public:
   struct Handlers {
-    std::function<void(const std::string& line)> on_log;      ///< what people should know
-    std::function<void(const std::string& line)> on_problem;  ///< what people should mend; each once
+    std::function<void(const std::string& line)> on_log;      ///< information for the user
+    std::function<void(const std::string& line)> on_problem;  ///< problems for the user, each reported once
     std::function<void()>
-        on_shutdown;  ///< `rosnode kill` of one of the bridge's nodes, or its name was taken
+        on_shutdown;  ///< `rosnode kill` of one of the bridge's nodes, or another node took its name
   };
-  /// Checks parameters (regular expressions, URIs, sets), opens ports. Masters need not be there yet.
+  /// Checks parameters (regular expressions, URIs, sets), opens ports. The masters need not be running yet.
   [[nodiscard]] static Result<std::unique_ptr<Bridge>> make(EventLoop& loop, BridgeParams params,
                                                             DefinitionStore definitions, RuleSet rules,
                                                             Handlers handlers);

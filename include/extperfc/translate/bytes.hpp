@@ -9,13 +9,13 @@
 
 namespace extperfc::translate {
 
-/// Bytes of somebody else, e.g. a serialized message.
+/// A view of bytes that another object owns, e.g. a serialized message.
 struct ByteView {
   const std::uint8_t* data{nullptr};
   std::size_t size{0};
 };
 
-/// Bytes that grow at the end and are never initialised in vain. Movable, not copyable.
+/// A growing buffer that does not initialise new bytes. Movable, not copyable.
 class ByteBuffer {
  public:
   ByteBuffer() = default;
@@ -46,7 +46,7 @@ class ByteBuffer {
     if (size > capacity_) reserve(size + size / 2);
     size_ = size;
   }
-  /// Room for `count` more bytes at the end, which become part of the buffer at once.
+  /// Appends `count` uninitialised bytes and returns a pointer to them.
   std::uint8_t* extend(std::size_t count) {
     const auto before = size_;
     resize(size_ + count);

@@ -27,14 +27,14 @@ namespace extperfc::translate {
 /// 5905, section 8). The sample of the smallest bound counts; the bound grows with age as clocks drift.
 ///
 /// Steps: a clock that jumps makes samples that disagree with the window. A few that agree among themselves
-/// begin a new window; a single wild stamp does not.
+/// begin a new window; a single outlier does not.
 class ClockOffset {
  public:
   struct Params {
     double window_s{10.0};  ///< of stamps, [0.1, 3600]
-    double step_s{0.05};    ///< disagreement above is a step of a clock, or a wild sample
+    double step_s{0.05};    ///< disagreement above is a step of a clock, or an outlier
     double settle_s{
-        2.0};  ///< stamps that are late for so long, all by the same, tell of a step and not of a jam
+        2.0};  ///< stamps that are late by the same amount for this time indicate a step, not a jam
     double drift{50e-6};        ///< of two clocks against each other at most [s/s]: two plain quartz crystals
     double ntp_valid_s{300.0};  ///< NTP is preferred while its last sample is younger
     double longest_trip_s{5.0};  ///< NTP samples with a longer round trip are not used
@@ -42,8 +42,9 @@ class ClockOffset {
   enum class Source : std::uint8_t { kStamps, kNtp };
   struct Estimate {
     double offset_s{0};
-    /// NTP: bound of the error, both ways. Stamps: the offset may be larger by the shortest delay, which
-    /// cannot be seen; this is the mean excess of the others over it, which is of its size on usual networks.
+    /// NTP: bound of the error in both directions. Stamps: the offset may be larger by the shortest delay,
+    /// which cannot be seen; this is the mean excess of the others over it, which is of its size on usual
+    /// networks.
     double uncertainty_s{0};
     Source source{Source::kStamps};
     double age_s{0};  ///< of the newest sample that counted

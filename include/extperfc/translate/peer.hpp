@@ -16,9 +16,9 @@
 
 namespace extperfc::translate {
 
-/// Where a node of ours lives.
+/// Settings of the translator's node at one master.
 struct PeerParams {
-  std::string name;             ///< of the node, e.g. "/translator": one caller id for everything
+  std::string name;             ///< name of the node, e.g. "/translator": its only caller id
   std::string master_uri;       ///< "http://baxter.local:11311"
   std::string advertised_host;  ///< name or address by which this side reaches us; empty: the address that
                                 ///< the system uses towards the master
@@ -27,13 +27,13 @@ struct PeerParams {
   /// What errors advise: for a name without an address, and when our own address is not known.
   std::string hosts_remedy{"add it to /etc/hosts"};
   std::string advertised_host_remedy{"set the advertised host"};
-  std::chrono::milliseconds master_period{1'000};   ///< between looks whether the master lives
+  std::chrono::milliseconds master_period{1'000};   ///< period of the check that the master is alive
   std::chrono::milliseconds master_timeout{3'000};  ///< of a call to it
   std::chrono::milliseconds node_timeout{5'000};    ///< of a call to another node
   TcprosParams tcpros;
   RpcLimits rpc;
-  /// Carry our mark and keep away from others that carry it. False makes a plain node, for tests and
-  /// measurements: like roscpp and rospy it neither marks nor looks.
+  /// Mark connections as translated, and reject connections with another translator's mark. False makes a
+  /// plain node for tests and measurements, like those of roscpp and rospy.
   bool marked{true};
 };
 
@@ -47,9 +47,9 @@ struct GraphState {
   std::map<std::string, std::vector<std::string>> services;  ///< name -> providers
 };
 
-/// A node of our own at one master: client of the master, slave API, topics and services, all on one event
-/// loop. Several live in one process. Registrations are kept: after the master restarted (another pid) or
-/// came back, everything is registered again. Of the loop's thread.
+/// The translator's node at one master: client of the master, slave API, topics and services, all on one
+/// event loop. Several live in one process. Registrations are kept: after the master restarted (another pid)
+/// or came back, everything is registered again. Of the loop's thread.
 class Peer {
  public:
   struct MasterStatus {
@@ -59,9 +59,10 @@ class Peer {
     std::string problem;  ///< why it is not reachable
   };
   struct Handlers {
-    std::function<void(const MasterStatus&)> on_master;  ///< whenever it goes, comes, or restarted
+    std::function<void(const MasterStatus&)>
+        on_master;  ///< after each change: reachable, unreachable, restarted
     std::function<void(const std::string& line)>
-        on_log;  ///< what people should know; bounded in rate by the peer
+        on_log;  ///< information for the user; rate-limited by the peer
     /// The master or a node asks this one to end: `rosnode kill`, or another node took its name.
     std::function<void()> on_shutdown;
   };
@@ -87,8 +88,8 @@ class Peer {
                                                                 const Subscription::Params& params) = 0;
   [[nodiscard]] virtual std::unique_ptr<ServiceServer> serve(const std::string& service,
                                                              ServiceServer::Handlers handlers) = 0;
-  /// Looks a service up and shakes hands; with md5 "*" that tells its type and MD5. `probe` closes at once
-  /// after. A dead provider is an error after PeerParams::node_timeout.
+  /// Looks a service up and shakes hands; with md5 "*" the handshake returns its type and MD5. `probe` closes
+  /// at once after. A dead provider is an error after PeerParams::node_timeout.
   virtual void open_service(const std::string& service, const std::string& md5, bool probe,
                             std::function<void(Result<std::shared_ptr<ServiceLink>>)> done) = 0;
 

@@ -56,7 +56,7 @@ class Plan {
 
   /// Every field, in the target's order, dropped ones last.
   [[nodiscard]] const std::vector<Note>& notes() const;
-  /// The plan in words, one line per step: block copies with their size, loops, conversions.
+  /// The plan as text, one line per step: block copies with their size, loops, conversions.
   [[nodiscard]] std::vector<std::string> describe() const;
 
  private:

@@ -66,7 +66,7 @@ struct Source {
   std::vector<std::pair<std::string, Source>> fields;  // kMessage
 };
 
-/// How one definition becomes another, one way.
+/// How one definition is converted to another, in one direction.
 struct MigrationRule {
   std::string from_type, from_md5;
   std::string to_type, to_md5;
@@ -97,16 +97,17 @@ class RuleSet {
   [[nodiscard]] std::size_t size() const { return rules_.size(); }
   [[nodiscard]] const std::vector<MigrationRule>& rules() const { return rules_; }
 
-  /// The rule of this very pair; null when there is none.
+  /// The rule of exactly this pair, or null.
   [[nodiscard]] const MigrationRule* find(const MessageSchema& from, const MessageSchema& to) const;
-  /// The shortest chain of rules from one to the other, two rules or more; empty when there is none. The
+  /// The shortest chain of rules from one to the other, two rules or more; empty if no chain exists. The
   /// schemas of the steps between come from the definitions given at load.
   struct Link {
     const MigrationRule* rule;
     SchemaPtr from, to;
   };
   [[nodiscard]] std::vector<Link> chain(const SchemaPtr& from, const SchemaPtr& to) const;
-  /// Every other name of a type, either way and through several renames; nearest first. Empty for most.
+  /// Every other name of a type, in either direction and through several renames; nearest first. Empty for
+  /// most.
   [[nodiscard]] std::vector<std::string> other_names(std::string_view type) const;
 
  private:

@@ -69,17 +69,17 @@ class MessageSchema {
   }  ///< 32 hexadecimal digits, as genmsg computes it
   [[nodiscard]] const std::vector<Field>& fields() const { return fields_; }
   [[nodiscard]] const std::vector<Constant>& constants() const { return constants_; }
-  [[nodiscard]] const Field* find(std::string_view field_name) const;  ///< null when there is none
+  [[nodiscard]] const Field* find(std::string_view field_name) const;  ///< null if it does not exist
   /// Bytes on the wire when every instance has the same number, e.g. 24 of geometry_msgs/Point.
   [[nodiscard]] std::optional<std::size_t> fixed_size() const { return fixed_size_; }
-  /// The fewest bytes that an instance takes.
+  /// Minimum size of an instance [bytes].
   [[nodiscard]] std::size_t min_size() const { return min_size_; }
   /// True when a `time` is in it, at any depth.
   [[nodiscard]] bool has_time() const { return has_time_; }
   /// Definitions that embed one another below this one: 0 when it embeds none.
   [[nodiscard]] std::size_t depth() const { return depth_; }
-  /// Fields with those of every embedded definition, each time it is used (arrays count once): the work of
-  /// whoever walks them all.
+  /// Fields with those of every embedded definition, each time it is used (arrays count once): the cost of
+  /// visiting all of them.
   [[nodiscard]] std::size_t expanded_fields() const { return expanded_fields_; }
 
   /// The text of this definition alone (no comments; constants first).
@@ -115,7 +115,7 @@ struct ActionSchema {
 };
 using ActionPtr = std::shared_ptr<const ActionSchema>;
 
-/// Bounds on what a definition may ask for: connection headers come from strangers.
+/// Limits of a definition: connection headers come from untrusted nodes.
 struct SchemaLimits {
   std::size_t text_bytes{1U << 20U};
   std::size_t fields{2000};      ///< of one definition, constants included
@@ -153,7 +153,7 @@ using FindSchema = std::function<SchemaPtr(const std::string& type)>;
 [[nodiscard]] const char* to_string(Primitive primitive);
 /// As in a definition: "geometry_msgs/Point[3] corners".
 [[nodiscard]] std::string to_string(const Field& field);
-/// Bytes of one element; nothing for strings and messages.
+/// Bytes of one element; std::nullopt for strings and messages.
 [[nodiscard]] std::optional<std::size_t> size_of(Primitive primitive);
 
 }  // namespace extperfc::translate

@@ -27,11 +27,12 @@ struct SntpAnswer {
       true};  ///< false: it does not know the time; its clock can be compared with ours all the same
 };
 
-/// A request whose transmit timestamp is `nonce`: servers copy it into their answer, and whoever cannot see
-/// the request cannot guess it. Our own clock stays with us.
+/// A request whose transmit timestamp is `nonce`: servers copy it into their answer, and a third party that
+/// cannot see the request cannot guess it. The packet does not contain the local time.
 [[nodiscard]] SntpPacket sntp_request(std::uint64_t nonce);
-/// Checks that it is a server's answer to that very request. Errors: too short (kCorrupt), not an answer or
-/// of another request (kCorrupt), no time in it (kCorrupt), the server refuses (kUnsupported, with its code).
+/// Checks that the packet is a server's answer to this request. Errors: too short (kCorrupt), not an answer
+/// or of another request (kCorrupt), no time in it (kCorrupt), the server refuses (kUnsupported, with its
+/// code).
 [[nodiscard]] Result<SntpAnswer> read_sntp_answer(ByteView packet, std::uint64_t nonce);
 /// 64-bit NTP timestamp to seconds since 1970. Those without the highest bit lie behind February 2036.
 [[nodiscard]] double ntp_to_unix_s(std::uint64_t timestamp);
@@ -44,12 +45,11 @@ class SntpClient {
   struct Params {
     std::string host;
     std::uint16_t port{123};
-    std::chrono::milliseconds period{16'000};  ///< between questions
-    std::chrono::milliseconds first_period{
-        2'000};                                ///< between the first kQuick, so that one finds a quiet moment
-    std::chrono::milliseconds timeout{2'000};  ///< of an answer
+    std::chrono::milliseconds period{16'000};       ///< between requests
+    std::chrono::milliseconds first_period{2'000};  ///< between the first kQuick, to catch an idle network
+    std::chrono::milliseconds timeout{2'000};       ///< of an answer
     std::chrono::milliseconds longest_period{
-        300'000};  ///< the period doubles up to this while nobody answers
+        300'000};  ///< the period doubles up to this while the server does not answer
   };
   /// The four times of RFC 5905: t0 and t3 by our clock, t1 and t2 by the server's [s since 1970].
   struct Sample {
@@ -70,7 +70,7 @@ class SntpClient {
   SntpClient(const SntpClient&) = delete;
   SntpClient& operator=(const SntpClient&) = delete;
 
-  [[nodiscard]] std::chrono::milliseconds period() const;  ///< until the next question, as it is now
+  [[nodiscard]] std::chrono::milliseconds period() const;  ///< until the next request
   [[nodiscard]] const std::string& problem() const;        ///< the latest; empty after an answer
 
  private:

@@ -28,19 +28,19 @@ using ConnectionHeader = std::map<std::string, std::string>;
 [[nodiscard]] std::string value_of(const ConnectionHeader& header,
                                    const std::string& key);  ///< "" when missing
 
-/// Our own mark in connection headers: what was translated once is never translated again, so that
+/// The translator's mark in connection headers: marked connections are not translated again, so that
 /// translators between the same masters cannot form a loop. Its value is the translator's name.
 inline constexpr const char* kTranslatorKey = "extperfc_translator";
 
-/// Bounds and habits of connections.
+/// Limits and timeouts of connections.
 struct TcprosParams {
-  std::size_t header_bytes{1U << 20U};               ///< of a connection header at most
+  std::size_t header_bytes{1U << 20U};               ///< maximum size of a connection header
   std::size_t message_bytes{256U << 20U};            ///< a longer message ends its connection
   std::size_t links{512};                            ///< connections at once of one port or topic
   std::chrono::milliseconds handshake{5'000};        ///< from the connection to the end of its headers
-  std::chrono::milliseconds unacknowledged{10'000};  ///< TCP_USER_TIMEOUT: sent data that nobody acknowledges
-                                                     ///< for so long ends the connection
-  std::chrono::milliseconds keep_alive{5'000};       ///< silence until TCP asks whether the other end lives
+  std::chrono::milliseconds unacknowledged{10'000};  ///< TCP_USER_TIMEOUT: a connection whose data is not
+                                                     ///< acknowledged for this time is closed
+  std::chrono::milliseconds keep_alive{5'000};       ///< silence before a TCP keep-alive probe
   std::chrono::milliseconds retry_first{100};        ///< after a lost connection; doubles
   std::chrono::milliseconds retry_last{5'000};
   std::chrono::milliseconds call_back_first{1'000};  ///< after a broken connection, until the master is asked
@@ -50,14 +50,14 @@ struct TcprosParams {
   std::chrono::milliseconds lost_grace{5'000};
   /// A publisher whose connection is lost several times within this time is a problem: messages are lost.
   std::chrono::milliseconds flap_window{30'000};
-  std::size_t read_at_once{256U << 10U};  ///< bytes of one connection before others have their turn
+  std::size_t read_at_once{256U << 10U};  ///< bytes read from one connection before the next is served
 };
 
 /// How one topic's messages are sent.
 struct SendParams {
-  std::size_t queue{10};  ///< messages that wait for one subscriber at most: then the oldest is dropped; 0: 1
-  std::size_t queue_bytes{64U << 20U};   ///< their size at most (one message is always allowed)
-  std::chrono::milliseconds max_age{0};  ///< older ones are dropped instead of sent; 0: any age
+  std::size_t queue{10};                ///< maximum messages per subscriber; the oldest is dropped; 0 means 1
+  std::size_t queue_bytes{64U << 20U};  ///< maximum size of the queue (one message is always allowed)
+  std::chrono::milliseconds max_age{0};                     ///< older messages are dropped; 0: no limit
   std::optional<std::chrono::milliseconds> unacknowledged;  ///< instead of TcprosParams'
   Priority priority{Priority::kNormal};
 };
@@ -97,7 +97,7 @@ class Publication {
   };
   virtual ~Publication() = default;  ///< unregisters and closes
   [[nodiscard]] virtual const std::string& topic() const = 0;
-  /// Queues a message for one subscriber; `since` is when it came in, for max_age. Nothing for unknown links.
+  /// Queues a message for one subscriber; `since` is when it came in, for max_age. Unknown links are ignored.
   virtual void send(LinkId link, FramePtr frame, SteadyTime since) = 0;
   virtual void close(LinkId link) = 0;
   virtual void configure(const SendParams& params) = 0;
@@ -119,8 +119,8 @@ struct PublisherLink {
 /// A topic that we subscribe to: one connection to each publisher, retried after a loss for as long as the
 /// master lists the publisher. Our own node and publishers that carry our mark are left out. Subscriptions of
 /// one peer with the same topic and MD5 share their connections: rospy closes the older one of two
-/// connections of one caller id. Each has its own view: what one refuses, another may take; one that comes
-/// later is given what latching publishers sent last.
+/// connections of one caller id. Each has its own view: another may accept what one refuses; a late one
+/// receives the last messages of latching publishers.
 class Subscription {
  public:
   struct Handlers {
@@ -143,8 +143,9 @@ class Subscription {
   [[nodiscard]] virtual const std::string& topic() const = 0;
   [[nodiscard]] virtual std::size_t connected() const = 0;
   virtual void set_priority(Priority priority) = 0;
-  /// To be told each look at the master's graph: how many publishers it lists, ourselves left out. When that
-  /// stays another number than we were told, what the master told us was lost, and it is asked again.
+  /// Call after each poll of the master's graph with the number of publishers that it lists, without our own.
+  /// If the number stays different from the known one, a notification was lost, and the master is asked
+  /// again.
   virtual void compare(std::size_t publishers) = 0;
   /// Why messages are lost now: a publisher's connection ends again and again. Empty when all is well.
   [[nodiscard]] virtual std::string problem() const = 0;
@@ -178,7 +179,7 @@ class ServiceServer {
   [[nodiscard]] virtual const std::string& name() const = 0;
 };
 
-/// A connection to somebody's service, kept open (persistent) for calls one after another.
+/// A connection to another node's service, kept open (persistent) for calls one after another.
 class ServiceLink {
  public:
   using Done = std::function<void(Result<FramePtr> response)>;  ///< an error carries the server's text

@@ -11,7 +11,7 @@
 
 namespace extperfc::ros_params {
 
-/// Where definitions come from: of services, and of types that no connection has told yet.
+/// Sources of definitions: of services, and of types that no connection has defined yet.
 struct TranslatorDefinitions {
   bool shipped{true};    ///< config/translate/definitions of this package: Indigo, Noetic, Baxter's SDK
   bool installed{true};  ///< every package on the node's ROS_PACKAGE_PATH, as the set "installed"

@@ -60,7 +60,7 @@ bool works(const std::string& plan) {
 
 std::string problem_of(const TopicStatus& topic) {
   if (!topic.problem.empty()) return topic.problem;
-  if (topic.publishers == 0) return {};  // plans are made when somebody publishes
+  if (topic.publishers == 0) return {};  // plans are compiled when there is a publisher
   for (const auto& target : topic.to)
     if (!works(target.plan))
       return "no plan to " + target.type + " " + short_md5(target.md5) + ": " + target.plan;
@@ -72,7 +72,7 @@ std::string problem_of(const ServiceStatus& service) {
   return service.plan.empty() || works(service.plan) ? "" : service.plan;
 }
 
-/// "pass", "convert", "pass, convert" with several versions; "idle" when nobody listens.
+/// "pass", "convert", "pass, convert" with several definitions; "idle" without subscribers.
 std::string plans_of(const TopicStatus& topic) {
   std::vector<std::string> plans;
   for (const auto& target : topic.to) plans.push_back(works(target.plan) ? target.plan : "none");

@@ -18,8 +18,8 @@ struct ReportParams {
   std::size_t max_items{200};  ///< topics and services in a report; those with problems first
 };
 
-/// The link as a whole. ERROR while a master cannot be reached; WARN when something does not cross, or the
-/// clocks differ.
+/// The link as a whole. ERROR while a master cannot be reached; WARN when a topic or service has a
+/// problem, or the clocks differ.
 [[nodiscard]] diagnostic_msgs::DiagnosticStatus link_status(const translate::BridgeStatus& status,
                                                             const ReportParams& params);
 /// One topic in one direction: types, MD5s (their first 8 digits), plan, rate, latency, drops, failures. WARN

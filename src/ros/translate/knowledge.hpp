@@ -9,7 +9,7 @@
 
 #include "ros/params/translator_params.hpp"
 
-/// What the translator knows before anybody connects: definitions and rules.
+/// The translator's definitions and rules at the start.
 namespace extperfc::translator {
 
 /// The set that the packages on ROS_PACKAGE_PATH become.

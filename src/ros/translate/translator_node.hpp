@@ -19,26 +19,26 @@
 
 namespace extperfc::translator {
 
-/// The ROS node around a bridge: it has the parameters, the log, diagnostics and two services. What crosses
-/// does not pass through roscpp: the bridge has nodes of its own at both masters (parameters robot/name and
+/// The ROS node around a bridge, with parameters, log, diagnostics and two services. Bridged messages do not
+/// pass through roscpp: the bridge has separate nodes at both masters (parameters robot/name and
 /// workstation/name).
 ///
 /// Publishes: diagnostics (diagnostic_msgs/DiagnosticArray).
 /// Services (private, std_srvs/Trigger):
-///   ~status         everything that diagnostics know, as text
-///   ~reload_rules   reads the rule files again and makes every plan anew; when one does not fit, nothing
-///   changes
+///   ~status         the content of the diagnostics, as text
+///   ~reload_rules   reads the rule files again and compiles every plan again; if a rule is invalid,
+///   nothing changes
 /// Parameters (private; unknown keys are refused): config/translator.yaml lists all of them with unit, range
 /// and
 ///   default.
-/// Frames: none; with clocks/shift_stamps the stamps of what crosses are shifted.
+/// Frames: none; with clocks/shift_stamps the stamps of bridged messages are shifted.
 /// Diagnostics: "link" (both masters, restarts, clock offset): ERROR while a master is away; one status for
 /// each
 ///   topic and direction, and each service: WARN when it cannot be converted.
 /// Threads: the bridge's event loop has one; reports and services run in the caller's spinner and ask it.
 class TranslatorNode {
  public:
-  /// Reads definitions and rules, opens the bridge's ports. The robot side's master need not be there.
+  /// Reads definitions and rules, opens the bridge's ports. The robot's master need not be running.
   [[nodiscard]] static Result<std::unique_ptr<TranslatorNode>> make(const ros::NodeHandle& handle,
                                                                     const ros::NodeHandle& private_handle,
                                                                     ros_params::TranslatorParams params);

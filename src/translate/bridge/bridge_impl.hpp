@@ -21,7 +21,7 @@
 
 namespace extperfc::translate {
 
-/// Looks at both graphs again and again, and keeps one route for everything that is to cross.
+/// Polls both graphs and keeps one route for every bridged topic, service and parameter prefix.
 class BridgeImpl final : public Bridge {
  public:
   BridgeImpl(EventLoop& loop, BridgeParams params, DefinitionStore definitions, RuleSet rules,
@@ -47,7 +47,7 @@ class BridgeImpl final : public Bridge {
   void schedule();
   void report_once(const std::string& problem);
 
-  static constexpr std::size_t kMaxReported = 1000;  // problems remembered, so that each is told once
+  static constexpr std::size_t kMaxReported = 1000;  // remembered problems, so that each is reported once
 
   EventLoop& loop_;
   BridgeParams params_;

@@ -54,7 +54,7 @@ bool BridgeSelector::has_others(const std::vector<std::string>& nodes, Side side
   return std::any_of(nodes.begin(), nodes.end(), [&](const auto& node) { return node != own; });
 }
 
-/// Time and logs have rules of their own, whatever the filters say.
+/// /clock and /rosout have separate settings and ignore the filters.
 bool BridgeSelector::may_bridge(const std::string& topic, Side from) {
   if (topic == "/clock") return params_.clock && allows(params_.clock_direction, from);
   if (topic == "/rosout") return params_.rosout && from == Side::kRobot;
@@ -87,8 +87,8 @@ bool BridgeSelector::has_server(const GraphState& graph, const std::string& acti
   return status != graph.topics.end() && has_others(status->second.publishers, side);
 }
 
-/// An action's five topics cross as one as soon as there is a server: a client looks for all five at one node
-/// before it believes in the server, so goal and cancel must be there before any client publishes them.
+/// An action's five topics are bridged as a unit as soon as there is a server: a client accepts a server only
+/// if one node has all five, so goal and cancel must exist before any client publishes them.
 void BridgeSelector::add_actions(const Graphs& graphs, Side server_at, BridgedTopics& bridged) {
   static const std::string kGoal = "/goal";
   const auto& graph = graph_of(graphs, server_at);

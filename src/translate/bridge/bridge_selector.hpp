@@ -10,12 +10,12 @@
 
 namespace extperfc::translate {
 
-/// A topic that is to cross, one way.
+/// A topic that is bridged in one direction.
 struct BridgedTopic {
   std::string type;
   std::string action;  ///< name of the action it belongs to, or empty
   bool eager{false};
-  bool listeners{false};  ///< somebody on the other side wants it
+  bool listeners{false};  ///< the other side has subscribers
 };
 
 /// (topic, side of its publishers) -> how.
@@ -23,7 +23,8 @@ using BridgedTopics = std::map<std::pair<std::string, Side>, BridgedTopic>;
 /// Service -> side of its server.
 using BridgedServices = std::map<std::string, Side>;
 
-/// What is to cross, from what the masters say. No side effects; nodes of our own do not count.
+/// Selects bridged topics and services from the masters' graphs. No side effects; the translator's own nodes
+/// do not count.
 class BridgeSelector {
  public:
   [[nodiscard]] static Result<BridgeSelector> make(const BridgeParams& params);

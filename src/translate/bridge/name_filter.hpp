@@ -9,7 +9,7 @@
 
 namespace extperfc::translate {
 
-/// A NameFilter ready for use. Answers are remembered: the same names are asked at every look at the graph.
+/// A compiled NameFilter. Caches its answers, since every poll of the graph asks for the same names.
 class NameMatcher {
  public:
   [[nodiscard]] static Result<NameMatcher> make(const NameFilter& filter, const std::string& what);
@@ -20,11 +20,11 @@ class NameMatcher {
   std::map<std::string, bool> known_;
 };
 
-/// The profiles ready for use.
+/// The compiled profiles.
 class Profiles {
  public:
   [[nodiscard]] static Result<Profiles> make(const std::vector<TopicProfile>& profiles);
-  /// The first that matches, or the defaults.
+  /// The first matching profile, or the defaults.
   [[nodiscard]] const TopicProfile& of(const std::string& topic) const;
 
  private:

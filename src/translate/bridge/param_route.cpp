@@ -36,7 +36,7 @@ void ParamRoute::write_again() {
 }
 
 void ParamRoute::on_change(const std::string& name, const XmlValue& value) {
-  // A namespace that is told as a whole is written leaf by leaf: what only the other side has, stays.
+  // A namespace is written leaf by leaf, to keep values that only the other side has.
   if (const auto* fields = value.as<XmlStruct>(); fields != nullptr && !fields->empty()) {
     const auto prefix = name == "/" ? name : name + "/";
     for (const auto& [key, part] : *fields) on_change(std::string(prefix).append(key), part);

@@ -9,8 +9,8 @@
 
 namespace extperfc::translate {
 
-/// Parameters below one prefix, one way. Old masters tell a change to whoever made it too, so what comes back
-/// equal to what was written last is an echo.
+/// Parameters below one prefix, in one direction. Masters up to Indigo also notify the node that made a
+/// change, so a value that equals the last one written is an echo.
 class ParamRoute {
  public:
   /// What was written last on each side; shared by the routes, so that both directions know each other's

@@ -9,29 +9,29 @@
 
 namespace extperfc::translate {
 
-/// A definition as a connection names it. The schema is null while nobody has told it.
+/// A definition as a connection header names it. The schema is null while it is unknown.
 struct MessageDefinition {
   std::string type, md5;
   SchemaPtr schema;
 };
 
-/// How messages of one version reach those who want another.
+/// How messages of one definition are converted to another.
 struct Conversion {
   bool possible{false};
-  PlanPtr plan;         ///< null: the bytes go through as they are
+  PlanPtr plan;         ///< null: the bytes are forwarded unchanged
   std::string problem;  ///< when it is not possible
 
   [[nodiscard]] bool raw() const { return !plan || plan->kind() == Plan::Kind::kPass; }
   [[nodiscard]] std::string describe() const;  ///< "pass", "convert", or the problem
 };
 
-/// Plans, each compiled once. Refusals are remembered too.
+/// Caches plans, each compiled once, and refusals.
 class PlanCache {
  public:
   PlanCache(DefinitionStore& definitions, RuleSet rules)
       : definitions_(definitions), rules_(std::move(rules)) {}
 
-  /// Versions with equal MD5s and no schema pass: nothing else is known of them.
+  /// Definitions with equal MD5s and no schema pass unchanged: there is no further information.
   [[nodiscard]] Conversion conversion(const MessageDefinition& from, const MessageDefinition& to,
                                       const PlanOptions& options);
   /// Both halves; a service's versions differ in their own MD5s.

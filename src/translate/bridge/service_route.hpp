@@ -10,14 +10,14 @@
 
 namespace extperfc::translate {
 
-/// One service that lives on one side and is offered on the other. Each client has a connection of its own to
-/// the server, so that a slow call of one does not hold another up.
+/// A service of one side that is offered on the other. Each client has a separate connection to the server,
+/// so that a slow call does not delay other clients.
 class ServiceRoute {
  public:
   ServiceRoute(BridgeContext& context, std::string service, Side server_at);
 
   [[nodiscard]] ServiceStatus status() const;
-  /// The server may be another now: its type is asked again.
+  /// The server may have changed: its type is requested again.
   void forget_server();
 
  private:
@@ -26,7 +26,8 @@ class ServiceRoute {
     ServicePtr schema;
   };
   struct Client {
-    std::optional<PlanCache::ServiceConversion> conversion;  ///< nothing: the bytes go through as they are
+    std::optional<PlanCache::ServiceConversion>
+        conversion;  ///< std::nullopt: the bytes are forwarded unchanged
     std::shared_ptr<ServiceLink> link;
   };
   struct Call {

@@ -81,7 +81,7 @@ void TopicRoute::on_request(const std::shared_ptr<SubscriberRequest>& request) {
   last_demand_ = EventLoop::now();
   if (!subscription_) subscribe();
   if (!sources_.empty()) return answer(*request);
-  // Its plan depends on a definition that a publisher has yet to tell.
+  // The plan depends on a definition that no publisher has sent yet.
   Waiting waiting{request, 0};
   const auto patience = milliseconds(context_.params.schema_patience_s);
   waiting.deadline = context_.loop.after(patience, [this, held = std::weak_ptr(request)] {
@@ -114,14 +114,14 @@ void TopicRoute::answer(SubscriberRequest& request) {
   accept(request, target);
 }
 
-/// What a subscriber asked for; of one that takes anything, this side's own version or else the publishers'.
+/// The definition that a subscriber requests; for "*", this side's own definition or else the publishers'.
 MessageDefinition TopicRoute::wanted_definition(const ConnectionHeader& header) const {
   const auto md5 = value_of(header, "md5sum");
   auto type = value_of(header, "type");
   if (type.empty() || type == "*")
     type = sources_.empty() ? params_.type : sources_.begin()->second.definition.type;
   if (md5 == "*") return any_definition();
-  // Of equal MD5s the publisher's text is the better witness: a subscriber of roscpp sends none.
+  // For equal MD5s use the publisher's text: subscribers of roscpp do not send one.
   const auto text = value_of(header, "message_definition");
   if (text.empty())
     for (const auto& [link, source] : sources_)
@@ -143,7 +143,7 @@ MessageDefinition TopicRoute::any_definition() const {
   return source;
 }
 
-/// Why no publisher's messages can become this version; empty when some can.
+/// Why no publisher's messages can be converted to `target`; empty if some can.
 std::string TopicRoute::refusal_reason(const MessageDefinition& target) const {
   std::string reason;
   for (const auto& [link, source] : sources_) {

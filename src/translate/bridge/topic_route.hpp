@@ -22,7 +22,7 @@ class TopicRoute {
     Side from{Side::kRobot};
     TopicProfile profile;
     std::string action;  ///< name of the action it belongs to, or empty
-    bool eager{false};   ///< subscribe at once, whoever listens: actions, profiles that are not lazy
+    bool eager{false};   ///< subscribe at once, without subscribers: actions, profiles that are not lazy
   };
 
   TopicRoute(BridgeContext& context, Params params);
@@ -30,12 +30,12 @@ class TopicRoute {
   TopicRoute(const TopicRoute&) = delete;
   TopicRoute& operator=(const TopicRoute&) = delete;
 
-  /// What the masters say now; opens or closes the subscription. `publishers`: without ourselves.
+  /// Takes the masters' current state; opens or closes the subscription. `publishers`: without our own.
   void look(bool listeners_at_other_side, std::size_t publishers);
   /// Publishers are still connected, listed or not.
   [[nodiscard]] bool alive() const { return subscription_ && subscription_->connected() > 0; }
   [[nodiscard]] const Params& params() const { return params_; }
-  /// Rules or definitions changed: connections begin anew.
+  /// Rules or definitions changed: restarts the connections.
   void begin_anew();
 
   [[nodiscard]] TopicStatus status() const;

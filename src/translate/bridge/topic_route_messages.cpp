@@ -45,7 +45,7 @@ void TopicRoute::on_message(const PublisherLink& link, const FramePtr& frame, St
 }
 
 void TopicRoute::deliver(const MessageDefinition& from, const FramePtr& frame, SteadyTime since) {
-  // Subscribers of one version share the converted frame. Few versions are in use at a time.
+  // Subscribers with one definition share the converted frame. Few definitions are in use at a time.
   std::vector<std::pair<const MessageDefinition*, FramePtr>> done;
   for (const auto& [link, target] : targets_) {
     const auto same =
@@ -67,7 +67,7 @@ void TopicRoute::deliver(const MessageDefinition& from, const FramePtr& frame, S
   ++counts_.latency_count;
 }
 
-/// The frame as the target wants it; null when it cannot be, which is counted and told.
+/// The converted frame; null on failure, which is counted and reported.
 FramePtr TopicRoute::convert_frame(const MessageDefinition& from, const MessageDefinition& to,
                                    const FramePtr& frame) {
   const auto conversion = context_.plans.conversion(from, to, options());

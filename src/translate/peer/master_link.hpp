@@ -45,8 +45,8 @@ class MasterLink {
   RegistrationId keep_param_watch(const std::string& prefix, Done done);
   void drop(RegistrationId registration);   ///< unregisters, best effort
   void again(RegistrationId registration);  ///< unregisters and registers
-  /// Registers once more without unregistering: for a publisher the master then tells every subscriber its
-  /// publishers again, for a subscriber it answers with them. One try; nothing for what is not registered
+  /// Registers once more without unregistering: for a publisher the master then notifies every subscriber of
+  /// its publishers again, for a subscriber it answers with them. One try; nothing for what is not registered
   /// yet.
   void renew(RegistrationId registration);
 

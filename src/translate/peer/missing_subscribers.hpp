@@ -11,10 +11,10 @@
 
 namespace extperfc::translate {
 
-/// Nodes whose connection of one topic ended though they did not ask for it, and when to have the master call
-/// them. rospy never connects again by itself: it waits until the master names the publisher anew
-/// (publisherUpdate). The same call tells us of publishers that were replaced while nobody could tell us.
-/// Calls are first, 2 first, 4 first, ... apart, `last` at most, until nobody is missing. Of the loop's
+/// Nodes whose connection to one topic was lost, and the schedule of the calls that make the master notify
+/// them. rospy does not reconnect by itself: it waits until the master announces the publisher again
+/// (publisherUpdate). The same call also reports publishers that were replaced while a notification was lost.
+/// The intervals are first, 2 first, 4 first, ..., up to `last`, until no node is missing. Use on the loop's
 /// thread.
 class MissingSubscribers {
  public:
@@ -31,10 +31,10 @@ class MissingSubscribers {
 
   /// It is missing; the schedule begins with the first one.
   void expect(const std::string& name);
-  /// It came, or it is known that it does not want to.
+  /// It connected, or is known not to reconnect.
   void forget(const std::string& name);
   void clear();
-  /// Something speaks for success now: the next call comes soon, and the schedule begins anew after it.
+  /// A call is likely to succeed now: the next call comes soon, and the schedule restarts after it.
   void hurry();
 
   [[nodiscard]] bool empty() const { return names_.empty(); }

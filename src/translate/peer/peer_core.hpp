@@ -33,12 +33,12 @@ class PeerCore : public std::enable_shared_from_this<PeerCore> {
  public:
   PeerCore(EventLoop& loop, FramePool& frames, PeerParams params, Peer::Handlers handlers);
 
-  /// Opens both ports and tells the master link our URI.
+  /// Opens both ports and passes our URI to the master link.
   [[nodiscard]] Result<void> open();
   void close();
 
   [[nodiscard]] LinkId next_link() { return ++last_link_; }
-  /// At most some lines in some seconds; the number of lines left out is told afterwards.
+  /// At most some lines in some seconds; the number of suppressed lines is reported afterwards.
   void log(const std::string& line);
   /// What each header of ours holds: caller id and mark.
   [[nodiscard]] ConnectionHeader own_header() const;

@@ -65,7 +65,7 @@ class PublicationState : public std::enable_shared_from_this<PublicationState> {
   void watch_link(LinkId id, Link& link);
   void handle(LinkId id, std::uint32_t events);
   void flush(LinkId id, Link& link);
-  /// Closes now, tells later: on_down never runs inside a call of the owner.
+  /// Closes now, reports later: on_down never runs inside a call of the owner.
   void end_link(LinkId id, const std::string& reason);
   /// It ended by a fault: the subscriber is expected back.
   void break_link(LinkId id, const std::string& reason);
@@ -75,7 +75,7 @@ class PublicationState : public std::enable_shared_from_this<PublicationState> {
   void expect(const Link& link);
   /// The master is to name us to our subscribers anew.
   void call_back();
-  /// The master's list of subscribers: nobody who is not on it comes back.
+  /// The master's list of subscribers: only nodes on it are expected back.
   void on_registered(const Result<XmlValue>& subscribers);
   void ask_whether_listed(const std::string& caller, const std::vector<std::string>& listed);
   void report_down(LinkId id, const std::string& reason);

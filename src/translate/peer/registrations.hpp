@@ -14,7 +14,7 @@ struct Registration {
   Registered what;
   MasterLink::Done done;
   std::uint64_t epoch{0};          ///< of the master's life in which it was made; 0 is never
-  std::int32_t registered_pid{0};  ///< the master that may know it; 0 is none
+  std::int32_t registered_pid{0};  ///< pid of the master that it is registered at; 0: not registered
   bool busy{false};                ///< a call is under way
   bool queued{false};
   bool dropped{false};
@@ -39,13 +39,14 @@ struct Registrations {
     return any(
         [epoch](Id, const Registration& one) { return one.epoch == epoch && !one.busy && !one.dropped; });
   }
-  /// Another than `id` keeps the same thing: undoing `id` would undo that one.
+  /// Another entry than `id` has the same registration: undoing `id` would undo that one.
   [[nodiscard]] bool keeps_too(Id id, const Registered& what) const {
     return any([&](Id other, const Registration& one) {
       return other != id && !one.dropped && one.what.same_place(what);
     });
   }
-  /// A call about it is under way. Calls about one thing go one after another: none overtakes a newer one.
+  /// A call about it is under way. Calls about one registration go one after another: none overtakes a newer
+  /// one.
   [[nodiscard]] bool is_busy(const Registered& what) const {
     return any([&](Id, const Registration& one) { return one.busy && one.what.same_place(what); });
   }

@@ -63,7 +63,7 @@ class SubscriptionState : public std::enable_shared_from_this<SubscriptionState>
     SteadyTime up_since;
     std::optional<SteadyTime> down_since;  ///< it was up, and is lost since then
     std::uint64_t messages{0}, bytes{0};
-    std::string problem;            ///< told last
+    std::string problem;            ///< the last one reported
     std::deque<SteadyTime> losses;  ///< the latest kFlaps times that the connection was lost
     std::string loss;               ///< why it was lost last
     FramePtr latched;               ///< the last message of a latching publisher, for consumers to come

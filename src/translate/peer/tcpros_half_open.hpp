@@ -23,7 +23,7 @@ struct ConnectionEnds {
 /// Closes with a reset instead of what still waits in the kernel: stale messages must not leave any more.
 void abort_connection(LoopSocket& socket);
 
-/// Tells the other ends of connections that we gave up that they are gone. Our reset is lost when the network
+/// Notifies the other ends of connections that we gave up. Our reset is lost when the network
 /// is away, and a subscriber that only listens would then wait on its half-open connection until its
 /// keep-alive, more than a minute. A connection request between the same two addresses makes its kernel
 /// answer; ours resets that answer, which ends the old connection (RFC 793, section 3.4, "Half-Open

@@ -7,7 +7,7 @@
 
 namespace extperfc::translate::plan {
 
-/// Code in words, one line per step; what belongs to a step is indented below it.
+/// Code as text, one line per step; what belongs to a step is indented below it.
 [[nodiscard]] std::vector<std::string> describe(const Code& code);
 
 }  // namespace extperfc::translate::plan

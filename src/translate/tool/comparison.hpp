@@ -13,8 +13,8 @@ namespace extperfc::translate::tool {
 enum class Verdict : unsigned char {
   kSame,       ///< one definition on both sides
   kPass,       ///< constants differ: the bytes are forwarded untouched
-  kConvert,    ///< there is a plan, both ways
-  kNeedsRule,  ///< fields do not convert, one way at least
+  kConvert,    ///< there is a plan, in both directions
+  kNeedsRule,  ///< fields do not convert, in at least one direction
   kUnknown,    ///< a definition or an MD5 is not known
 };
 [[nodiscard]] const char* to_string(Verdict verdict);
@@ -38,7 +38,7 @@ struct Comparison {
   std::size_t only_robot{0}, only_workstation{0};
 };
 
-/// Whatever both sides have; of types with several versions every pair.
+/// Compares all types that both sides have; for types with several definitions every pair.
 [[nodiscard]] Comparison compare(const TypeSet& robot, const TypeSet& workstation, const RuleSet& rules);
 
 }  // namespace extperfc::translate::tool

@@ -24,7 +24,7 @@ bool is_logger_service(const std::string& name) {
   return false;
 }
 
-/// Asks the nodes of one master, on an event loop of its own.
+/// Asks the nodes of one master, on a separate event loop.
 class MasterReader {
  public:
   MasterReader(DefinitionStore& store, std::string hint) : store_(store), hint_(std::move(hint)) {}
@@ -168,7 +168,7 @@ class MasterReader {
     definitions.push_back(std::move(definition));
   }
 
-  /// Nobody told the MD5: the version that the side's set has, if one was given.
+  /// The MD5 is unknown: uses the definition in the side's set, if one was given.
   void guess(const std::string& type, const std::string& kind, const std::string& topic) {
     if (const auto known = side_.find({type, kind});
         known != side_.end() && !known->second.front().md5.empty())

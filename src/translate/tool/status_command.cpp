@@ -68,7 +68,7 @@ Result<std::string> text_in(const Frame& response) {
   return text;
 }
 
-/// Asks one translator, on an event loop of its own.
+/// Asks one translator, on a separate event loop.
 class StatusReader {
  public:
   StatusReader(std::string master_uri, std::string node, std::chrono::milliseconds patience)
