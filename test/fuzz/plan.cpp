@@ -50,8 +50,8 @@ void run(std::string_view input) {
   const auto plan = Plan::compile(*from, *to, {}, options);
   if (!plan) return;
   require(!translate::same_layout(**from, **to) || !(*plan)->notes().empty() || (*from)->fields().empty(),
-          "a plan tells of its fields");
-  for (const auto& line : (*plan)->describe()) require(!line.empty(), "a step has words");
+          "a plan describes its fields");
+  for (const auto& line : (*plan)->describe()) require(!line.empty(), "a step has a text");
   convert(**plan, input);
   if ((*from)->min_size() > options.max_message_bytes) return;
   ByteBuffer zeros;

@@ -20,7 +20,7 @@ TOOL = REPO / "tools" / "extperfc-translate"
 DATA = REPO / "test" / "data" / "translate"
 MARKER = {"indigo": "18326976df9d29249efc939e00342cde", "noetic": "4048c9de2a16f4ae8e0538085ebf1b97"}
 MASTER = "import sys, rosmaster.main as main; main.rosmaster_main(['--core', '-p', sys.argv[1]])"
-# A node with the markers of one of the two releases. The other side subscribes to pictures.
+# A node with the markers of one of the two releases. The robot side subscribes to images.
 NODE = """
 import sys, rospy
 from sensor_msgs.msg import Image

@@ -153,7 +153,7 @@ class Topics(unittest.TestCase):
         self.assertEqual("two", eras.from_hex(SESSION.era_of("workstation").message(kind), heard[0][1]).data)
 
     def test_static_transforms_of_several_nodes(self):
-        """Each latches its own message on one topic: somebody who comes late must get all of them."""
+        """Each latches its own message on one topic: a late subscriber must get all of them."""
         kind = "tf2_msgs/TFMessage"
         for source, target in both_directions():
             children = set()
@@ -279,17 +279,17 @@ class Topics(unittest.TestCase):
             second.end()
 
     def test_what_is_not_allowed_stays(self):
-        """/denied by the filter, /one_way by its direction, /clock unless asked for. /crossed is there to tell when."""
+        """/denied by the filter, /one_way by its direction, /clock unless asked for. /bridged shows when to check."""
         robot, workstation = SESSION.start("robot_python", "workstation_python")
         for topic, kind in (("/denied/a", "std_msgs/String"), ("/clock", "rosgraph_msgs/Clock"),
-                            ("/crossed/1", "std_msgs/String")):
+                            ("/bridged/1", "std_msgs/String")):
             robot.send("advertise", topic, kind, 0)
             workstation.send("subscribe", topic, kind)
-        for topic in ("/one_way/a", "/crossed/2"):
+        for topic in ("/one_way/a", "/bridged/2"):
             workstation.send("advertise", topic, "std_msgs/String", 0)
             robot.send("subscribe", topic, "std_msgs/String")
-        processes.wait_until(lambda: NAME in SESSION.workstation.nodes(0, "/crossed/1"), 10, "/crossed/1 at the workstation's master")
-        processes.wait_until(lambda: NAME in SESSION.robot.nodes(0, "/crossed/2"), 10, "/crossed/2 at the robot's master")
+        processes.wait_until(lambda: NAME in SESSION.workstation.nodes(0, "/bridged/1"), 10, "/bridged/1 at the workstation's master")
+        processes.wait_until(lambda: NAME in SESSION.robot.nodes(0, "/bridged/2"), 10, "/bridged/2 at the robot's master")
         for master, topic in ((SESSION.workstation, "/denied/a"), (SESSION.workstation, "/clock"), (SESSION.robot, "/one_way/a")):
             self.assertNotIn(NAME, master.nodes(0, topic), topic)
         for node, topic in ((robot, "/clock"), (workstation, "/clock")):

@@ -194,7 +194,7 @@ class Parameters(unittest.TestCase):
                 self.until_param(target, f"{prefix}/{name}", value)
 
     def test_a_value_does_not_come_back(self):
-        """The prefix crosses both ways, and the master of Indigo reports a change also to the node that made it."""
+        """The prefix is bridged in both directions, and the master of Indigo reports a change also to the node that made it."""
         self.set_and_see("robot", "workstation", 1)
         self.set_and_see("workstation", "robot", 2)
         for value in range(3, 23):
@@ -222,12 +222,12 @@ class Parameters(unittest.TestCase):
 class Tools(unittest.TestCase):
     """ROS' own command-line programs on names that come from the other side."""
 
-    def run_at(self, side, *words, seconds=15):
+    def run_at(self, side, *command, seconds=15):
         master = SESSION.master_of(side)
         environment = master.environment()
         era = {"robot": "indigo", "workstation": "noetic"}[side]
         environment["PYTHONPATH"] = f"{processes.ERAS / era / 'python'}:{environment.get('PYTHONPATH', '')}"
-        return subprocess.run(master.place.command(words), env=environment, capture_output=True, text=True,
+        return subprocess.run(master.place.command(command), env=environment, capture_output=True, text=True,
                               timeout=seconds)
 
     def test_rostopic_echo(self):

@@ -139,7 +139,7 @@ class Faults(unittest.TestCase):
             source.send("stop", topic)
 
     def test_rospy_hears_commands_again_after_an_outage(self):
-        """It gives up a connection that ends, for good: somebody has to call it back."""
+        """It gives up a connection that ends, for good: the translator has to call it back."""
         if not SESSION.separate:
             self.skipTest("needs network namespaces: run as root")
         source, listener = SESSION.start("workstation_cpp", "robot_python")
@@ -163,7 +163,7 @@ class Faults(unittest.TestCase):
         source.send("stop", topic)
 
     def test_publisher_replaced_during_an_outage(self):
-        """The master tells it while nobody can hear; the translator's connection to the dead one looks alive."""
+        """The master's notification is lost; the translator's connection to the dead one looks alive."""
         if not SESSION.separate:
             self.skipTest("needs network namespaces: run as root")
         topic, target = "/replaced", SESSION.node("workstation_python")
@@ -256,7 +256,7 @@ class Faults(unittest.TestCase):
         self.flow(target, source, "/hostile_robot", "after")
 
     def test_strangers_get_the_reason(self):
-        """A version that nobody knows: the refusal names the type, its MD5 and what to do."""
+        """An unknown definition: the refusal names the type, its MD5 and what to do."""
         source, target = SESSION.start("robot_cpp", "workstation_cpp")
         self.flow(source, target, "/strange", "before")
         uri = SESSION.workstation.ask("lookupNode", NAME)
@@ -320,9 +320,9 @@ class Faults(unittest.TestCase):
                     if topic in everything and status.level > b"\0"[0]:
                         return everything
             return None
-        told = processes.wait_until(report, 20, "a word about it on /diagnostics")
-        self.assertIn("std_msgs/Float64", told)
-        self.assertIn("std_msgs/String", told)
+        reported = processes.wait_until(report, 20, "a word about it on /diagnostics")
+        self.assertIn("std_msgs/Float64", reported)
+        self.assertIn("std_msgs/String", reported)
 
 
 class Clocks(unittest.TestCase):

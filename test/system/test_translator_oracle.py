@@ -15,9 +15,9 @@ MESSAGES_PER_TYPE = 10
 
 def convert(lines):
     """One answer for each line; see convert_lines.cpp."""
-    words = [processes.PROGRAMS / "convert_lines", RULES / "definitions", *sorted(RULES.glob("*.yaml"))]
+    command = [processes.PROGRAMS / "convert_lines", RULES / "definitions", *sorted(RULES.glob("*.yaml"))]
     text = "".join(line + "\n" for line in lines)
-    done = subprocess.run(words, input=text, capture_output=True, text=True, timeout=120)
+    done = subprocess.run(command, input=text, capture_output=True, text=True, timeout=120)
     if done.returncode != 0:
         raise AssertionError(done.stderr)
     return done.stdout.splitlines()
@@ -26,24 +26,24 @@ def convert(lines):
 class Both(unittest.TestCase):
     @classmethod
     def setUpClass(cls):
-        cls.old, cls.new = (eras.Era(processes.ERAS / era) for era in ("indigo", "noetic"))
+        cls.indigo, cls.noetic = (eras.Era(processes.ERAS / era) for era in ("indigo", "noetic"))
         cls.cases = list(cls.changed_messages()) + list(cls.changed_services())
 
     @classmethod
     def changed_messages(cls):
-        """(part, type, old MD5, new MD5, old class, new class) of what differs; actions are their messages."""
-        for name in sorted(cls.old.types("msg") & cls.new.types("msg")):
-            old, new = cls.old.message(name), cls.new.message(name)
-            if old._md5sum != new._md5sum:
-                yield "msg", name, old._md5sum, new._md5sum, old, new
+        """(part, type, Indigo MD5, Noetic MD5, Indigo class, Noetic class) of what differs; actions are their messages."""
+        for name in sorted(cls.indigo.types("msg") & cls.noetic.types("msg")):
+            indigo, noetic = cls.indigo.message(name), cls.noetic.message(name)
+            if indigo._md5sum != noetic._md5sum:
+                yield "msg", name, indigo._md5sum, noetic._md5sum, indigo, noetic
 
     @classmethod
     def changed_services(cls):
-        for name in sorted(cls.old.types("srv") & cls.new.types("srv")):
-            old, new = cls.old.service(name), cls.new.service(name)
-            if old._md5sum != new._md5sum:
-                yield "req", name, old._md5sum, new._md5sum, old._request_class, new._request_class
-                yield "res", name, old._md5sum, new._md5sum, old._response_class, new._response_class
+        for name in sorted(cls.indigo.types("srv") & cls.noetic.types("srv")):
+            indigo, noetic = cls.indigo.service(name), cls.noetic.service(name)
+            if indigo._md5sum != noetic._md5sum:
+                yield "req", name, indigo._md5sum, noetic._md5sum, indigo._request_class, noetic._request_class
+                yield "res", name, indigo._md5sum, noetic._md5sum, indigo._response_class, noetic._response_class
 
     def test_everything_that_changed_is_here(self):
         """69 types changed between Indigo and Noetic (5 of them are actions, which are their messages here), 18 that

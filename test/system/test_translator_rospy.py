@@ -26,7 +26,7 @@ def setUpModule():
 
 
 def subscribers(master, topic):
-    """Caller ids that the translator sends a topic to, as its own slave API tells."""
+    """Caller ids that the translator sends a topic to, as its own slave API reports."""
     with xmlrpc.client.ServerProxy(master.ask("lookupNode", NAME)) as node:
         _, _, rows = node.getBusInfo("/test")
     return [row[1] for row in rows if row[2] == "o" and row[4] == topic]
@@ -78,7 +78,7 @@ class Rospy(unittest.TestCase):
         self.assertEqual(1, len(subscribers(SESSION.robot, topic)), "one connection, not two")
 
     def test_talker_that_is_replaced_while_the_translator_stands_still(self):
-        """Same name, other process: what the master tells us of it waits, or is lost."""
+        """Same name, other process: the master's notification waits, or is lost."""
         topic = "/state_of_mortal"
         source, target = SESSION.start("robot_python_talker", "workstation_python")
         self.begin(source, target, topic)

@@ -66,8 +66,8 @@ class Checks(unittest.TestCase):
 
 class Soak(unittest.TestCase):
     def test_short(self):
-        words = ["/usr/bin/python3", SOAK, "--minutes", "0.5", "--fault-period", "6", "--seed", "2"]
-        done = subprocess.run(words, capture_output=True, text=True, timeout=240, env=os.environ)
+        command = ["/usr/bin/python3", SOAK, "--minutes", "0.5", "--fault-period", "6", "--seed", "2"]
+        done = subprocess.run(command, capture_output=True, text=True, timeout=240, env=os.environ)
         self.assertEqual(0, done.returncode, done.stdout + done.stderr)
         self.assertIn("0 problems", done.stdout)
         self.assertIn("/soak/robot/convert", done.stdout)

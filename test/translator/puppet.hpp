@@ -10,8 +10,8 @@
 
 #include <ros/node_handle.h>
 
-/// A ROS node on strings: typed publishers, subscribers, services and actions, told by lines on standard
-/// input what to do, and telling by lines on standard output what happened. Protocol: puppet.py.
+/// A ROS node on strings: typed publishers, subscribers, services and actions, commanded by lines on standard
+/// input, reporting by lines on standard output. Protocol: puppet.py.
 namespace puppet {
 
 using Bytes = std::vector<std::uint8_t>;

@@ -1,9 +1,9 @@
 #!/usr/bin/env python3
-"""A ROS node on strings, as puppet_main.cpp is: told by lines on standard input, telling by lines on standard output.
+"""A ROS node on strings, as puppet_main.cpp is: commanded by lines on standard input, reporting by lines on standard output.
 
 Bytes are written as "x" and two hexadecimal digits each: a serialized message, request, goal, ...
 
-  told                                   tells
+  command                                reports
   advertise TOPIC TYPE LATCH(0|1)
   unadvertise TOPIC
   publish TOPIC BYTES

@@ -1,7 +1,7 @@
 #!/usr/bin/python3
 """A node of the soak: numbers what it sends and notes what it hears, in a file that the soak reads afterwards.
 
-Lines of the file: `kind name run number time`. kind: sent, heard, latched, called, failed. run tells the lives of a
+Lines of the file: `kind name run number time`. kind: sent, heard, latched, called, failed. run counts the lives of a
 talker apart. Times are of the monotonic clock, which every process of a computer shares [s].
 """
 

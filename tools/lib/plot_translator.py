@@ -41,7 +41,7 @@ def draw(axis, table, title):
 def main():
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("json", help="written by tools/bench translate --json")
-    parser.add_argument("png", help="picture to write")
+    parser.add_argument("png", help="image to write")
     arguments = parser.parse_args()
     with open(arguments.json, encoding="utf-8") as file:
         rows = json.load(file)["rows"]

@@ -25,9 +25,9 @@ def read_notes(file):
     notes = []
     with open(file) as lines:
         for line in lines:
-            words = line.split()
-            if len(words) == 5 and line.endswith("\n"):
-                notes.append(Note(words[0], words[1], int(words[2]), int(words[3]), float(words[4])))
+            tokens = line.split()
+            if len(tokens) == 5 and line.endswith("\n"):
+                notes.append(Note(tokens[0], tokens[1], int(tokens[2]), int(tokens[3]), float(tokens[4])))
     return notes
 
 

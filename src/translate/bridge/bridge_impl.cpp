@@ -53,7 +53,7 @@ Result<void> BridgeImpl::open() {
   for (const auto& prefix : params_.params_workstation_to_robot)
     param_routes_.emplace_back(Side::kWorkstation,
                                std::make_unique<ParamRoute>(context_, written_, prefix, Side::kWorkstation));
-  timer_ = loop_.after(std::chrono::nanoseconds(0), [this] { look(); });
+  timer_ = loop_.after(std::chrono::nanoseconds(0), [this] { poll(); });
   return {};
 }
 
@@ -89,10 +89,10 @@ void BridgeImpl::schedule() {
   const auto period = std::chrono::duration_cast<std::chrono::nanoseconds>(
       std::chrono::duration<double>(params_.poll_period_s));
   loop_.cancel(timer_);
-  timer_ = loop_.after(period, [this] { look(); });
+  timer_ = loop_.after(period, [this] { poll(); });
 }
 
-void BridgeImpl::look() {
+void BridgeImpl::poll() {
   answers_awaited_ = 2;
   for (const auto side : {Side::kRobot, Side::kWorkstation})
     peers_[index(side)]->graph([this, side, alive = std::weak_ptr<bool>(alive_)](Result<GraphState> graph) {
@@ -138,7 +138,7 @@ void BridgeImpl::open_routes(const BridgedTopics& bridged) {
     if (held != topics_.end()) {
       const auto& present = held->second.route->params();
       if (present.eager == entry.eager && present.action == entry.action) {
-        held->second.route->look(entry.listeners, publishers_of(topic, from));
+        held->second.route->update(entry.listeners, publishers_of(topic, from));
         continue;
       }
       topics_.erase(held);  // it became part of an action, or ceased to be
@@ -151,7 +151,7 @@ void BridgeImpl::open_routes(const BridgedTopics& bridged) {
     params.action = entry.action;
     params.eager = entry.eager;
     auto route = std::make_unique<TopicRoute>(context_, std::move(params));
-    route->look(entry.listeners, publishers_of(topic, from));
+    route->update(entry.listeners, publishers_of(topic, from));
     topics_[key] = {std::move(route), EventLoop::now()};
   }
 }
@@ -193,7 +193,7 @@ void BridgeImpl::report_once(const std::string& problem) {
 void BridgeImpl::replace_rules(RuleSet rules) {
   plans_.replace_rules(std::move(rules));
   reported_.clear();
-  for (auto& [key, held] : topics_) held.route->begin_anew();
+  for (auto& [key, held] : topics_) held.route->restart();
   for (auto& [name, held] : services_) held = {held.first, nullptr};
   update_services();
 }

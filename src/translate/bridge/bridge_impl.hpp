@@ -37,7 +37,7 @@ class BridgeImpl final : public Bridge {
  private:
   [[nodiscard]] Result<void> open_side(Side side);
   void on_master(Side side, const Peer::MasterStatus& status);
-  void look();
+  void poll();
   void on_graph(Side side, Result<GraphState> graph);
   void update_topics();
   void open_routes(const BridgedTopics& bridged);

@@ -53,7 +53,7 @@ double ClockOffset::NtpSample::bound_at(double now_s, double drift) const {
 }
 
 void ClockOffset::add_stamp_sample(double receive_time_s, double stamp_s) {
-  const auto is_time = [](double time_s) { return time_s > 0.0 && time_s < kLastStampS; };  // NaN is none
+  const auto is_time = [](double time_s) { return time_s > 0.0 && time_s < kLastStampS; };  // false for NaN
   if (!is_time(receive_time_s) || !is_time(stamp_s)) return;
   if (newest_receive_s_ && receive_time_s < *newest_receive_s_ - kBackwardsS) {
     forget_stamps();

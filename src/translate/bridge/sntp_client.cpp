@@ -160,7 +160,7 @@ struct SntpClient::State : std::enable_shared_from_this<State> {
     int descriptor{-1};
     std::uint64_t nonce{0};
     double asked_s{0};
-    bool stray_noted{false};  ///< strangers' packets are told of once a question
+    bool stray_noted{false};  ///< packets of other hosts are reported once per request
   };
 
   EventLoop& loop;
@@ -218,7 +218,7 @@ struct SntpClient::State : std::enable_shared_from_this<State> {
     const auto datagram = receive(question.descriptor);
     if (datagram.size < 0) {
       if (errno == EAGAIN || errno == EINTR) return;
-      return fail_with(std::strerror(errno));  // "connection refused": nobody listens on that port
+      return fail_with(std::strerror(errno));  // "connection refused": no server on that port
     }
     const ByteView bytes{datagram.bytes.data(), static_cast<std::size_t>(datagram.size)};
     const auto answer = read_sntp_answer(bytes, question.nonce);

@@ -55,7 +55,7 @@ bool TopicRoute::demand() const {
   return params_.eager || listeners_ || !targets_.empty() || !waiting_.empty();
 }
 
-void TopicRoute::look(bool listeners_at_other_side, std::size_t publishers) {
+void TopicRoute::update(bool listeners_at_other_side, std::size_t publishers) {
   listeners_ = listeners_at_other_side;
   const auto now = EventLoop::now();
   if (demand()) {
@@ -69,7 +69,7 @@ void TopicRoute::look(bool listeners_at_other_side, std::size_t publishers) {
   if (subscription_) subscription_->compare(publishers);
 }
 
-void TopicRoute::begin_anew() {
+void TopicRoute::restart() {
   problem_.clear();
   targets_.clear();
   publication_->announce_again();

@@ -31,12 +31,12 @@ class TopicRoute {
   TopicRoute& operator=(const TopicRoute&) = delete;
 
   /// Takes the masters' current state; opens or closes the subscription. `publishers`: without our own.
-  void look(bool listeners_at_other_side, std::size_t publishers);
+  void update(bool listeners_at_other_side, std::size_t publishers);
   /// Publishers are still connected, listed or not.
   [[nodiscard]] bool alive() const { return subscription_ && subscription_->connected() > 0; }
   [[nodiscard]] const Params& params() const { return params_; }
   /// Rules or definitions changed: restarts the connections.
-  void begin_anew();
+  void restart();
 
   [[nodiscard]] TopicStatus status() const;
   /// To be called regularly, for rates.

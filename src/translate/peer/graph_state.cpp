@@ -62,7 +62,7 @@ Result<GraphState> read_graph(const XmlValue& system_state, const XmlValue& topi
     const auto* type = text_at(pair, 1);
     if (topic == nullptr || type == nullptr)
       return fail(ErrorCode::kCorrupt, "the master's answer to getTopicTypes has an unexpected format");
-    // The master remembers types of topics that nobody has any more.
+    // The master remembers types of topics that no longer exist.
     if (const auto found = graph.topics.find(*topic); found != graph.topics.end()) found->second.type = *type;
   }
   return graph;

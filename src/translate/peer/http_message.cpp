@@ -23,7 +23,7 @@ std::string_view trimmed(std::string_view text) {
   return text.substr(first, text.find_last_not_of(kBlanks) - first + 1);
 }
 
-/// A whole number without sign; false when it is none or does not fit.
+/// A whole number without sign; false if it is not a number or does not fit.
 bool parse_size(std::string_view text, int base, std::size_t& size) {
   const auto [end, problem] = std::from_chars(text.data(), text.data() + text.size(), size, base);
   return !text.empty() && problem == std::errc() && end == text.data() + text.size();

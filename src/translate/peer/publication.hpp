@@ -28,7 +28,7 @@ class PublicationState : public std::enable_shared_from_this<PublicationState> {
   void close_link(LinkId id);
   void configure(const SendParams& params);
   void announce_again();
-  /// The interface with these addresses reaches nobody now: links of messages that age are given up at once.
+  /// The interface with these addresses is down: links of messages with an age limit are given up at once.
   void lose_carrier(const std::vector<std::string>& addresses);
 
   [[nodiscard]] LinkId accept(LinkId id, ConnectionHeader header);
@@ -69,7 +69,7 @@ class PublicationState : public std::enable_shared_from_this<PublicationState> {
   void end_link(LinkId id, const std::string& reason);
   /// It ended by a fault: the subscriber is expected back.
   void break_link(LinkId id, const std::string& reason);
-  /// It answers no more: nothing that waits is sent any more, and it is told so when it can be reached again.
+  /// The subscriber does not respond: its queue is dropped, and it is notified when it can be reached again.
   void give_up(LinkId id, const std::string& reason);
   /// Its subscriber did not ask for the end.
   void expect(const Link& link);

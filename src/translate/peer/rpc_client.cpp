@@ -160,7 +160,7 @@ struct RpcClient::State : std::enable_shared_from_this<RpcClient::State> {
     if (count < 0 && (errno == EAGAIN || errno == EINTR)) return;
     if (count < 0) return lost(server, system_message(errno));
     if (count == 0) return ended(server);
-    if (!server->active) return close_idle(server);  // nobody asked
+    if (!server->active) return close_idle(server);  // no request is waiting
     server->answering = true;
     server->input.append(chunk.data(), static_cast<std::size_t>(count));
     proceed(server, server->reader.read(server->input));

@@ -96,7 +96,7 @@ void SubscriptionState::update(const std::vector<std::string>& uris) {
   const auto keep = shared_from_this();
   std::set<std::string> listed(uris.begin(), uris.end());
   listed.erase(core_->uri);
-  // The same list again: somebody on it registered again, and it is not told who.
+  // The same list again: a publisher registered again, and the master does not report which one.
   const bool same = listed == listed_;
   listed_ = listed;
 

@@ -63,7 +63,7 @@ Result<XmlValue> read_binary(std::string_view text) {
   return XmlValue(XmlBinary{std::move(*bytes)});
 }
 
-/// Reads the elements of one document in order; the first thing that does not fit ends it.
+/// Reads the elements of one document in order; the first error ends it.
 class Decoder {
  public:
   Decoder(std::string_view xml, const RpcLimits& limits) : scanner_(xml), limits_(limits) { advance(); }

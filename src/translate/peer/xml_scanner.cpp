@@ -62,7 +62,7 @@ bool append_entity(std::string& out, std::string_view name) {
   return false;
 }
 
-/// Entities that nobody knows stay as they are written.
+/// Unknown entities are kept unchanged.
 void append_decoded(std::string& out, std::string_view raw) {
   constexpr std::size_t kLongest = 10;
   while (!raw.empty()) {

@@ -10,7 +10,7 @@ namespace extperfc::translate::plan {
 /// Bytes of a geometry_msgs/Pose: position x y z [m], orientation x y z w, each a float64.
 inline constexpr std::size_t kPoseSize = 56;
 
-/// True when the definition has a pose's fields, whatever its name.
+/// True when the definition has a pose's fields, regardless of its name.
 [[nodiscard]] bool is_pose(const MessageSchema& schema);
 
 /// parent_T_child for each child: target_T_child = target_T_parent * parent_T_child, where `parent` holds

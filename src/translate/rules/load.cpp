@@ -43,8 +43,8 @@ class DocumentStart : public YAML::EventHandler {
   int line{0};
 };
 
-/// 0 when there is none. YAML::LoadAll would tell too, but takes memory without end for some damaged texts
-/// (yaml-cpp 0.7: ", a: &"), because it meets document after document without getting on.
+/// 0 when there is none. YAML::LoadAll would report it too, but takes memory without end for some damaged
+/// texts (yaml-cpp 0.7: ", a: &"), because it meets document after document without getting on.
 int line_of_second_document(const std::string& text) {
   std::istringstream in(text);
   YAML::Parser parser(in);

@@ -9,7 +9,8 @@ namespace extperfc::translate::rules {
 namespace {
 
 constexpr std::size_t kMaxShown = 60;
-constexpr std::size_t kMaxNameLength = 200;  // longer words get no hint: the distance costs their product
+constexpr std::size_t kMaxNameLength =
+    200;  // longer names get no hint: the cost is the product of the lengths
 
 }  // namespace
 

@@ -28,8 +28,8 @@ struct DefinitionSet {
 };
 
 /// All versions of all types. Equal definitions are kept once: what add() returns takes the place of what it
-/// was given. One type may have several layouts with one MD5 (`Point p`, `Point[] p`): a key tells them
-/// apart, which is the MD5 of the first, and the MD5 with "-2", "-3" of the others.
+/// was given. One type may have several layouts with one MD5 (`Point p`, `Point[] p`): a key distinguishes
+/// them apart, which is the MD5 of the first, and the MD5 with "-2", "-3" of the others.
 class Catalogue {
  public:
   struct Message {

@@ -12,7 +12,7 @@
 
 namespace extperfc::translate {
 
-/// Makes schemas of a tree of packages. What a definition embeds is read from the tree first, in whatever
+/// Makes schemas of a tree of packages. What a definition embeds is read from the tree first, in any
 /// order the files are, then asked from `elsewhere`.
 class TreeReader {
  public:

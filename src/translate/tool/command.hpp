@@ -7,7 +7,7 @@
 
 namespace extperfc::translate::tool {
 
-/// The words after the subcommand's name.
+/// The arguments after the subcommand's name.
 using Tokens = std::vector<std::string>;
 
 constexpr int kFine = 0;

@@ -45,7 +45,7 @@ std::vector<std::string> lines_of(const MessageSchema& schema) {
   return lines;
 }
 
-/// What of an embedded type differs is told behind its name.
+/// Differences of an embedded type are shown after its name.
 std::string with_md5(const MessageSchema& schema, const MessageSchema& other, const std::string& line) {
   for (const auto& field : schema.fields()) {
     if (!field.message || to_string(field) != line) continue;

@@ -33,7 +33,7 @@ using TypeSet = std::map<TypeId, std::vector<TypeDefinition>>;
 /// Everything in a set, with the messages of actions.
 [[nodiscard]] TypeSet types_of_set(const DefinitionStore& store, const std::string& set);
 /// The version of a set of each kind, or of all sets when `which` is an MD5 or its first digits (six or
-/// more). Errors tell what there is.
+/// more). Errors list the known definitions.
 [[nodiscard]] Result<std::map<std::string, TypeDefinition>> find_definitions(const DefinitionStore& store,
                                                                              const std::string& type,
                                                                              const std::string& which);

@@ -7,7 +7,7 @@
 
 namespace extperfc::benchmark {
 
-/// What a receiver tells of every message, on kRecordDescriptor.
+/// What a receiver reports for every message, on kRecordDescriptor.
 struct Arrival {
   std::uint32_t topic{0};   ///< its place in the receiver's list
   std::uint32_t number{0};  ///< as sent
@@ -22,7 +22,7 @@ struct Arrival {
 inline constexpr std::chrono::milliseconds kRegistrationPause{10};
 
 /// The programs that the benchmark starts, each a process of its own. All end with their standard input.
-/// They return an exit code; what goes wrong is told on standard error.
+/// They return an exit code; errors are printed on standard error.
 
 /// Subscribes with roscpp: `arguments` are the master's URI, then topic, type, MD5 and size of the messages
 /// sent (0: any), four by four.

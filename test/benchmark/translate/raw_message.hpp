@@ -9,7 +9,7 @@
 
 namespace extperfc::benchmark {
 
-/// A serialized message of any type: subscribes to whatever comes, and is published under the type and MD5
+/// A serialized message of any type: subscribes to any type, and is published under the type and MD5
 /// that the publisher was advertised with.
 struct RawMessage {
   std::shared_ptr<std::uint8_t[]> bytes;  // NOLINT(*-avoid-c-arrays): uninitialised, unlike a vector's bytes

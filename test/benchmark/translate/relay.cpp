@@ -15,7 +15,7 @@ namespace {
 
 constexpr std::uint32_t kQueue = 10;
 
-/// Advertises when the first message tells its type, then hands on what comes.
+/// Advertises when the first message arrives with its type, then forwards all messages.
 struct Relay {
   ros::NodeHandle* handle{nullptr};
   std::string to;

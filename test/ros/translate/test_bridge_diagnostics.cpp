@@ -156,7 +156,7 @@ TEST(TopicStatusReport, ATopicWithoutAPlanIsAWarning) {
       << report.message;
   topic.publishers = 0;
   EXPECT_EQ(topic_status(topic, params()).level, DiagnosticStatus::OK)
-      << "nobody publishes: there is nothing to plan";
+      << "no publisher: there is nothing to plan";
   topic.problem = "a message was damaged";
   EXPECT_EQ(topic_status(topic, params()).message, "a message was damaged");
 }
@@ -208,7 +208,7 @@ TEST(Report, IsBoundedWithProblemsFirst) {
   auto some = params();
   some.max_items = 20;
   auto status = many(500, 50);
-  status.services[0].problem = "nobody knows its definition";
+  status.services[0].problem = "its definition is unknown";
   const auto report = to_diagnostics(status, some, ros::Time(1), true);
   ASSERT_EQ(report.status.size(), 21U);
   EXPECT_EQ(report.status[0].level, DiagnosticStatus::WARN);

@@ -1,5 +1,5 @@
 // Parameters of the translator: what is shipped loads and has the defaults, everything arrives where it
-// belongs, and everything that is wrong is told at once.
+// belongs, and all errors are reported at once.
 #include <algorithm>
 #include <cstdlib>
 #include <regex>

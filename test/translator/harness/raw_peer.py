@@ -96,7 +96,7 @@ def hostile_contents(rng):
 
 
 class FakePublisher:
-    """Registers a topic and answers connections with whatever it is told."""
+    """Registers a topic and answers connections with a given content."""
 
     def __init__(self, master, topic, type_name, md5):
         self.master, self.topic, self.bodies = master, topic, []
@@ -134,7 +134,7 @@ class FakePublisher:
         self.served.clear()
         self.ask("registerPublisher", self.topic, self.fields["type"], self.uri)
         if not self.served.wait(10):
-            raise AssertionError("nobody connected to the publisher that lies")
+            raise AssertionError("no subscriber connected to the lying publisher")
         self.ask("unregisterPublisher", self.topic, self.uri)
 
     def __enter__(self):

@@ -254,7 +254,7 @@ class FakePeer final : public Peer {
   int services_opened{0};
   std::map<std::string, XmlValue> param_values;
   std::function<void(const std::string&, const XmlValue&)> on_param;
-  bool echoes{true};  ///< tells a change to whoever made it, as Indigo's master does
+  bool echoes{true};  ///< also notifies the node that made a change, as Indigo's master does
   int writes{0};
 
  private:

@@ -12,7 +12,7 @@
 namespace extperfc::translate::test {
 
 /// A ROS master in the test's own process: topics with publisherUpdate, services, parameters with paramUpdate
-/// (told to the setter too, as Indigo's does). Can die, come back empty under another pid, or just be away.
+/// (the setter is notified too, as by Indigo's). Can die, come back empty under another pid, or just be away.
 class SmallMaster {
  public:
   explicit SmallMaster(EventLoop& loop) : loop_(loop), resolver_(loop, {}), client_(loop, resolver_) {

@@ -21,7 +21,7 @@ FramePtr frame_of(const Bytes& bytes) {
   return frame;
 }
 
-/// A publisher with one definition; accepts whoever asks for it.
+/// A publisher with one definition; accepts every subscriber.
 struct Talker {
   Talker(Peer& peer, const std::string& topic, SchemaPtr with, bool latches = false)
       : schema(std::move(with)) {

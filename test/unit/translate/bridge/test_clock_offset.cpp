@@ -188,7 +188,7 @@ TEST(ClockOffset, WhenNothingAgreesTheLatestCounts) {
     latest_s = rng.uniform(-1e5, 1e5);
     clock.add_stamp_sample(now_s, now_s + latest_s);
   }
-  EXPECT_TRUE(clock.estimate(kStartS)) << "it says something, with whatever uncertainty";
+  EXPECT_TRUE(clock.estimate(kStartS)) << "an estimate with any uncertainty";
 }
 
 TEST(ClockOffset, NtpIsTheMeanOfBothDirectionsBoundedByHalfTheRoundTrip) {

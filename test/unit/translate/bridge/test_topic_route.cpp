@@ -37,7 +37,7 @@ TEST_F(TopicRouteTest, EachSubscriberGetsTheVersionItAskedFor) {
   make();
   const auto same = publication().request(subscriber(robot_schema_));
   const auto changed = publication().request(subscriber(workstation_schema_));
-  EXPECT_FALSE(same->accepted) << "nobody knows the publisher's definition yet";
+  EXPECT_FALSE(same->accepted) << "the publisher's definition is not known yet";
   const auto link = subscription().connect(publisher(robot_schema_));
   ASSERT_TRUE(same->accepted && changed->accepted);
   EXPECT_EQ(same->md5, robot_schema_->md5());
@@ -96,9 +96,9 @@ TEST_F(TopicRouteTest, EqualMd5OfAnotherLayoutDoesNotPass) {
 
 TEST_F(TopicRouteTest, IsSubscribedOnlyWhileThereAreSubscribers) {
   auto& route = make();
-  route.look(false, 1);
+  route.update(false, 1);
   EXPECT_FALSE(subscribed());
-  route.look(true, 2);
+  route.update(true, 2);
   EXPECT_TRUE(subscribed());
   EXPECT_EQ(subscription().compared, 2U) << "the count is passed on";
 }
@@ -180,7 +180,7 @@ TEST_F(TopicRouteTest, OtherRulesBeginEveryConnectionAnew) {
   const auto listener = publication().request(subscriber(robot_schema_));
   subscription().connect(publisher(robot_schema_));
   ASSERT_TRUE(listener->accepted);
-  route.begin_anew();
+  route.restart();
   EXPECT_EQ(publication().announced_again, 1);
   EXPECT_TRUE(publication().sent.empty());
 }

@@ -13,8 +13,9 @@
 
 namespace extperfc::translate::testing {
 
-/// A master in the test's own process that joins nodes as rosmaster does: it tells subscribers of publishers
-/// and watchers of parameters. It can die, and come back at the same port with another pid and no memory.
+/// A master in the test's own process that joins nodes as rosmaster does: it notifies subscribers of
+/// publishers and watchers of parameters. It can die, and come back at the same port with another pid and no
+/// memory.
 class GraphMaster {
  public:
   explicit GraphMaster(EventLoop& loop)
@@ -62,7 +63,7 @@ class GraphMaster {
 
   std::map<std::string, int> calls;  ///< how often each method was called
   std::map<std::string, XmlValue> params;
-  bool notifies{true};  ///< false: subscribers are not told of publishers, as when the network is away
+  bool notifies{true};  ///< false: subscribers are not notified of publishers, as when the network is away
 
  private:
   static XmlValue reply(std::int32_t code, XmlValue value) { return XmlArray{code, "", std::move(value)}; }
@@ -137,7 +138,7 @@ class GraphMaster {
     return reply(-1, "unknown method");
   }
 
-  /// rosmaster ends the names that it tells with a slash.
+  /// rosmaster appends a slash to the names that it sends.
   XmlValue set_param(const std::string& name, const XmlValue& value) {
     params[name] = value;
     for (const auto& api : watchers_) call_node(api, "paramUpdate", {"/master", name + "/", value});

@@ -15,7 +15,7 @@
 
 namespace extperfc::translate {
 
-/// A server that speaks whatever a test wants: `on_bytes` gets what a connection sent so far.
+/// A server that sends any bytes that a test wants: `on_bytes` gets what a connection sent so far.
 class RawServer {
  public:
   struct Connection {
@@ -79,7 +79,7 @@ class RawServer {
   std::map<int, Connection> connections_;
 };
 
-/// A client that sends whatever a test wants.
+/// A client that sends any bytes that a test wants.
 class RawClient {
  public:
   RawClient(EventLoop& loop, std::uint16_t port) : loop_(loop) {

@@ -68,7 +68,7 @@ TEST_F(HalfOpen, OneThatIsGoneNeedsNoNotice) {
   HalfOpenNotices notices(loop_);
   int notified = 0;
   notices.notify(ends_, [&] { ++notified; });
-  EXPECT_TRUE(loop_until(loop_, [&] { return notified == 1; })) << "whoever calls it back may begin";
+  EXPECT_TRUE(loop_until(loop_, [&] { return notified == 1; })) << "a new connection may begin";
   EXPECT_EQ(notices.pending(), 0U);
 }
 
@@ -79,7 +79,7 @@ TEST_F(HalfOpen, AnAbortedConnectionIsResetAtOnce) {
 
 TEST_F(HalfOpen, UnknownEndsAreLeftAlone) {
   HalfOpenNotices notices(loop_);
-  notices.notify(ends_of(-1), [] { ADD_FAILURE() << "nobody was told"; });
+  notices.notify(ends_of(-1), [] { ADD_FAILURE() << "no one was notified"; });
   EXPECT_EQ(notices.pending(), 0U);
 }
 

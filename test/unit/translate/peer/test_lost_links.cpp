@@ -174,7 +174,7 @@ TEST_F(LostLinks, APublisherReplacedWithoutNotificationIsFound) {
   for_a_while(milliseconds(100));
   const auto asked = master.calls["registerSubscriber"];
   for_a_while(milliseconds(700));
-  EXPECT_EQ(master.calls["registerSubscriber"], asked) << "nobody is missing";
+  EXPECT_EQ(master.calls["registerSubscriber"], asked) << "no subscriber is missing";
 }
 
 TEST_F(LostLinks, APublisherThatEndsIsNoProblem) {

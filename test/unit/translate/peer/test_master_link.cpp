@@ -171,7 +171,7 @@ TEST_F(MasterLinkTest, RenewRegistersOnceMoreAndNeverUnregisters) {
   loop_for(loop_, 60ms);
   EXPECT_EQ(master.calls("registerPublisher"), 2);
   EXPECT_EQ(master.calls("unregisterPublisher"), 0);
-  link->renew(id + 1);  // nobody's
+  link->renew(id + 1);  // an unknown id
   link->drop(id);
   link->renew(id);
   ASSERT_TRUE(loop_until(loop_, [&] { return master.registered.empty(); }));
@@ -272,7 +272,7 @@ TEST_F(MasterLinkTest, AMasterThatAcceptsAndNeverAnswersIsNotReachable) {
   link->shut_down(10s, [&] { ended = true; });
   EXPECT_TRUE(loop_until(
       loop_, [&] { return ended; }, 2s))
-      << "nobody to wait for";
+      << "nothing to wait for";
 }
 
 TEST_F(MasterLinkTest, GarbageIsAClearProblem) {

@@ -82,7 +82,7 @@ TEST_F(SharedSubscriptions, TheConnectionLastsAsLongAsItHasSubscribers) {
 TEST_F(SharedSubscriptions, WhatOneRefusesAnotherTakes) {
   clock.wanted = false;
   begin(clock);
-  ASSERT_TRUE(until([&] { return left.size() == 1; })) << "nobody wanted it";
+  ASSERT_TRUE(until([&] { return left.size() == 1; })) << "no consumer was left";
   begin(route);
   ASSERT_TRUE(until([&] { return route.subscription->connected() == 1; }));
   send_all(*publication, frame_of("taken"));
@@ -90,7 +90,7 @@ TEST_F(SharedSubscriptions, WhatOneRefusesAnotherTakes) {
   EXPECT_TRUE(clock.messages.empty());
   EXPECT_EQ(clock.subscription->connected(), 0U);
   route.subscription.reset();
-  EXPECT_TRUE(until([&] { return left.size() == 2; })) << "nobody wants it any more";
+  EXPECT_TRUE(until([&] { return left.size() == 2; })) << "no consumer is left";
 }
 
 TEST_F(SharedSubscriptions, OneMayLeaveWhileTheNextIsNotAskedYet) {

@@ -12,7 +12,7 @@ namespace extperfc::translate::testing {
 
 constexpr const char* kMd5 = "992ce8a1687cec8c8bd883ec73ca41d1";
 
-/// A translator and a plain node, with what a subscription and a publication told.
+/// A translator and a plain node, with what a subscription and a publication reported.
 class Topics : public TwoPeers {
  protected:
   [[nodiscard]] std::unique_ptr<Peer> make_plain(const std::string& name) {
@@ -80,7 +80,7 @@ class Topics : public TwoPeers {
   std::vector<std::string> messages, left, downs, gone, problems;
 };
 
-/// A node that names its listening socket, whatever is asked; what the socket does is the test's matter.
+/// A node that names its listening socket, for any request; what the socket does is the test's matter.
 class FakePublisher {
  public:
   explicit FakePublisher(EventLoop& loop) : server_(loop) {

@@ -33,7 +33,7 @@ TEST_F(IndigoNoeticTest, EveryChangeOfItsOwnHasARuleInEachDirection) {
   for (const auto& type : content.services)
     for (const std::string half : {"Request", "Response"})
       check(schema("indigo", type + half), schema("noetic", type + half));
-  // 20 less the actions Pickup and Place, which are told by their results.
+  // 20 less the actions Pickup and Place, which are covered by their results.
   EXPECT_EQ(changed, 18U);
 }
 
