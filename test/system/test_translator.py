@@ -54,8 +54,9 @@ def check_workstation(test, robot, workstation):
         test.assertTrue(math.isnan(workstation.temperature))
         test.assertEqual([], list(workstation.cell_temperature))
     if kind == "moveit_msgs/MotionPlanRequest":
-        test.assertEqual(("", "", 0.0, []), (workstation.pipeline_id, workstation.cartesian_speed_limited_link, workstation.max_cartesian_speed,
-                                             workstation.reference_trajectories))
+        test.assertEqual(("", "", 0.0, []), (
+            workstation.pipeline_id, workstation.cartesian_speed_limited_link, workstation.max_cartesian_speed,
+            workstation.reference_trajectories))
     if kind == "baxter_core_msgs/HeadPanCommand":
         test.assertAlmostEqual(robot.speed / 100, workstation.speed_ratio, places=5)
         test.assertEqual(1, workstation.enable_pan_request)
@@ -107,8 +108,9 @@ class Topics(unittest.TestCase):
 
     def test_speed_of_the_head_is_a_percentage_or_a_ratio(self):
         kind = "baxter_core_msgs/HeadPanCommand"
-        for source, target, fields, expected in (("robot", "workstation", {"target": 1.0, "speed": 50}, {"speed_ratio": 0.5}),
-                                                 ("workstation", "robot", {"target": 1.0, "speed_ratio": 0.5}, {"speed": 50})):
+        for source, target, fields, expected in (
+                ("robot", "workstation", {"target": 1.0, "speed": 50}, {"speed_ratio": 0.5}),
+                ("workstation", "robot", {"target": 1.0, "speed_ratio": 0.5}, {"speed": 50})):
             topic = f"/head/from_{source}"
             SESSION.node(f"{source}_cpp").send("advertise", topic, kind, 1)
             SESSION.node(f"{source}_cpp").send("publish", topic, eras.to_hex(SESSION.message(source, kind, **fields)))
@@ -127,7 +129,8 @@ class Topics(unittest.TestCase):
         message = SESSION.message("robot", kind, set_point=3.5, i_clamp=0.25)
         SESSION.node("robot_cpp").send("advertise", topic, kind, 1)
         SESSION.node("robot_cpp").send("publish", topic, eras.to_hex(message))
-        for node, era in ((stranger, "robot"), (SESSION.node("workstation_cpp"), "workstation"), (SESSION.node("workstation_python"), "workstation")):
+        for node, era in ((stranger, "robot"), (SESSION.node("workstation_cpp"), "workstation"),
+                          (SESSION.node("workstation_python"), "workstation")):
             heard = node.wait_for("message", topic)
             got = eras.from_hex(SESSION.era_of(era).message(kind), heard[0][1])
             self.assertEqual((3.5, 0.25), (got.set_point, got.i_clamp))
@@ -288,9 +291,12 @@ class Topics(unittest.TestCase):
         for topic in ("/one_way/a", "/bridged/2"):
             workstation.send("advertise", topic, "std_msgs/String", 0)
             robot.send("subscribe", topic, "std_msgs/String")
-        processes.wait_until(lambda: NAME in SESSION.workstation.nodes(0, "/bridged/1"), 10, "/bridged/1 at the workstation's master")
-        processes.wait_until(lambda: NAME in SESSION.robot.nodes(0, "/bridged/2"), 10, "/bridged/2 at the robot's master")
-        for master, topic in ((SESSION.workstation, "/denied/a"), (SESSION.workstation, "/clock"), (SESSION.robot, "/one_way/a")):
+        processes.wait_until(lambda: NAME in SESSION.workstation.nodes(0, "/bridged/1"), 10,
+                             "/bridged/1 at the workstation's master")
+        processes.wait_until(lambda: NAME in SESSION.robot.nodes(0, "/bridged/2"), 10,
+                             "/bridged/2 at the robot's master")
+        for master, topic in ((SESSION.workstation, "/denied/a"), (SESSION.workstation, "/clock"),
+                              (SESSION.robot, "/one_way/a")):
             self.assertNotIn(NAME, master.nodes(0, topic), topic)
         for node, topic in ((robot, "/clock"), (workstation, "/clock")):
             node.send("unadvertise" if node is robot else "unsubscribe", topic)
@@ -342,7 +348,8 @@ class OneHost(unittest.TestCase):
             for node, topic, side in ((workstation, "/from_robot", "workstation"), (robot, "/from_workstation", "robot")):
                 got = eras.from_hex(session.era_of(side).message(kind), node.wait_for("message", topic)[0][1])
                 self.assertEqual(1.5, got.set_point)
-            processes.wait_until(lambda: session.workstation.nodes(2, "/trigger"), 10, "/trigger at the workstation's master")
+            processes.wait_until(lambda: session.workstation.nodes(2, "/trigger"), 10,
+                                 "/trigger at the workstation's master")
             workstation.send("call", "/trigger", "std_srvs/Trigger", "x")
             self.assertEqual("ok", workstation.wait_for("response", "/trigger")[0][0])
         finally:

@@ -16,7 +16,8 @@ SESSION = None
 LANGUAGES = ("cpp", "python")
 
 PARAMETERS = {
-    "parameters": {"robot_to_workstation": ["/robot_info", "/both_ways"], "workstation_to_robot": ["/tuning", "/both_ways"]},
+    "parameters": {"robot_to_workstation": ["/robot_info", "/both_ways"],
+                   "workstation_to_robot": ["/tuning", "/both_ways"]},
 }
 
 
@@ -155,7 +156,8 @@ class Actions(unittest.TestCase):
 
     def test_goal_ids_and_stamps_are_unchanged(self):
         name, kind = "/ids", "moveit_msgs/Pickup"
-        server, client, robot, workstation = SESSION.start("robot_cpp", "workstation_cpp", "robot_python", "workstation_python")
+        server, client, robot, workstation = SESSION.start("robot_cpp", "workstation_cpp",
+                                                           "robot_python", "workstation_python")
         server.send("action_server", name, kind)
         client.send("action_client", name, kind)
         goal = name + "/goal"
@@ -163,8 +165,8 @@ class Actions(unittest.TestCase):
             node.send("subscribe", goal, kind + "ActionGoal")
         client.send("wait_server", name, 20)
         self.assertEqual(["1"], client.wait_for("connected", name, seconds=25)[0])
-        processes.wait_until(lambda: {"/robot_python", "/workstation_python"} <= set(SESSION.robot.nodes(1, goal) +
-                                                                           SESSION.workstation.nodes(1, goal)), 5, "listeners")
+        processes.wait_until(lambda: {"/robot_python", "/workstation_python"} <= set(
+            SESSION.robot.nodes(1, goal) + SESSION.workstation.nodes(1, goal)), 5, "listeners")
 
         def both_heard():
             client.send("send_goal", name, eras.to_hex(self.random("workstation", kind, "Goal", 1)))
@@ -194,7 +196,7 @@ class Parameters(unittest.TestCase):
                 self.until_param(target, f"{prefix}/{name}", value)
 
     def test_a_value_does_not_come_back(self):
-        """The prefix is bridged in both directions, and the master of Indigo reports a change also to the node that made it."""
+        """The prefix is bridged in both directions, and Indigo's master also notifies the node that made a change."""
         self.set_and_see("robot", "workstation", 1)
         self.set_and_see("workstation", "robot", 2)
         for value in range(3, 23):

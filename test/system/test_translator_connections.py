@@ -102,11 +102,13 @@ class StatusTool(unittest.TestCase):
         text = status_text()
         self.assertTrue(text.startswith("link: "), text)
         self.assertNotIn("\\n", text)
-        for word in ("robot side master: " + SESSION.robot.uri, "workstation side master: " + SESSION.workstation.uri, "topics:", "services:"):
+        for word in ("robot side master: " + SESSION.robot.uri,
+                     "workstation side master: " + SESSION.workstation.uri, "topics:", "services:"):
             self.assertIn(word, text)
 
     def test_the_masters_uri_may_be_given(self):
-        done = status("--node", NAME[1:] + "_home", "--master", SESSION.workstation.uri, ROS_MASTER_URI="http://127.0.0.1:9")
+        done = status("--node", NAME[1:] + "_home", "--master", SESSION.workstation.uri,
+                      ROS_MASTER_URI="http://127.0.0.1:9")
         self.assertEqual(0, done.returncode, done.stderr)
 
     def test_errors_name_what_is_missing(self):

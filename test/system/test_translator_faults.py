@@ -260,7 +260,8 @@ class Faults(unittest.TestCase):
         source, target = SESSION.start("robot_cpp", "workstation_cpp")
         self.flow(source, target, "/strange", "before")
         uri = SESSION.workstation.ask("lookupNode", NAME)
-        with raw_peer.connect(SESSION.workstation.place, raw_peer.topic_address(SESSION.workstation.place, uri, "/strange")) as stream:
+        place = SESSION.workstation.place
+        with raw_peer.connect(place, raw_peer.topic_address(place, uri, "/strange")) as stream:
             stream.sendall(raw_peer.header(topic="/strange", type="std_msgs/String", md5sum="1" * 32,
                                            callerid="/stranger"))
             refusal = raw_peer.read_header(stream)["error"]

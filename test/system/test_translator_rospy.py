@@ -96,7 +96,8 @@ class Rospy(unittest.TestCase):
     def test_reloading_rules_brings_everybody_back(self):
         """All connections end and begin anew, both ways, also when rospy sees the end after the call."""
         robot, workstation = SESSION.start("robot_python", "workstation_python")
-        streams = [(robot, workstation, "/reloaded_to_workstation"), (workstation, robot, "/reloaded_to_robot"), (workstation, robot, "/command_reloaded")]
+        streams = [(robot, workstation, "/reloaded_to_workstation"), (workstation, robot, "/reloaded_to_robot"),
+                   (workstation, robot, "/command_reloaded")]
         for stream in streams:
             self.begin(*stream)
         for life in range(3):

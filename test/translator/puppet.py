@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""A ROS node on strings, as puppet_main.cpp is: commanded by lines on standard input, reporting by lines on standard output.
+"""A ROS node on strings, like puppet_main.cpp: reads commands from standard input, writes reports to standard output.
 
 Bytes are written as "x" and two hexadecimal digits each: a serialized message, request, goal, ...
 

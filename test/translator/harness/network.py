@@ -115,7 +115,8 @@ class SeparateNetworks:
     def __init__(self):
         self.robot, self.workstation, self.between = Namespace("10.91.1.2"), Namespace("10.91.2.2"), Namespace()
         self.robot_cable = Cable("robot", (self.between, self.robot), ("10.91.1.1", self.robot.address))
-        self.workstation_cable = Cable("workstation", (self.between, self.workstation), ("10.91.2.1", self.workstation.address))
+        self.workstation_cable = Cable("workstation", (self.between, self.workstation),
+                                       ("10.91.2.1", self.workstation.address))
         self.addresses_between = {"robot": "10.91.1.1", "workstation": "10.91.2.1"}
 
     def close(self):
