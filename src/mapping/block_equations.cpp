@@ -8,7 +8,7 @@
 
 namespace extperfc::mapping {
 
-BlockEquations::BlockEquations(std::size_t nodes, const std::vector<Place>& places)
+BlockEquations::BlockEquations(std::size_t nodes, const std::vector<BlockIndex>& indices)
     : size_(nodes),
       position_(nodes),
       diagonal_(nodes),
@@ -19,18 +19,18 @@ BlockEquations::BlockEquations(std::size_t nodes, const std::vector<Place>& plac
       work_(nodes, Block::Zero()),
       reach_(nodes),
       marked_by_(nodes, kNone) {
-  find_order(places);
-  find_entries(places);
+  find_order(indices);
+  find_entries(indices);
   find_pattern();
   reset(0);
 }
 
 /// The pattern of nodes is a ninth of the pattern of unknowns, and gives an order as good.
-void BlockEquations::find_order(const std::vector<Place>& places) {
+void BlockEquations::find_order(const std::vector<BlockIndex>& indices) {
   using Pattern = Eigen::SparseMatrix<double>;
   std::vector<Eigen::Triplet<double>> cells;
-  cells.reserve(places.size() + size_);
-  for (const auto& [row, column] : places)
+  cells.reserve(indices.size() + size_);
+  for (const auto& [row, column] : indices)
     cells.emplace_back(static_cast<int>(std::max(row, column)), static_cast<int>(std::min(row, column)), 1.0);
   for (std::size_t i = 0; i < size_; ++i) cells.emplace_back(static_cast<int>(i), static_cast<int>(i), 1.0);
   const auto side = static_cast<Eigen::Index>(size_);
@@ -42,22 +42,23 @@ void BlockEquations::find_order(const std::vector<Place>& places) {
     position_[static_cast<std::size_t>(order.indices()[i])] = static_cast<std::size_t>(i);
 }
 
-void BlockEquations::find_entries(const std::vector<Place>& places) {
-  slots_.resize(places.size());
-  const auto left = [&](std::size_t place) {  // row and column, by position
-    const auto [lower, upper] = std::minmax(position_[places[place].first], position_[places[place].second]);
-    return Place(upper, lower);
+void BlockEquations::find_entries(const std::vector<BlockIndex>& indices) {
+  slots_.resize(indices.size());
+  const auto left = [&](std::size_t index) {  // row and column, by position
+    const auto [lower, upper] =
+        std::minmax(position_[indices[index].first], position_[indices[index].second]);
+    return BlockIndex(upper, lower);
   };
-  std::vector<std::size_t> sorted(places.size());
+  std::vector<std::size_t> sorted(indices.size());
   std::iota(sorted.begin(), sorted.end(), std::size_t{0});
   std::sort(sorted.begin(), sorted.end(), [&](auto a, auto b) { return left(a) < left(b); });
   first_entry_.assign(size_ + 1, 0);
-  Place last(kNone, kNone);
-  for (const std::size_t place : sorted) {
-    const Place at = left(place);
-    Slot& slot = slots_[place];
+  BlockIndex last(kNone, kNone);
+  for (const std::size_t index : sorted) {
+    const BlockIndex at = left(index);
+    Slot& slot = slots_[index];
     slot.row = at.first;
-    slot.mirrored = position_[places[place].first] != at.first;
+    slot.mirrored = position_[indices[index].first] != at.first;
     if (at.first == at.second) continue;
     if (at != last) {
       entries_.push_back({at.second, Block::Zero()});
@@ -94,8 +95,8 @@ void BlockEquations::reset(double diagonal) {
   std::fill(x_.begin(), x_.end(), Eigen::Vector3d::Zero());
 }
 
-void BlockEquations::add(std::size_t place, const Block& block) {
-  const Slot& slot = slots_[place];
+void BlockEquations::add(std::size_t index, const Block& block) {
+  const Slot& slot = slots_[index];
   if (slot.entry == kNone)
     diagonal_[slot.row] += block + block.transpose();
   else if (slot.mirrored)

@@ -17,17 +17,17 @@ class BlockEquations {
  public:
   using Block = Eigen::Matrix3d;
   /// Row and column of a block, [0, nodes).
-  using Place = std::pair<std::size_t, std::size_t>;
+  using BlockIndex = std::pair<std::size_t, std::size_t>;
 
-  /// `places`: the blocks off the diagonal that may be added to, on either side of it, in any order and
-  /// number.
-  BlockEquations(std::size_t nodes, const std::vector<Place>& places);
+  /// `indices`: the off-diagonal blocks that may be added to, on either side of the diagonal, in any order;
+  /// repetitions are allowed.
+  BlockEquations(std::size_t nodes, const std::vector<BlockIndex>& indices);
 
   /// Zero everywhere, but for `diagonal` on the diagonal.
   void reset(double diagonal);
   void add_diagonal(std::size_t node, const Block& block) { diagonal_[position_[node]] += block; }
-  /// Adds to the block at places[place], and its mirror image to that on the other side of the diagonal.
-  void add(std::size_t place, const Block& block);
+  /// Adds to the block at indices[index], and its transpose to the mirrored block.
+  void add(std::size_t index, const Block& block);
   void add_right_side(std::size_t node, const Eigen::Vector3d& b) { x_[position_[node]] += b; }
 
   /// Solves; what was added is used up. False when the matrix is not positive definite.
@@ -49,8 +49,8 @@ class BlockEquations {
     bool mirrored{false};
   };
 
-  void find_order(const std::vector<Place>& places);
-  void find_entries(const std::vector<Place>& places);
+  void find_order(const std::vector<BlockIndex>& indices);
+  void find_entries(const std::vector<BlockIndex>& indices);
   void find_pattern();
   /// Columns of row `row` of the factor, every one before its parent; from `reach_` at the returned index on.
   std::size_t find_reach(std::size_t row);
@@ -60,7 +60,7 @@ class BlockEquations {
   // Everything but `slots_` is in the order of elimination.
   std::size_t size_;
   std::vector<std::size_t> position_;     ///< of each node
-  std::vector<Slot> slots_;               ///< of each place
+  std::vector<Slot> slots_;               ///< of each of the constructor's indices
   std::vector<std::size_t> first_entry_;  ///< of each row, and the end
   std::vector<Entry> entries_;
   std::vector<Block> diagonal_;

@@ -12,7 +12,7 @@ namespace extperfc::mapping {
 /// A scan that the map is made of. Its pose in the map is the pose graph's.
 struct KeyFrame {
   std::size_t scan{0};    ///< number of the scan it was made from
-  double travelled_m{0};  ///< way of the robot up to here
+  double travelled_m{0};  ///< distance travelled up to here
   ScanPoints points;
 };
 

@@ -9,9 +9,9 @@ namespace extperfc::mapping {
 
 namespace {
 
-constexpr double kMovedCells = 0.4;  // of a key frame, before it is drawn anew
+constexpr double kMovedCells = 0.4;  // of a key frame, before it is redrawn
 constexpr double kMovedRad = 0.004;
-constexpr double kFarthestM = 5000.0;  // coordinates beyond are not of this robot's world
+constexpr double kFarthestM = 5000.0;  // larger coordinates are invalid
 
 std::uint64_t key_of(int tile_column, int tile_row) {
   return (static_cast<std::uint64_t>(static_cast<std::uint32_t>(tile_column)) << 32U) |
@@ -21,10 +21,10 @@ std::uint64_t key_of(int tile_column, int tile_row) {
 }  // namespace
 
 MapRenderer::MapRenderer(double resolution_m, double occupied_threshold)
-    : resolution_m_(resolution_m), occupied_threshold_(occupied_threshold), picture_(resolution_m) {}
+    : resolution_m_(resolution_m), occupied_threshold_(occupied_threshold), image_(resolution_m) {}
 
 bool MapRenderer::update(const std::vector<KeyFrame>& frames, const std::vector<Pose2>& poses,
-                         std::size_t most_cells) {
+                         std::size_t max_cells) {
   std::size_t cells = 0;
   for (std::size_t i = 0; i < frames.size(); ++i) {
     const bool is_new = i >= drawn_.size();
@@ -34,7 +34,7 @@ bool MapRenderer::update(const std::vector<KeyFrame>& frames, const std::vector<
           std::abs(wrap_angle(poses[i].yaw - drawn_[i].yaw)) < kMovedRad)
         continue;
     }
-    if (cells >= most_cells) return false;
+    if (cells >= max_cells) return false;
     if (is_new)
       drawn_.emplace_back();
     else
@@ -68,15 +68,15 @@ std::size_t MapRenderer::draw_ray(const Eigen::Vector2d& from, const Eigen::Vect
   int row = static_cast<int>(std::floor(from.y() / resolution_m_));
   const int end_column = static_cast<int>(std::floor(to.x() / resolution_m_));
   const int end_row = static_cast<int>(std::floor(to.y() / resolution_m_));
-  const Eigen::Vector2d way = to - from;
-  const int right = way.x() > 0 ? 1 : -1;
-  const int up = way.y() > 0 ? 1 : -1;
+  const Eigen::Vector2d ray = to - from;
+  const int right = ray.x() > 0 ? 1 : -1;
+  const int up = ray.y() > 0 ? 1 : -1;
   constexpr double kNever = std::numeric_limits<double>::infinity();
-  const double per_column = way.x() != 0 ? std::abs(resolution_m_ / way.x()) : kNever;
-  const double per_row = way.y() != 0 ? std::abs(resolution_m_ / way.y()) : kNever;
+  const double per_column = ray.x() != 0 ? std::abs(resolution_m_ / ray.x()) : kNever;
+  const double per_row = ray.y() != 0 ? std::abs(resolution_m_ / ray.y()) : kNever;
   double next_column =
-      way.x() != 0 ? ((column + (right > 0 ? 1 : 0)) * resolution_m_ - from.x()) / way.x() : kNever;
-  double next_row = way.y() != 0 ? ((row + (up > 0 ? 1 : 0)) * resolution_m_ - from.y()) / way.y() : kNever;
+      ray.x() != 0 ? ((column + (right > 0 ? 1 : 0)) * resolution_m_ - from.x()) / ray.x() : kNever;
+  double next_row = ray.y() != 0 ? ((row + (up > 0 ? 1 : 0)) * resolution_m_ - from.y()) / ray.y() : kNever;
   const int steps = std::abs(end_column - column) + std::abs(end_row - row);
   const auto one = static_cast<std::uint32_t>(sign);  // -1 wraps round
   for (int left = steps; left > 0;) {
@@ -85,7 +85,7 @@ std::size_t MapRenderer::draw_ray(const Eigen::Vector2d& from, const Eigen::Vect
     int y = row & kTileMask;
     const int tile_column = column - x;
     const int tile_row = row - y;
-    do {  // which way is next is a coin's toss: no branches
+    do {  // the direction of the next step is unpredictable: no branches
       holder.at(x, y).passes += one;
       const bool sideways = next_column < next_row;
       x += sideways ? right : 0;
@@ -135,23 +135,22 @@ std::int8_t MapRenderer::value(const Count& count) const {
 
 std::shared_ptr<const OccupancyGrid> MapRenderer::map(const MapBounds& bounds) {
   last_tile_ = nullptr;  // so that the next drawing marks its tile again
-  if (!changed_tiles_.empty() && picture_.open(extent(), bounds.copied_cells))
-    draw_changed_tiles(bounds.tiles);
+  if (!changed_tiles_.empty() && image_.open(extent(), bounds.copied_cells)) draw_changed_tiles(bounds.tiles);
   complete_ = changed_tiles_.empty();
-  return picture_.show();
+  return image_.show();
 }
 
-MapPicture::Extent MapRenderer::extent() const {
+MapImage::Extent MapRenderer::extent() const {
   return {left_tile_ * kTileCells, bottom_tile_ * kTileCells, (right_tile_ - left_tile_ + 1) * kTileCells,
           (top_tile_ - bottom_tile_ + 1) * kTileCells};
 }
 
-/// Tiles outside of the picture wait until it has grown.
-void MapRenderer::draw_changed_tiles(std::size_t most_tiles) {
-  const MapPicture::Extent& drawn = picture_.extent();
+/// Tiles outside of the image wait until it has grown.
+void MapRenderer::draw_changed_tiles(std::size_t max_tiles) {
+  const MapImage::Extent& drawn = image_.extent();
   auto waiting = changed_tiles_.begin();
   auto next = waiting;
-  for (; next != changed_tiles_.end() && most_tiles > 0; ++next) {
+  for (; next != changed_tiles_.end() && max_tiles > 0; ++next) {
     Tile& tile = **next;
     const int column = tile.column * kTileCells - drawn.column;
     const int row = tile.row * kTileCells - drawn.row;
@@ -161,14 +160,14 @@ void MapRenderer::draw_changed_tiles(std::size_t most_tiles) {
     }
     draw_tile(tile);
     tile.changed = false;
-    --most_tiles;
+    --max_tiles;
   }
   changed_tiles_.erase(waiting, next);
 }
 
 void MapRenderer::draw_tile(const Tile& tile) {
   for (int row = 0; row < kTileCells; ++row) {
-    std::int8_t* cells = picture_.cells_at(tile.column * kTileCells, tile.row * kTileCells + row);
+    std::int8_t* cells = image_.cells_at(tile.column * kTileCells, tile.row * kTileCells + row);
     const int first = row * kTileCells;
     const Count* counts = &tile.counts[static_cast<std::size_t>(first)];
     for (int column = 0; column < kTileCells; ++column) cells[column] = value(counts[column]);

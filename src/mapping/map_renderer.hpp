@@ -12,31 +12,30 @@
 #include "extperfc/world/pose.hpp"
 
 #include "mapping/key_frame.hpp"
-#include "mapping/map_picture.hpp"
+#include "mapping/map_image.hpp"
 
 namespace extperfc::mapping {
 
 /// Draws key frames into an occupancy grid by counting, for every cell, rays that ended there and rays that
 /// went through (Probabilistic Robotics, section 9.2, as a counting model). Counts can be taken back exactly,
-/// so a key frame that relaxing moved is redrawn alone. Memory grows with the explored area.
+/// so a key frame that an optimization moved is redrawn alone. Memory grows with the explored area.
 class MapRenderer {
  public:
-  /// Of the work of one call of map().
+  /// Bounds of the work of one call of map().
   struct MapBounds {
     std::size_t tiles{std::numeric_limits<std::size_t>::max()};         ///< brought up to date
-    std::size_t copied_cells{std::numeric_limits<std::size_t>::max()};  ///< of a picture
+    std::size_t copied_cells{std::numeric_limits<std::size_t>::max()};  ///< of an image
   };
 
   MapRenderer(double resolution_m, double occupied_threshold);
 
-  /// Draws what is new and redraws what moved, as far as about `most_cells` cell updates go. True when
-  /// everything stands where it belongs.
-  bool update(const std::vector<KeyFrame>& frames, const std::vector<Pose2>& poses, std::size_t most_cells);
+  /// Draws new key frames and redraws moved ones, with about `max_cells` cell updates at most. True when no
+  /// key frame is left to draw.
+  bool update(const std::vector<KeyFrame>& frames, const std::vector<Pose2>& poses, std::size_t max_cells);
 
-  /// The map as it was drawn so far, as far as the bounds go: the rest follows with the next calls, until
-  /// complete(). O(what changed); where the extent grew, or somebody still holds the last map, O(cells) too,
-  /// spread over as many calls as the bounds ask for. A map that takes several calls to copy stays behind
-  /// until then.
+  /// The map as drawn so far, within the bounds; the next calls add the rest, until complete(). O(changed
+  /// cells); O(cells) where the extent grew or the last map is still in use, spread over several calls by the
+  /// bounds. A map that takes several calls to copy lags until then.
   [[nodiscard]] std::shared_ptr<const OccupancyGrid> map(const MapBounds& bounds);
   [[nodiscard]] std::shared_ptr<const OccupancyGrid> map() { return map(MapBounds()); }
   [[nodiscard]] bool complete() const { return complete_; }
@@ -52,7 +51,7 @@ class MapRenderer {
   struct Tile {
     int column{0};
     int row{0};
-    bool changed{false};  ///< since it was drawn to the picture
+    bool changed{false};  ///< since it was drawn to the image
     std::array<Count, kTileCells * kTileCells> counts{};
     [[nodiscard]] Count& at(int x, int y);  ///< within the tile
   };
@@ -61,8 +60,8 @@ class MapRenderer {
   std::size_t draw(const ScanPoints& points, const Pose2& map_T_base, int sign);
   std::size_t draw_ray(const Eigen::Vector2d& from, const Eigen::Vector2d& to, bool hit, int sign);
   Tile& tile(int tile_column, int tile_row);
-  [[nodiscard]] MapPicture::Extent extent() const;
-  void draw_changed_tiles(std::size_t most_tiles);
+  [[nodiscard]] MapImage::Extent extent() const;
+  void draw_changed_tiles(std::size_t max_tiles);
   void draw_tile(const Tile& tile);
   [[nodiscard]] std::int8_t value(const Count& count) const;
 
@@ -74,7 +73,7 @@ class MapRenderer {
   int last_tile_column_{0};
   int last_tile_row_{0};
   std::vector<Tile*> changed_tiles_;  ///< in the order of their first change
-  MapPicture picture_;
+  MapImage image_;
   int left_tile_{0};  ///< of all tiles
   int right_tile_{0};
   int bottom_tile_{0};

@@ -17,8 +17,8 @@ namespace extperfc::mapping {
 namespace {
 
 constexpr std::size_t kCellsPerMapCall = 1'500'000;  // drawn at most in one call of map()
-// Brought up to date in one call: 2.4 million cells, and of a map that is copied: because its extent grew, or
-// because somebody still holds the last one.
+// Updated in one call: 2.4 million cells; copied in one call: cells of a map whose extent grew or whose last
+// version is still in use.
 constexpr MapRenderer::MapBounds kMapCall{600, 6'000'000};
 constexpr double kSmallestCovariance = 1e-8;
 
@@ -26,13 +26,13 @@ bool is_finite(const Pose2& pose) {
   return std::isfinite(pose.x) && std::isfinite(pose.y) && std::isfinite(pose.yaw);
 }
 
-/// The matrix that turns x, y, yaw by `yaw`.
-Eigen::Matrix3d turn_by(double yaw) {
-  Eigen::Matrix3d turn = Eigen::Matrix3d::Identity();
-  turn(0, 0) = turn(1, 1) = std::cos(yaw);
-  turn(1, 0) = std::sin(yaw);
-  turn(0, 1) = -turn(1, 0);
-  return turn;
+/// The matrix that rotates x, y, yaw by `yaw`.
+Eigen::Matrix3d rotation_by(double yaw) {
+  Eigen::Matrix3d rotation = Eigen::Matrix3d::Identity();
+  rotation(0, 0) = rotation(1, 1) = std::cos(yaw);
+  rotation(1, 0) = std::sin(yaw);
+  rotation(0, 1) = -rotation(1, 0);
+  return rotation;
 }
 
 PathFilterParams filter_params(const MapperParams& params) {
@@ -57,7 +57,7 @@ class Mapper::Impl {
   std::shared_ptr<const OccupancyGrid> map();
   void finish();
   [[nodiscard]] Result<void> save(const std::filesystem::path& file) const;
-  void go_on_from(Session session);
+  void resume_from(Session session);
   [[nodiscard]] bool settled() const { return settled_ && renderer_.complete(); }
   [[nodiscard]] std::uint64_t map_version() const { return map_version_; }
 
@@ -73,10 +73,10 @@ class Mapper::Impl {
   std::vector<PassedScan> scans_;
   MapperStatistics statistics_;
   Pose2 key_pose_;  ///< tracked pose of the newest key frame
-  double key_way_m_{0};
+  double key_path_m_{0};
   double key_stamp_s_{0};
   bool settled_{true};
-  bool settle_at_once_{false};  ///< the recording is over, time does not matter
+  bool settle_at_once_{false};  ///< after finish(): no time bound
   std::uint64_t map_version_{0};
 };
 
@@ -93,12 +93,12 @@ MapperUpdate Mapper::Impl::add(const LaserScan& scan, const std::optional<Pose2>
   update.odometry_contradicted = tracked.odometry_contradicted;
   settle_at_once_ = false;
   scans_.push_back({scan.stamp_s, tracked.pose, 0});
-  if (points.surface.size() < Tracker::kFewestPoints) {
-    update.fate = ScanFate::kUnusable;
+  if (points.surface.size() < Tracker::kMinPoints) {
+    update.status = ScanStatus::kUnusable;
     ++statistics_.unusable_scans;
   } else if (wants_key_frame(scan, tracked)) {
-    update.fate = ScanFate::kKeyFrame;
-    update.map_moved = add_key_frame(points, tracked);
+    update.status = ScanStatus::kKeyFrame;
+    update.map_changed = add_key_frame(points, tracked);
     key_stamp_s_ = scan.stamp_s;
   }
   const std::size_t frames = filter_.frames().size();
@@ -117,24 +117,24 @@ bool Mapper::Impl::wants_key_frame(const LaserScan& scan, const Tracked& tracked
          (params_.temporal_update_s >= 0 && waited_s >= params_.temporal_update_s);
 }
 
-/// True when the map changed elsewhere too.
+/// True when poses of old key frames changed.
 bool Mapper::Impl::add_key_frame(const ScanPoints& points, const Tracked& tracked) {
   KeyFrame frame{scans_.size() - 1, statistics_.path_m, points};
   PathFilter::Step step;
   if (filter_.frames().empty()) {
     filter_.begin(tracked.pose, std::move(frame));
   } else {
-    const Eigen::Matrix3d turn = turn_by(-key_pose_.yaw);
+    const Eigen::Matrix3d rotation = rotation_by(-key_pose_.yaw);
     const TrackedStep tracked_step{between(key_pose_, tracked.pose),
-                                   turn * tracked.information * turn.transpose(),
-                                   statistics_.path_m - key_way_m_};
+                                   rotation * tracked.information * rotation.transpose(),
+                                   statistics_.path_m - key_path_m_};
     step = filter_.add(tracked_step, std::move(frame));
   }
   key_pose_ = tracked.pose;
-  key_way_m_ = statistics_.path_m;
+  key_path_m_ = statistics_.path_m;
   settled_ = false;
   ++map_version_;
-  return step.bent;
+  return step.map_changed;
 }
 
 Pose2 Mapper::Impl::pose() const {
@@ -145,9 +145,9 @@ Pose2 Mapper::Impl::pose() const {
 Eigen::Matrix3d Mapper::Impl::covariance(const Tracked& tracked) const {
   const Eigen::Matrix3d tracked_covariance =
       (tracked.information + kSmallestCovariance * Eigen::Matrix3d::Identity()).inverse();
-  const Eigen::Matrix3d turn = turn_by(wrap_angle(pose().yaw - tracker_.pose().yaw));
+  const Eigen::Matrix3d rotation = rotation_by(wrap_angle(pose().yaw - tracker_.pose().yaw));
   const Eigen::Matrix3d spread = filter_.frames().empty() ? Eigen::Matrix3d::Zero() : filter_.covariance();
-  return turn * tracked_covariance * turn.transpose() + spread;
+  return rotation * tracked_covariance * rotation.transpose() + spread;
 }
 
 /// Between two key frames, the corrections of both are blended by the number of scans from either.
@@ -167,10 +167,10 @@ Trajectory Mapper::Impl::trajectory() const {
     if (k + 1 < frames.size() && i >= frames[k].scan) {  // scans before the first key frame hang on it alone
       const std::size_t next_scan = frames[k + 1].scan;
       const Pose2 other = compose(poses[k + 1], between(scans_[next_scan].tracked, scan.tracked));
-      const double share =
+      const double fraction =
           static_cast<double>(i - frames[k].scan) / static_cast<double>(next_scan - frames[k].scan);
-      pose = {pose.x + share * (other.x - pose.x), pose.y + share * (other.y - pose.y),
-              wrap_angle(pose.yaw + share * wrap_angle(other.yaw - pose.yaw))};
+      pose = {pose.x + fraction * (other.x - pose.x), pose.y + fraction * (other.y - pose.y),
+              wrap_angle(pose.yaw + fraction * wrap_angle(other.yaw - pose.yaw))};
     }
     trajectory.push_back({scan.stamp_s, pose});
   }
@@ -217,19 +217,19 @@ Result<void> Mapper::Impl::save(const std::filesystem::path& file) const {
   return write_session({filter_.frames(), filter_.graph(), scans_}, file);
 }
 
-/// The tracker goes on in the map's own frame, with the last scans of the session before its eyes.
-void Mapper::Impl::go_on_from(Session session) {
+/// The tracker resumes in the map's frame, using the session's latest key frames as local map.
+void Mapper::Impl::resume_from(Session session) {
   scans_ = std::move(session.scans);
   const auto& poses = session.graph.poses();
-  // Old scans keep their places against their key frames; the newest key frame is where the tracker goes on.
+  // Old scans keep their poses relative to their key frames; the tracker resumes at the newest key frame.
   const std::size_t newest = session.frames.back().scan;
   const Pose2 moved = compose(poses.back(), inverse(scans_[newest].tracked));
   for (PassedScan& scan : scans_) scan.tracked = compose(moved, scan.tracked);
-  tracker_.go_on_from(session.frames, poses, scans_.back().tracked);
+  tracker_.resume_from(session.frames, poses, scans_.back().tracked);
   statistics_.scans = scans_.size();
   statistics_.path_m = session.frames.back().travelled_m;
   key_pose_ = poses.back();
-  key_way_m_ = statistics_.path_m;
+  key_path_m_ = statistics_.path_m;
   key_stamp_s_ = scans_.back().stamp_s;
   filter_.restore(std::move(session.frames), std::move(session.graph));
   settled_ = false;
@@ -253,15 +253,15 @@ Result<void> validate(const MapperParams& params) {
     double highest;
     const char* range;
   };
-  constexpr double kMost = 1e6;
+  constexpr double kMaxMagnitude = 1e6;
   const Check checks[] = {
       {"particles", static_cast<double>(params.particles), 1, 1000, "[1, 1000]"},
       {"delta (resolution)", params.resolution_m, 0.01, 1, "[0.01, 1] m"},
-      {"maxRange", params.max_range_m, 0, kMost, "[0, 1e6] m"},
-      {"maxUrange", params.max_usable_range_m, 0, kMost, "[0, 1e6] m"},
+      {"maxRange", params.max_range_m, 0, kMaxMagnitude, "[0, 1e6] m"},
+      {"maxUrange", params.max_usable_range_m, 0, kMaxMagnitude, "[0, 1e6] m"},
       {"linearUpdate", params.linear_update_m, 0.05, 5, "[0.05, 5] m"},
       {"angularUpdate", params.angular_update_rad, 0.02, 3.2, "[0.02, 3.2] rad"},
-      {"temporalUpdate", params.temporal_update_s, -kMost, kMost, "[-1e6, 1e6] s"},
+      {"temporalUpdate", params.temporal_update_s, -kMaxMagnitude, kMaxMagnitude, "[-1e6, 1e6] s"},
       {"resampleThreshold", params.resample_threshold, 0, 1, "[0, 1]"},
       {"minimumScore", params.minimum_score, 0, 1, "[0, 1]"},
       {"srr", params.srr, 0, 10, "[0, 10]"},
@@ -327,7 +327,7 @@ void Mapper::finish() {
 
 Result<void> Mapper::save(const std::filesystem::path& file) const {
   if (impl_->statistics().key_frames == 0)
-    return fail(ErrorCode::kInvalidArgument, "there is nothing to save: no scan was mapped yet");
+    return fail(ErrorCode::kInvalidArgument, "cannot save the session: no scan was mapped yet");
   return impl_->save(file);
 }
 
@@ -336,7 +336,7 @@ Result<Mapper> Mapper::load(const std::filesystem::path& file, const MapperParam
   auto session = read_session(file);
   if (!session) return tl::unexpected(session.error());
   auto impl = std::make_unique<Impl>(params);
-  impl->go_on_from(std::move(*session));
+  impl->resume_from(std::move(*session));
   return Mapper(std::move(impl));
 }
 

@@ -13,7 +13,7 @@ namespace extperfc::mapping {
 namespace {
 
 constexpr double kSigmaM = 0.03;     // of a point about its line
-constexpr double kCorrelated = 8.0;  // points that tell as much as one: they share the map's own errors
+constexpr double kCorrelated = 8.0;  // points that count as one: their errors are correlated by the map
 constexpr double kOnSurfaceM = 0.1;  // a point this near to its line counts as explained
 constexpr int kIterations = 14;
 constexpr int kCoarseIterations = 3;    // with the full reach
@@ -44,16 +44,16 @@ void add_row(Equations& equations, const Eigen::Vector3d& jacobian, double error
 Equations linearize(const SurfaceMap& map, const ScanPoints& points, const Pose2& pose, int reach_cells,
                     double scale_m) {
   Equations equations;
-  Eigen::Matrix2f turn;
+  Eigen::Matrix2f rotation;
   const auto c = static_cast<float>(std::cos(pose.yaw));
   const auto s = static_cast<float>(std::sin(pose.yaw));
-  turn << c, -s, s, c;
+  rotation << c, -s, s, c;
   const Eigen::Vector2f shift(static_cast<float>(pose.x), static_cast<float>(pose.y));
   constexpr double kUnit = 1.0 / (kSigmaM * kSigmaM * kCorrelated);
   for (const SurfacePoint& point : points.surface) {
-    const Eigen::Vector2f arm = turn * point.position;
+    const Eigen::Vector2f arm = rotation * point.position;
     const Eigen::Vector2f position = arm + shift;
-    const Eigen::Vector2f own_normal = turn * point.normal;
+    const Eigen::Vector2f own_normal = rotation * point.normal;
     const auto* surface = map.nearest(position, own_normal, reach_cells);
     if (!surface) continue;
     ++equations.used;
@@ -75,7 +75,7 @@ Equations linearize(const SurfaceMap& map, const ScanPoints& points, const Pose2
   return equations;
 }
 
-/// Makes `sigma_m` the least standard deviation along a direction, whatever the yaw is.
+/// Makes `sigma_m` the minimum standard deviation along a direction, for any yaw.
 void weaken(Eigen::Matrix3d& information, const Eigen::Vector2d& along, double sigma_m) {
   const Eigen::Vector3d u(along.x(), along.y(), 0);
   Eigen::Matrix3d covariance = (information + 1e-2 * Eigen::Matrix3d::Identity()).inverse();
@@ -142,15 +142,15 @@ ScanMatch evaluate(const SurfaceMap& map, const ScanPoints& points, const Pose2&
 
 double graded_fit(const SurfaceMap& map, const ScanPoints& points, const Pose2& pose) {
   constexpr int kReachCells = 2;
-  Eigen::Matrix2f turn;
+  Eigen::Matrix2f rotation;
   const auto c = static_cast<float>(std::cos(pose.yaw));
   const auto s = static_cast<float>(std::sin(pose.yaw));
-  turn << c, -s, s, c;
+  rotation << c, -s, s, c;
   const Eigen::Vector2f shift(static_cast<float>(pose.x), static_cast<float>(pose.y));
   double sum = 0;
   for (const SurfacePoint& point : points.surface) {
-    const Eigen::Vector2f position = turn * point.position + shift;
-    const Eigen::Vector2f own_normal = turn * point.normal;
+    const Eigen::Vector2f position = rotation * point.position + shift;
+    const Eigen::Vector2f own_normal = rotation * point.normal;
     const auto* surface = map.nearest(position, own_normal, kReachCells);
     if (!surface) continue;
     const Eigen::Vector2f d = position - surface->mean;
@@ -165,11 +165,11 @@ double graded_fit(const SurfaceMap& map, const ScanPoints& points, const Pose2& 
 ScanMatch match_along(const SurfaceMap& map, const ScanPoints& points, const ScanMatch& first,
                       const PosePrior& prior, double window_m, double reach_m,
                       const std::function<double(const Pose2&)>& score) {
-  constexpr double kWeakShare = 0.15;  // of the strongest direction's information
+  constexpr double kWeakRatio = 0.15;  // of the strongest direction's information
   constexpr double kStepM = 0.1;
-  constexpr double kAsGood = 0.03;  // of the score: no telling apart
+  constexpr double kAsGood = 0.03;  // of the score: equally good
   const Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d> axes(first.information.topLeftCorner<2, 2>());
-  if (axes.eigenvalues()[0] > kWeakShare * axes.eigenvalues()[1]) return first;
+  if (axes.eigenvalues()[0] > kWeakRatio * axes.eigenvalues()[1]) return first;
   const Eigen::Vector2d along = axes.eigenvectors().col(0);
   const double to_prior =
       along.dot(Eigen::Vector2d(prior.mean.x - first.pose.x, prior.mean.y - first.pose.y));
@@ -187,7 +187,7 @@ ScanMatch match_along(const SurfaceMap& map, const ScanPoints& points, const Sca
     const int index = i + reach;
     return scores[static_cast<std::size_t>(index)] >= good;
   };
-  // Where nothing tells places apart, the one that was expected stands.
+  // Among equally good positions the one nearest to the prior is chosen.
   int chosen = 0;
   while (!is_good(chosen)) chosen = chosen > 0 ? -chosen : 1 - chosen;  // 0, 1, -1, 2, -2, ...
   double breadth_m = 0;
@@ -211,26 +211,26 @@ Pose2 search_near(const SurfaceMap& map, const ScanPoints& points, const Pose2& 
   const std::size_t stride = 1 + points.surface.size() / kProbes;
   Pose2 best = centre;
   double best_score = -1;
-  std::vector<Eigen::Vector2f> turned;
-  for (double turn = -window_rad; turn <= window_rad + 1e-9; turn += kStepRad) {
-    const auto c = static_cast<float>(std::cos(centre.yaw + turn));
-    const auto s = static_cast<float>(std::sin(centre.yaw + turn));
-    turned.clear();
+  std::vector<Eigen::Vector2f> rotated;
+  for (double yaw_offset = -window_rad; yaw_offset <= window_rad + 1e-9; yaw_offset += kStepRad) {
+    const auto c = static_cast<float>(std::cos(centre.yaw + yaw_offset));
+    const auto s = static_cast<float>(std::sin(centre.yaw + yaw_offset));
+    rotated.clear();
     for (std::size_t i = 0; i < points.surface.size(); i += stride) {
       const Eigen::Vector2f& p = points.surface[i].position;
-      turned.emplace_back(c * p.x() - s * p.y() + static_cast<float>(centre.x),
-                          s * p.x() + c * p.y() + static_cast<float>(centre.y));
+      rotated.emplace_back(c * p.x() - s * p.y() + static_cast<float>(centre.x),
+                           s * p.x() + c * p.y() + static_cast<float>(centre.y));
     }
     for (double dx = -window_m; dx <= window_m + 1e-9; dx += kStepM) {
       for (double dy = -window_m; dy <= window_m + 1e-9; dy += kStepM) {
         const Eigen::Vector2f shift(static_cast<float>(dx), static_cast<float>(dy));
         int hits = 0;
-        for (const auto& point : turned) hits += map.occupied_near(point + shift) ? 1 : 0;
-        const double away = std::hypot(dx, dy) / window_m + std::abs(turn) / window_rad;
-        const double score = hits / std::max(1.0, static_cast<double>(turned.size())) - kFavourNear * away;
+        for (const auto& point : rotated) hits += map.occupied_near(point + shift) ? 1 : 0;
+        const double away = std::hypot(dx, dy) / window_m + std::abs(yaw_offset) / window_rad;
+        const double score = hits / std::max(1.0, static_cast<double>(rotated.size())) - kFavourNear * away;
         if (score <= best_score) continue;
         best_score = score;
-        best = {centre.x + dx, centre.y + dy, wrap_angle(centre.yaw + turn)};
+        best = {centre.x + dx, centre.y + dy, wrap_angle(centre.yaw + yaw_offset)};
       }
     }
   }

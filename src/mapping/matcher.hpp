@@ -11,8 +11,8 @@
 
 namespace extperfc::mapping {
 
-/// What was known before the match: a normal distribution of the pose, independent in x, y and yaw, and
-/// narrower along one direction when that is given.
+/// Prior of a match: a normal distribution of the pose, independent in x, y and yaw, and narrower along one
+/// direction when that is given.
 struct PosePrior {
   Pose2 mean;
   double sigma_m{1};            ///< [m]
@@ -24,7 +24,7 @@ struct PosePrior {
 struct ScanMatch {
   Pose2 pose;                   ///< of the base in the map's frame
   Eigen::Matrix3d information;  ///< of x, y, yaw by the scan alone [1/m^2, 1/m, 1/rad^2]
-  double fit{0};                ///< share of the points that lie on a surface of the map, [0, 1]
+  double fit{0};                ///< fraction of the points that lie on a surface of the map, [0, 1]
   int used{0};                  ///< points that found a surface
 };
 
@@ -37,13 +37,13 @@ struct ScanMatch {
 /// Fit and information at a pose, without moving it.
 [[nodiscard]] ScanMatch evaluate(const SurfaceMap& map, const ScanPoints& points, const Pose2& pose);
 
-/// Share of the points that lie on a surface, graded by how near they lie, [0, 1].
+/// Fraction of the points that lie on a surface, graded by how near they lie, [0, 1].
 [[nodiscard]] double graded_fit(const SurfaceMap& map, const ScanPoints& points, const Pose2& pose);
 
-/// A match in surroundings that may look alike along one direction, as corridors do: `score` is followed
-/// along the weakest direction, up to `window_m` either way of the prior's mean. Where it has one peak, the
-/// match starts anew there; where it has a broad one, the place nearest to what was expected stands, and the
-/// information along that direction is cut down to what the breadth leaves of it.
+/// A match in surroundings that may look alike along one direction, as corridors do: evaluates `score` along
+/// the weakest direction, up to `window_m` on both sides of the prior's mean. A single narrow peak restarts
+/// the match there. A broad one keeps the position nearest to the prior and reduces the information along
+/// that direction according to the breadth.
 [[nodiscard]] ScanMatch match_along(const SurfaceMap& map, const ScanPoints& points, const ScanMatch& first,
                                     const PosePrior& prior, double window_m, double reach_m,
                                     const std::function<double(const Pose2&)>& score);

@@ -12,7 +12,7 @@ namespace extperfc::mapping {
 
 namespace {
 
-/// The whole text as a number of this type, whatever the program's locale.
+/// Parses the whole text as a number of this type, independent of the locale.
 template <typename Number>
 Result<Number> parse(std::string_view name, const std::string& text) {
   std::istringstream in(text);
@@ -40,7 +40,7 @@ tl::unexpected<Error> unknown(std::string_view name) {
   const auto nearest = std::min_element(known.begin(), known.end(), [&](const auto& a, const auto& b) {
     return edit_distance(name, a.name) < edit_distance(name, b.name);
   });
-  return fail(ErrorCode::kInvalidArgument, "no mapper parameter is called '" + std::string(name) +
+  return fail(ErrorCode::kInvalidArgument, "unknown mapper parameter '" + std::string(name) +
                                                "'; did you mean " + std::string(nearest->name) + "?");
 }
 
@@ -51,19 +51,19 @@ const std::vector<ParamName>& param_names() {
   static const std::vector<ParamName> kNames = {
       {"particles", &P::particles, "", "hypotheses of the path, 1 to 1000"},
       {"delta", &P::resolution_m, "m", "side of a cell of the map, 0.01 to 1"},
-      {"maxRange", &P::max_range_m, "m", "rays without return are free up to here; 0: they say nothing"},
+      {"maxRange", &P::max_range_m, "m", "rays without return are free up to here; 0: they are not used"},
       {"maxUrange", &P::max_usable_range_m, "m", "returns beyond do not count; 0: the scan's range_max"},
-      {"linearUpdate", &P::linear_update_m, "m", "a key frame after this way, 0.05 to 5 ..."},
-      {"angularUpdate", &P::angular_update_rad, "rad", "... or this turn, 0.02 to 3.2 ..."},
+      {"linearUpdate", &P::linear_update_m, "m", "a key frame after this translation, 0.05 to 5 ..."},
+      {"angularUpdate", &P::angular_update_rad, "rad", "... or this rotation, 0.02 to 3.2 ..."},
       {"temporalUpdate", &P::temporal_update_s, "s", "... or this time; negative: never by time"},
       {"resampleThreshold", &P::resample_threshold, "",
-       "resample below this share of effective particles, 0 to 1"},
-      {"minimumScore", &P::minimum_score, "", "share of a scan that must fit the map for a match, 0 to 1"},
+       "resample below this fraction of effective particles, 0 to 1"},
+      {"minimumScore", &P::minimum_score, "", "fraction of a scan that must fit the map for a match, 0 to 1"},
       {"srr", &P::srr, "m/m", "odometry's error in translation, by translation"},
       {"srt", &P::srt, "rad/m", "odometry's error in rotation, by translation"},
       {"str", &P::str, "m/rad", "odometry's error in translation, by rotation"},
       {"stt", &P::stt, "rad/rad", "odometry's error in rotation, by rotation"},
-      {"occ_thresh", &P::occupied_threshold, "", "share of hits from which a cell is occupied, 0 to 1"},
+      {"occ_thresh", &P::occupied_threshold, "", "fraction of hits from which a cell is occupied, 0 to 1"},
       {"seed", &P::seed, "", "of every random draw"},
   };
   return kNames;

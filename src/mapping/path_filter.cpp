@@ -14,7 +14,7 @@ namespace extperfc::mapping {
 namespace {
 
 // Wide searches.
-constexpr double kFarAfterM = 8.0;    // way since the last commit
+constexpr double kFarAfterM = 8.0;    // distance since the last accepted loop closure
 constexpr std::size_t kFarEvery = 3;  // key frames
 
 /// Draws from a normal distribution with the inverse of `information` as covariance.
@@ -25,10 +25,10 @@ Eigen::Vector3d draw(const Eigen::Matrix3d& covariance, Rng& rng) {
   return root.matrixL() * z;
 }
 
-/// What a tracked step may be off by: what the match left open, and a drift that no match sees.
+/// Covariance of a tracked step: of the match, plus a drift that the match does not observe.
 Eigen::Matrix3d step_covariance(const TrackedStep& step) {
-  const double sigma_m = 0.003 + kDriftPerM * 0.5 * step.way_m;
-  const double sigma_rad = 0.0015 + 0.004 * step.way_m + 0.003 * std::abs(step.step.yaw);
+  const double sigma_m = 0.003 + kDriftPerM * 0.5 * step.distance_m;
+  const double sigma_rad = 0.0015 + 0.004 * step.distance_m + 0.003 * std::abs(step.step.yaw);
   Eigen::Matrix3d covariance = (step.information + 1e-3 * Eigen::Matrix3d::Identity()).inverse();
   covariance.diagonal() += Eigen::Vector3d(sigma_m * sigma_m, sigma_m * sigma_m, sigma_rad * sigma_rad);
   return covariance;
@@ -52,15 +52,15 @@ PathFilter::Step PathFilter::add(const TrackedStep& step, KeyFrame frame) {
   frames_.push_back(std::move(frame));
   profile_.emplace(frames_.back().points);
   move_particles(step);
-  sight();
-  if (frames_.back().travelled_m - committed_at_m_ > kFarAfterM && frames_.size() % kFarEvery == 0)
+  find_loop_closures();
+  if (frames_.back().travelled_m - accepted_at_m_ > kFarAfterM && frames_.size() % kFarEvery == 0)
     search_far();
   weigh();
   const auto best = static_cast<std::size_t>(
       std::max_element(particles_.begin(), particles_.end(),
                        [](const auto& a, const auto& b) { return a.log_weight < b.log_weight; }) -
       particles_.begin());
-  if (convincing(best)) return commit(best);
+  if (is_consistent(best)) return accept(best);
   if (effective_ < params_.resample_threshold * static_cast<double>(particles_.size())) resample();
   return {};
 }
@@ -106,15 +106,15 @@ double PathFilter::entropy() const {
 /// Low-variance resampling (Probabilistic Robotics, table 4.4).
 void PathFilter::resample() {
   ++resamplings_;
-  const auto share = weights();
+  const auto normalized = weights();
   const double step = 1.0 / static_cast<double>(particles_.size());
   std::vector<Particle> drawn;
   drawn.reserve(particles_.size());
-  double reached = share.front();
+  double reached = normalized.front();
   std::size_t i = 0;
   double pointer = rng_.uniform(0, step);
   for (std::size_t k = 0; k < particles_.size(); ++k, pointer += step) {
-    while (pointer > reached && i + 1 < particles_.size()) reached += share[++i];
+    while (pointer > reached && i + 1 < particles_.size()) reached += normalized[++i];
     drawn.push_back(particles_[i]);
     drawn.back().log_weight = 0;
   }
@@ -122,18 +122,18 @@ void PathFilter::resample() {
 }
 
 Eigen::Matrix3d PathFilter::covariance() const {
-  const auto share = weights();
+  const auto normalized = weights();
   const Pose2& centre = particles_.front().pose;
   Eigen::Vector3d mean = Eigen::Vector3d::Zero();
   const auto away = [&](const Particle& particle) {
     return Eigen::Vector3d(particle.pose.x - centre.x, particle.pose.y - centre.y,
                            wrap_angle(particle.pose.yaw - centre.yaw));
   };
-  for (std::size_t i = 0; i < share.size(); ++i) mean += share[i] * away(particles_[i]);
+  for (std::size_t i = 0; i < normalized.size(); ++i) mean += normalized[i] * away(particles_[i]);
   Eigen::Matrix3d covariance = Eigen::Matrix3d::Zero();
-  for (std::size_t i = 0; i < share.size(); ++i) {
+  for (std::size_t i = 0; i < normalized.size(); ++i) {
     const Eigen::Vector3d d = away(particles_[i]) - mean;
-    covariance += share[i] * d * d.transpose();
+    covariance += normalized[i] * d * d.transpose();
   }
   return covariance;
 }
@@ -141,8 +141,8 @@ Eigen::Matrix3d PathFilter::covariance() const {
 void PathFilter::restore(std::vector<KeyFrame> frames, PoseGraph graph) {
   frames_ = std::move(frames);
   graph_ = std::move(graph);
-  committed_at_m_ = frames_.empty() ? 0 : frames_.back().travelled_m;
-  trusted_relations_ = graph_.relations().size();
+  accepted_at_m_ = frames_.empty() ? 0 : frames_.back().travelled_m;
+  trusted_constraints_ = graph_.constraints().size();
   collapse();
 }
 

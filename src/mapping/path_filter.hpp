@@ -10,8 +10,8 @@
 
 #include "mapping/key_frame.hpp"
 #include "mapping/matcher.hpp"
-#include "mapping/place_cache.hpp"
 #include "mapping/pose_graph.hpp"
+#include "mapping/submap_cache.hpp"
 #include "mapping/visibility.hpp"
 
 namespace extperfc::mapping {
@@ -26,35 +26,35 @@ struct PathFilterParams {
 struct TrackedStep {
   Pose2 step;                   ///< in the frame of the earlier key frame
   Eigen::Matrix3d information;  ///< of x, y, yaw there
-  double way_m{0};              ///< travelled, along whatever curve
+  double distance_m{0};         ///< distance travelled
 };
 
-/// A key frame seen to stand somewhere in an old place.
-struct Sighting {
-  Relation relation;
+/// A key frame that matched an old submap.
+struct LoopClosureCandidate {
+  Constraint constraint;
   double fit{0};
 };
 
 /// The back end: a Rao-Blackwellised particle filter over key frames (Grisetti, Stachniss and Burgard 2005).
 ///
-/// Each particle is a hypothesis of the path since the committed one ended: where the last key frame is. It
-/// is moved by the tracked step and a draw of its noise; where it would see an old place, its scan is matched
-/// to that place's map (the improved proposal) and the fit weighs it. Maps given a path need no copies per
-/// particle: hypotheses differ by where they are in the same old places, so those are drawn once and shared.
-/// When the particles agree, and saw enough, what they saw becomes part of a pose graph, which spreads the
-/// correction over the path; hypotheses that would bend the path beyond belief are refused.
+/// Each particle is a hypothesis of the path since the last accepted loop closure: the pose of the last key
+/// frame. It moves by the tracked step and a sample of its noise. Near an old submap its scan is matched to
+/// that submap (the improved proposal), and the fit weights the particle. Particles share the submaps,
+/// because hypotheses differ by their pose in the same submaps only. When the particles agree and have enough
+/// loop-closure candidates, these become constraints of a pose graph, whose optimization distributes the
+/// correction over the path. Hypotheses that would deform the path too much are rejected.
 class PathFilter {
  public:
   struct Particle {
     Pose2 pose;
     double log_weight{0};
-    std::vector<Sighting> sightings;  ///< since the last commit; bounded
-    bool injected{false};             ///< came from a wide search, so it has more to prove
+    std::vector<LoopClosureCandidate> candidates;  ///< since the last accepted loop closure; bounded
+    bool injected{false};                          ///< came from a wide search: needs more candidates
   };
 
   struct Step {
-    bool committed{false};
-    bool bent{false};  ///< poses of old key frames changed by more than centimetres
+    bool accepted{false};     ///< a loop closure was accepted
+    bool map_changed{false};  ///< poses of old key frames changed by more than centimetres
   };
 
   explicit PathFilter(const PathFilterParams& params);
@@ -62,7 +62,7 @@ class PathFilter {
   /// The first key frame, at `pose`.
   void begin(const Pose2& pose, KeyFrame frame);
   Step add(const TrackedStep& step, KeyFrame frame);
-  /// Measures what relaxing contradicts anew and relaxes everything.
+  /// Matches again the loop closures that contradict the optimized poses, and optimizes the whole graph.
   void finish();
 
   [[nodiscard]] const std::vector<KeyFrame>& frames() const { return frames_; }
@@ -77,47 +77,47 @@ class PathFilter {
   [[nodiscard]] std::size_t loops() const { return loops_; }
   [[nodiscard]] std::size_t resamplings() const { return resamplings_; }
 
-  /// Puts back what graph() and frames() gave before.
+  /// Restores the state from graph() and frames() of an earlier filter.
   void restore(std::vector<KeyFrame> frames, PoseGraph graph);
 
  private:
-  struct Candidate;
+  struct SubmapMatch;
 
   void move_particles(const TrackedStep& step);
-  void sight();
-  [[nodiscard]] std::vector<std::size_t> old_places_near(const Pose2& pose, double radius_m,
-                                                         std::size_t most) const;
+  void find_loop_closures();
+  [[nodiscard]] std::vector<std::size_t> old_key_frames_near(const Pose2& pose, double radius_m,
+                                                             std::size_t max_count) const;
   [[nodiscard]] std::size_t old_end() const;
-  [[nodiscard]] std::optional<Candidate> look_at(std::size_t place, const Pose2& pose, double sigma_m,
-                                                 double sigma_rad);
-  void sight_one(Particle& particle);
+  [[nodiscard]] std::optional<SubmapMatch> match_submap(std::size_t submap, const Pose2& pose, double sigma_m,
+                                                        double sigma_rad);
+  void match_to_submaps(Particle& particle);
   void search_far();
-  void inject(const Candidate& candidate);
+  void inject(const SubmapMatch& found);
   void weigh();
   void resample();
   [[nodiscard]] bool determined(const Particle& particle) const;
-  [[nodiscard]] bool convincing(std::size_t best) const;
-  Step commit(std::size_t best);
-  void commit_rest();
-  bool relax_commit(double moved_m);
+  [[nodiscard]] bool is_consistent(std::size_t best) const;
+  Step accept(std::size_t best);
+  void accept_rest();
+  bool optimize_accepted(double moved_m);
   void collapse();
   [[nodiscard]] double expected_drift_m() const;
-  [[nodiscard]] double farthest_offset_m(std::size_t place) const;
-  bool look_again(Relation& relation);
-  bool review(std::size_t relations_before);
+  [[nodiscard]] double farthest_offset_m(std::size_t submap) const;
+  bool rematch(Constraint& constraint);
+  bool review(std::size_t constraints_before);
 
   PathFilterParams params_;
   Rng rng_;
   std::vector<KeyFrame> frames_;
   PoseGraph graph_;
-  PlaceCache places_;
+  SubmapCache submaps_;
   std::optional<RangeProfile> profile_;  ///< of the newest key frame
   std::vector<Particle> particles_;
   double effective_{0};
-  double committed_at_m_{0};          ///< way at the last commit
-  std::size_t trusted_relations_{0};  ///< the last correction began after these
-  std::size_t since_relaxed_{0};      ///< commits since everything was relaxed
-  std::size_t next_far_{0};           ///< which old place a wide search looks at next
+  double accepted_at_m_{0};             ///< distance travelled at the last accepted loop closure
+  std::size_t trusted_constraints_{0};  ///< the last correction began after these
+  std::size_t since_optimized_{0};      ///< accepted loop closures since the whole graph was optimized
+  std::size_t next_far_{0};             ///< index of the submap that the next wide search uses
   std::size_t loops_{0};
   std::size_t resamplings_{0};
 };

@@ -9,7 +9,7 @@ namespace extperfc::mapping {
 
 namespace {
 
-// A sighting that is off by this chi-square pulls with a quarter of its weight (Geman-McClure).
+// A loop closure with this chi-square has a quarter of its weight (Geman-McClure).
 constexpr double kDoubtfulSquaredError = 40.0;
 constexpr double kSettledM = 1e-5;
 
@@ -34,25 +34,25 @@ Eigen::Matrix3d jacobian_to(const Pose2& from) {
 /// Normal equations over the nodes from `first` on.
 class Equations {
  public:
-  Equations(std::size_t first, std::size_t nodes, const std::vector<Relation>& relations)
-      : first_(first), blocks_(nodes - first, places_of(first, relations)) {}
+  Equations(std::size_t first, std::size_t nodes, const std::vector<Constraint>& constraints)
+      : first_(first), blocks_(nodes - first, indices_of(first, constraints)) {}
 
-  /// Before the relations of an iteration are added, in the order that the constructor saw.
+  /// Before the constraints of an iteration are added, in the order that the constructor saw.
   void reset() {
-    constexpr double kTiny = 1e-6;  // keeps a node that nothing holds where it is
+    constexpr double kTiny = 1e-6;  // keeps a node without constraints where it is
     blocks_.reset(kTiny);
-    next_place_ = 0;
+    next_block_ = 0;
   }
 
-  void add(const Relation& relation, const Eigen::Matrix3d& j_from, const Eigen::Matrix3d& j_to,
+  void add(const Constraint& constraint, const Eigen::Matrix3d& j_from, const Eigen::Matrix3d& j_to,
            const Eigen::Vector3d& error, double weight) {
-    const Eigen::Matrix3d from_side = weight * j_from.transpose() * relation.information;
-    const Eigen::Matrix3d to_side = weight * j_to.transpose() * relation.information;
-    const bool from_free = relation.from >= first_;
-    const bool to_free = relation.to >= first_;
-    if (from_free) add_own(relation.from, from_side, j_from, error);
-    if (to_free) add_own(relation.to, to_side, j_to, error);
-    if (from_free && to_free) blocks_.add(next_place_++, to_side * j_from);
+    const Eigen::Matrix3d from_side = weight * j_from.transpose() * constraint.information;
+    const Eigen::Matrix3d to_side = weight * j_to.transpose() * constraint.information;
+    const bool from_free = constraint.from >= first_;
+    const bool to_free = constraint.to >= first_;
+    if (from_free) add_own(constraint.from, from_side, j_from, error);
+    if (to_free) add_own(constraint.to, to_side, j_to, error);
+    if (from_free && to_free) blocks_.add(next_block_++, to_side * j_from);
   }
 
   /// False when there is no solution.
@@ -62,13 +62,13 @@ class Equations {
   }
 
  private:
-  static std::vector<BlockEquations::Place> places_of(std::size_t first,
-                                                      const std::vector<Relation>& relations) {
-    std::vector<BlockEquations::Place> places;
-    for (const Relation& relation : relations)
-      if (relation.from >= first && relation.to >= first)
-        places.emplace_back(relation.to - first, relation.from - first);
-    return places;
+  static std::vector<BlockEquations::BlockIndex> indices_of(std::size_t first,
+                                                            const std::vector<Constraint>& constraints) {
+    std::vector<BlockEquations::BlockIndex> indices;
+    for (const Constraint& constraint : constraints)
+      if (constraint.from >= first && constraint.to >= first)
+        indices.emplace_back(constraint.to - first, constraint.from - first);
+    return indices;
   }
 
   void add_own(std::size_t node, const Eigen::Matrix3d& side, const Eigen::Matrix3d& j,
@@ -78,37 +78,38 @@ class Equations {
   }
 
   std::size_t first_;
-  std::size_t next_place_{0};
+  std::size_t next_block_{0};
   BlockEquations blocks_;
 };
 
 }  // namespace
 
-Eigen::Vector3d PoseGraph::error(const Relation& relation) const {
-  const Pose2 seen = between(poses_[relation.from], poses_[relation.to]);
-  return {seen.x - relation.from_T_to.x, seen.y - relation.from_T_to.y,
-          wrap_angle(seen.yaw - relation.from_T_to.yaw)};
+Eigen::Vector3d PoseGraph::error(const Constraint& constraint) const {
+  const Pose2 seen = between(poses_[constraint.from], poses_[constraint.to]);
+  return {seen.x - constraint.from_T_to.x, seen.y - constraint.from_T_to.y,
+          wrap_angle(seen.yaw - constraint.from_T_to.yaw)};
 }
 
-double PoseGraph::squared_error(const Relation& relation) const {
-  const Eigen::Vector3d e = error(relation);
-  return e.dot(relation.information * e);
+double PoseGraph::squared_error(const Constraint& constraint) const {
+  const Eigen::Vector3d e = error(constraint);
+  return e.dot(constraint.information * e);
 }
 
-bool PoseGraph::relax(std::size_t first_free, int iterations) {
+bool PoseGraph::optimize(std::size_t first_free, int iterations) {
   const std::size_t first = std::max<std::size_t>(1, first_free);
   if (first >= poses_.size()) return true;
   const auto before = poses_;
-  Equations equations(first, poses_.size(), relations_);
+  Equations equations(first, poses_.size(), constraints_);
   for (int i = 0; i < iterations; ++i) {
     equations.reset();
-    for (const Relation& relation : relations_) {
-      if (relation.from < first && relation.to < first) continue;
-      const Eigen::Vector3d e = error(relation);
-      const double ratio = relation.sighting ? e.dot(relation.information * e) / kDoubtfulSquaredError : 0.0;
+    for (const Constraint& constraint : constraints_) {
+      if (constraint.from < first && constraint.to < first) continue;
+      const Eigen::Vector3d e = error(constraint);
+      const double ratio =
+          constraint.is_loop_closure ? e.dot(constraint.information * e) / kDoubtfulSquaredError : 0.0;
       const double weight = 1.0 / ((1.0 + ratio) * (1.0 + ratio));
-      equations.add(relation, jacobian_from(poses_[relation.from], poses_[relation.to]),
-                    jacobian_to(poses_[relation.from]), e, weight);
+      equations.add(constraint, jacobian_from(poses_[constraint.from], poses_[constraint.to]),
+                    jacobian_to(poses_[constraint.from]), e, weight);
     }
     double largest = 0;
     bool finite = equations.solve();

@@ -9,39 +9,39 @@
 
 namespace extperfc::mapping {
 
-/// Where key frame `to` was measured to be, seen from key frame `from`.
-struct Relation {
+/// An edge of the pose graph: measured pose of key frame `to` in the frame of key frame `from`.
+struct Constraint {
   std::size_t from{0};
   std::size_t to{0};
   Pose2 from_T_to;
   Eigen::Matrix3d information{Eigen::Matrix3d::Zero()};  ///< of x, y, yaw in the frame of `from`
-  bool sighting{false};  ///< of an old place: may be wrong, so it pulls less the more it disagrees
-  double fit{0};         ///< of a sighting: share of the scan that the place explains
+  bool is_loop_closure{false};                           ///< may be wrong, so a robust loss applies
+  double fit{0};  ///< of a loop closure: fraction of the scan that the submap explains
 };
 
-/// Key frames and the relations between them; relaxing finds the poses that agree with all of them best
-/// (Gauss-Newton; Grisetti et al., A Tutorial on Graph-Based SLAM, 2010). Node 0 stays where it is.
+/// Key frames as nodes and constraints as edges; optimize() finds the poses that agree with all constraints
+/// best (Gauss-Newton; Grisetti et al., A Tutorial on Graph-Based SLAM, 2010). Node 0 is fixed.
 class PoseGraph {
  public:
   void add_node(const Pose2& pose) { poses_.push_back(pose); }
-  void add(const Relation& relation) { relations_.push_back(relation); }
+  void add(const Constraint& constraint) { constraints_.push_back(constraint); }
 
   [[nodiscard]] const std::vector<Pose2>& poses() const { return poses_; }
   void set_poses(std::vector<Pose2> poses) { poses_ = std::move(poses); }
-  [[nodiscard]] const std::vector<Relation>& relations() const { return relations_; }
-  std::vector<Relation>& relations() { return relations_; }
+  [[nodiscard]] const std::vector<Constraint>& constraints() const { return constraints_; }
+  std::vector<Constraint>& constraints() { return constraints_; }
 
   /// Moves the nodes from `first_free` on. False when the equations could not be solved; nothing moves then.
-  bool relax(std::size_t first_free, int iterations);
+  bool optimize(std::size_t first_free, int iterations);
 
-  /// How far a relation is from what the poses say: x, y [m], yaw [rad] in the frame of its `from`.
-  [[nodiscard]] Eigen::Vector3d error(const Relation& relation) const;
+  /// Residual of a constraint at the present poses: x, y [m], yaw [rad] in the frame of its `from`.
+  [[nodiscard]] Eigen::Vector3d error(const Constraint& constraint) const;
   /// The same in standard deviations, squared (a chi-square of three degrees of freedom).
-  [[nodiscard]] double squared_error(const Relation& relation) const;
+  [[nodiscard]] double squared_error(const Constraint& constraint) const;
 
  private:
   std::vector<Pose2> poses_;
-  std::vector<Relation> relations_;
+  std::vector<Constraint> constraints_;
 };
 
 }  // namespace extperfc::mapping

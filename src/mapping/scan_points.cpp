@@ -13,9 +13,9 @@ constexpr int kReach = 4;                 // neighbours on either side that may 
 constexpr float kSurfaceReachM = 0.25F;   // ... when they are this near
 constexpr float kReachInSpacings = 2.6F;  // ... or this many times as far as rays are apart there
 constexpr float kStraight = 0.08F;        // variance across over variance along that still is a line
-constexpr float kThinnestM = 0.03F;       // way along the surface from point to point that is kept
-constexpr std::size_t kMostPoints = 400;
-constexpr std::size_t kMostClearRays = 120;
+constexpr float kThinnestM = 0.03F;       // along the surface, between points that are kept
+constexpr std::size_t kMaxPoints = 400;
+constexpr std::size_t kMaxClearRays = 120;
 
 struct Returns {
   std::vector<Eigen::Vector2f> position;  ///< scanner's frame
@@ -29,10 +29,10 @@ Eigen::Vector2f along(const LaserScan& scan, std::size_t ray, float range) {
 }
 
 /// The unit normal of the line through the returns within `reach_m` and `rays` rays of `middle`, facing the
-/// scanner at the origin; zero when they are fewer than `fewest` or their variance across the line is more
-/// than `straight` of that along it.
-Eigen::Vector2f line_normal(const Returns& returns, std::size_t middle, float reach_m, int rays, int fewest,
-                            float straight) {
+/// scanner at the origin; zero when they are fewer than `min_returns` or their variance across the line is
+/// more than `straight` of that along it.
+Eigen::Vector2f line_normal(const Returns& returns, std::size_t middle, float reach_m, int rays,
+                            int min_returns, float straight) {
   const Eigen::Vector2f& centre = returns.position[middle];
   Eigen::Vector2f sum = Eigen::Vector2f::Zero();
   Eigen::Matrix2f squares = Eigen::Matrix2f::Zero();
@@ -46,7 +46,7 @@ Eigen::Vector2f line_normal(const Returns& returns, std::size_t middle, float re
     squares += d * d.transpose();
     ++count;
   }
-  if (count < fewest) return Eigen::Vector2f::Zero();
+  if (count < min_returns) return Eigen::Vector2f::Zero();
   const Eigen::Vector2f mean = sum / static_cast<float>(count);
   const Eigen::Matrix2f spread = squares / static_cast<float>(count) - mean * mean.transpose();
   const float difference = spread(0, 0) - spread(1, 1);
@@ -79,12 +79,12 @@ std::vector<std::size_t> thin(const std::vector<Eigen::Vector2f>& points, float 
   return kept;
 }
 
-/// Indices of the points to keep: spaced evenly along surfaces, at most kMostPoints.
+/// Indices of the points to keep: spaced evenly along surfaces, at most kMaxPoints.
 std::vector<std::size_t> choose(const std::vector<Eigen::Vector2f>& points) {
   auto kept = thin(points, kThinnestM);
-  for (float spacing = 1.5F * kThinnestM; kept.size() > kMostPoints; spacing *= 1.3F) {
+  for (float spacing = 1.5F * kThinnestM; kept.size() > kMaxPoints; spacing *= 1.3F) {
     kept = thin(points, spacing);
-    if (spacing > 1.0F) kept.resize(std::min(kept.size(), kMostPoints));
+    if (spacing > 1.0F) kept.resize(std::min(kept.size(), kMaxPoints));
   }
   return kept;
 }
@@ -93,7 +93,7 @@ std::vector<std::size_t> choose(const std::vector<Eigen::Vector2f>& points) {
 
 ScanPoints scan_points(const LaserScan& scan, const ScanPointLimits& limits) {
   const auto nearest = static_cast<float>(std::max(scan.range_min, 1e-3));
-  constexpr double kFarthestM = 2000.0;  // no scanner that drives about sees farther
+  constexpr double kFarthestM = 2000.0;  // longer than any mobile robot's scanner measures
   const auto farthest = static_cast<float>(std::min(
       {limits.max_usable_range_m > 0 ? limits.max_usable_range_m : kFarthestM, scan.range_max, kFarthestM}));
   const auto clear_to = static_cast<float>(std::min(limits.max_range_m, scan.range_max));
@@ -113,17 +113,17 @@ ScanPoints scan_points(const LaserScan& scan, const ScanPointLimits& limits) {
   }
   const auto c = static_cast<float>(std::cos(scan.base_T_sensor.yaw));
   const auto s = static_cast<float>(std::sin(scan.base_T_sensor.yaw));
-  Eigen::Matrix2f turn;
-  turn << c, -s, s, c;
+  Eigen::Matrix2f rotation;
+  rotation << c, -s, s, c;
   ScanPoints points;
   points.scanner = {static_cast<float>(scan.base_T_sensor.x), static_cast<float>(scan.base_T_sensor.y)};
   const auto spacing = static_cast<float>(std::abs(scan.angle_increment));
   for (const std::size_t i : choose(returns.position))
     points.surface.push_back(
-        {turn * returns.position[i] + points.scanner, turn * surface_normal(returns, i, spacing)});
-  const std::size_t step = 1 + clear.size() / kMostClearRays;
+        {rotation * returns.position[i] + points.scanner, rotation * surface_normal(returns, i, spacing)});
+  const std::size_t step = 1 + clear.size() / kMaxClearRays;
   for (std::size_t i = 0; i < clear.size(); i += step)
-    points.clear.push_back(turn * clear[i] + points.scanner);
+    points.clear.push_back(rotation * clear[i] + points.scanner);
   return points;
 }
 

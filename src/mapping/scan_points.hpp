@@ -8,24 +8,24 @@
 
 namespace extperfc::mapping {
 
-/// A place where a ray met a surface, in the base's frame.
+/// A point where a ray met a surface, in the base's frame.
 struct SurfacePoint {
   Eigen::Vector2f position;  ///< [m]
-  Eigen::Vector2f normal;    ///< of unit length, faces the scanner; zero where the neighbours show no line
+  Eigen::Vector2f normal;    ///< of unit length, faces the scanner; zero where the neighbours form no line
 
   [[nodiscard]] bool has_normal() const { return normal.x() != 0.0F || normal.y() != 0.0F; }
 };
 
-/// What a scan says, in the base's frame [m].
+/// Points of a scan, in the base's frame [m].
 struct ScanPoints {
   std::vector<SurfacePoint> surface;
-  std::vector<Eigen::Vector2f> clear;  ///< how far rays that met nothing are known to be free
+  std::vector<Eigen::Vector2f> clear;  ///< ends of rays without a return, free up to here
   Eigen::Vector2f scanner{0, 0};
 };
 
 struct ScanPointLimits {
   double max_usable_range_m{0};  ///< returns beyond do not count; 0: the scan's range_max
-  double max_range_m{0};         ///< rays without return are free up to here; 0: they say nothing
+  double max_range_m{0};         ///< rays without return are free up to here; 0: they are not used
 };
 
 /// The returns of a valid scan with the direction of the surface at each, from a line through its neighbours.

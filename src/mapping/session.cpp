@@ -48,7 +48,7 @@ class Writer {
   std::string bytes_;
 };
 
-/// Reads what Writer wrote. After the end, or a value that cannot be, everything reads as zero and good() is
+/// Reads what Writer wrote. After the end, or an invalid value, everything reads as zero and good() is
 /// false.
 class Reader {
  public:
@@ -129,41 +129,41 @@ KeyFrame get_frame(Reader& in) {
   return frame;
 }
 
-void put(Writer& out, const Relation& relation) {
-  out.put_size(relation.from);
-  out.put_size(relation.to);
-  out.put(relation.from_T_to);
-  for (Eigen::Index i = 0; i < 9; ++i) out.put(relation.information(i / 3, i % 3));
-  out.put(static_cast<std::uint8_t>(relation.sighting ? 1 : 0));
-  out.put(relation.fit);
+void put(Writer& out, const Constraint& constraint) {
+  out.put_size(constraint.from);
+  out.put_size(constraint.to);
+  out.put(constraint.from_T_to);
+  for (Eigen::Index i = 0; i < 9; ++i) out.put(constraint.information(i / 3, i % 3));
+  out.put(static_cast<std::uint8_t>(constraint.is_loop_closure ? 1 : 0));
+  out.put(constraint.fit);
 }
 
-Relation get_relation(Reader& in) {
-  Relation relation;
-  relation.from = static_cast<std::size_t>(in.get<std::uint64_t>());
-  relation.to = static_cast<std::size_t>(in.get<std::uint64_t>());
-  relation.from_T_to = in.pose();
-  for (Eigen::Index i = 0; i < 9; ++i) relation.information(i / 3, i % 3) = in.get<double>();
-  relation.sighting = in.get<std::uint8_t>() != 0;
-  relation.fit = in.get<double>();
-  return relation;
+Constraint get_constraint(Reader& in) {
+  Constraint constraint;
+  constraint.from = static_cast<std::size_t>(in.get<std::uint64_t>());
+  constraint.to = static_cast<std::size_t>(in.get<std::uint64_t>());
+  constraint.from_T_to = in.pose();
+  for (Eigen::Index i = 0; i < 9; ++i) constraint.information(i / 3, i % 3) = in.get<double>();
+  constraint.is_loop_closure = in.get<std::uint8_t>() != 0;
+  constraint.fit = in.get<double>();
+  return constraint;
 }
 
 Session get_session(Reader& in, bool& consistent) {
   Session session;
-  constexpr std::size_t kLeastFrameBytes = 8 + 8 + 8 + 8 + 8 + 24;
-  constexpr std::size_t kRelationBytes = 8 + 8 + 24 + 72 + 1 + 8;
+  constexpr std::size_t kMinFrameBytes = 8 + 8 + 8 + 8 + 8 + 24;
+  constexpr std::size_t kConstraintBytes = 8 + 8 + 24 + 72 + 1 + 8;
   constexpr std::size_t kScanBytes = 8 + 24 + 4;
-  const std::size_t frames = in.size(kLeastFrameBytes);
+  const std::size_t frames = in.size(kMinFrameBytes);
   for (std::size_t i = 0; i < frames && in.good(); ++i) {
     session.graph.add_node(in.pose());
     session.frames.push_back(get_frame(in));
   }
-  const std::size_t relations = in.size(kRelationBytes);
-  for (std::size_t i = 0; i < relations && in.good(); ++i) {
-    session.graph.add(get_relation(in));
-    const Relation& relation = session.graph.relations().back();
-    consistent = consistent && relation.from < relation.to && relation.to < frames;
+  const std::size_t constraints = in.size(kConstraintBytes);
+  for (std::size_t i = 0; i < constraints && in.good(); ++i) {
+    session.graph.add(get_constraint(in));
+    const Constraint& constraint = session.graph.constraints().back();
+    consistent = consistent && constraint.from < constraint.to && constraint.to < frames;
   }
   const std::size_t scans = in.size(kScanBytes);
   for (std::size_t i = 0; i < scans && in.good(); ++i) {
@@ -196,8 +196,8 @@ Result<void> write_session(const Session& session, const std::filesystem::path& 
     out.put(session.graph.poses()[i]);
     put(out, session.frames[i]);
   }
-  out.put_size(session.graph.relations().size());
-  for (const Relation& relation : session.graph.relations()) put(out, relation);
+  out.put_size(session.graph.constraints().size());
+  for (const Constraint& constraint : session.graph.constraints()) put(out, constraint);
   out.put_size(session.scans.size());
   for (const PassedScan& scan : session.scans) {
     out.put(scan.stamp_s);

@@ -19,7 +19,7 @@ struct PassedScan {
   std::uint32_t key_frame{0};  ///< the newest one when it came; itself, when it is one
 };
 
-/// All that mapping needs to go on from where it stopped.
+/// The state that mapping needs to resume.
 struct Session {
   std::vector<KeyFrame> frames;
   PoseGraph graph;

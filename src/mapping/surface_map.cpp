@@ -8,7 +8,7 @@ namespace extperfc::mapping {
 namespace {
 
 constexpr float kSameSide = 0.6F;      // cosine between normals of one surface
-constexpr float kMostWeight = 60.0F;   // beyond, a cell follows what is seen lately
+constexpr float kMaxWeight = 60.0F;    // limits how slowly a cell follows new scans
 constexpr int kDirectoryMargin = 8;    // tiles; so that the directory is not widened for every ray
 constexpr float kFarthestM = 5000.0F;  // points beyond are not of this robot's world
 
@@ -31,15 +31,15 @@ void SurfaceMap::clear() {
 }
 
 void SurfaceMap::add(const ScanPoints& points, const Pose2& map_T_base) {
-  Eigen::Matrix2f turn;
+  Eigen::Matrix2f rotation;
   const auto c = static_cast<float>(std::cos(map_T_base.yaw));
   const auto s = static_cast<float>(std::sin(map_T_base.yaw));
-  turn << c, -s, s, c;
+  rotation << c, -s, s, c;
   const Eigen::Vector2f shift(static_cast<float>(map_T_base.x), static_cast<float>(map_T_base.y));
   for (const SurfacePoint& point : points.surface) {
-    const Eigen::Vector2f position = turn * point.position + shift;
+    const Eigen::Vector2f position = rotation * point.position + shift;
     if (!(position.cwiseAbs().maxCoeff() < kFarthestM)) continue;
-    const Eigen::Vector2f normal = turn * point.normal;
+    const Eigen::Vector2f normal = rotation * point.normal;
     Surface& surface = make(cell_index(position.x()), cell_index(position.y()));
     if (!goes_with(surface.normal, normal)) {
       // The side that was seen more often stays, the other one wears it down.
@@ -49,12 +49,12 @@ void SurfaceMap::add(const ScanPoints& points, const Pose2& map_T_base) {
       }
       surface = {};
     }
-    const float share = 1.0F / std::min(surface.weight + 1, kMostWeight);
-    surface.mean += share * (position - surface.mean);
-    const Eigen::Vector2f blend = surface.normal * std::min(surface.weight, kMostWeight) + normal;
+    const float blend_in = 1.0F / std::min(surface.weight + 1, kMaxWeight);
+    surface.mean += blend_in * (position - surface.mean);
+    const Eigen::Vector2f blend = surface.normal * std::min(surface.weight, kMaxWeight) + normal;
     surface.normal =
         blend.squaredNorm() > 1e-6F ? Eigen::Vector2f(blend.normalized()) : Eigen::Vector2f::Zero();
-    surface.weight = std::min(surface.weight + 1, kMostWeight);
+    surface.weight = std::min(surface.weight + 1, kMaxWeight);
   }
 }
 

@@ -12,7 +12,7 @@
 
 namespace extperfc::mapping {
 
-/// Surfaces seen from a few places near each other: per small cell the mean of the points that fell into it
+/// Surfaces seen from a few poses near each other: per small cell the mean of the points that fell into it
 /// and of their normals. The sides of a thin wall stay apart, because a cell keeps the normals of one side
 /// only. Memory grows with the surface that was seen. Coordinates are of the frame that scans are added in
 /// [m].
@@ -23,7 +23,7 @@ class SurfaceMap {
   struct Surface {
     Eigen::Vector2f mean{0, 0};
     Eigen::Vector2f normal{0, 0};  ///< of unit length, or zero: unknown
-    float weight{0};               ///< points that make it up; 0: nothing here
+    float weight{0};               ///< points that make it up; 0: empty
   };
 
   /// Adds what a scan saw from `map_T_base`.
@@ -38,7 +38,7 @@ class SurfaceMap {
   /// True when a surface of any direction lies in the cell or next to it.
   [[nodiscard]] bool occupied_near(const Eigen::Vector2f& point) const;
 
-  /// Every surface, in no order that means anything.
+  /// Every surface, in unspecified order.
   template <typename Visitor>
   void visit(const Visitor& visitor) const {
     for (const Tile& tile : tiles_)
@@ -52,7 +52,7 @@ class SurfaceMap {
   static_assert(kTileCells * kTileCells == 64, "a bit each");
   using Tile = std::array<Surface, kTileCells * kTileCells>;
 
-  /// The tile of a cell and its place in it; nothing has been seen in tiles that are not there: -1.
+  /// Index of the tile of a cell; -1: no surface was seen there.
   [[nodiscard]] std::int32_t tile_of(int column, int row) const {
     const int tile_column = (column >> kTileBits) - first_column_;
     const int tile_row = (row >> kTileBits) - first_row_;
@@ -63,9 +63,8 @@ class SurfaceMap {
   static constexpr int kMask = kTileCells - 1;
   static int place_in_tile(int column, int row) { return (row & kMask) * kTileCells + (column & kMask); }
 
-  /// Calls `visitor` with what was seen in the cells [first, last] of a row. Here, so that nearest() has it
-  /// without a call: that is where mapping spends its time. The bits of a tile spare it a look at empty
-  /// cells, which are most of them.
+  /// Calls `visitor` with the surfaces of the cells [first, last] of a row. Inline, because nearest() takes
+  /// most of the mapper's time. The bits of a tile skip empty cells, the majority.
   template <typename Visitor>
   void visit_row(int first, int last, int row, const Visitor& visitor) const {
     constexpr std::uint64_t kRow = (std::uint64_t{1} << kTileCells) - 1;

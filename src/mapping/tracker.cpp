@@ -12,24 +12,24 @@ namespace {
 constexpr std::size_t kRemembered = 25;  // scans that the map holds at least, twice as many at most
 constexpr double kRememberEveryM = 0.15;
 constexpr double kRememberEveryRad = 0.12;
-constexpr double kReachM = 0.25;  // a point looks so far for its surface
-// A match this many standard deviations from what odometry said contradicts it.
+constexpr double kReachM = 0.25;  // maximum distance from a point to its surface
+// A match this many standard deviations from odometry contradicts it.
 constexpr double kContradiction = 6.0;
-// No robot moves so far from scan to scan: its odometry was set anew.
+// No robot moves this far from scan to scan: its odometry was reset.
 constexpr double kJumpM = 3.0;
 constexpr double kJumpRad = 1.5;
-// Scans of which less is explained than the least, and this, are looked for in a wider window.
+// Scans whose fit is below the minimum plus this are searched in a wider window.
 constexpr double kComfortableFit = 0.15;
-// Without odometry a robot goes on as before, give or take this from scan to scan.
+// Without odometry: constant velocity, with this standard deviation from scan to scan.
 constexpr double kUnknownStepM = 0.12;
 constexpr double kUnknownStepRad = 0.12;
-// Slides along corridors: two standard deviations of wheels that do not slip are this, srr of the way and str
-// of the turn.
-constexpr double kWheelsLeastM = 0.01;
-constexpr double kSlideWayM = 0.5;  // after this way, a third of a slide still counts
-constexpr double kFreeM = 1.0;      // across the corridor the scan decides
+// Slides along corridors: two standard deviations of wheels that do not slip are this, srr of the distance
+// and str of the rotation.
+constexpr double kMinWheelErrorM = 0.01;
+constexpr double kSlideDistanceM = 0.5;  // after this distance, a third of a slide still counts
+constexpr double kFreeM = 1.0;           // across the corridor the scan decides
 
-/// The part of the way between two poses that lies along a direction of unit length.
+/// The component of the motion between two poses along a direction of unit length.
 Eigen::Vector2d moved_along(const Eigen::Vector2d& along, const Pose2& from, const Pose2& to) {
   return along.dot(Eigen::Vector2d(to.x - from.x, to.y - from.y)) * along;
 }
@@ -45,17 +45,19 @@ bool Tracker::jumps(const std::optional<Pose2>& odom_T_base) const {
 Pose2 Tracker::expected_step(const std::optional<Pose2>& odom_T_base) const {
   if (jumps(odom_T_base)) return last_step_;
   if (odom_T_base && last_odometry_) return between(*last_odometry_, *odom_T_base);
-  if (odom_T_base) return {};  // the first odometry tells no motion yet
+  if (odom_T_base) return {};  // a single odometry pose gives no motion
   return last_step_;
 }
 
 PosePrior Tracker::prior(const Pose2& step, bool has_odometry) const {
   PosePrior prior;
   prior.mean = compose(pose_, step);
-  const double way = std::hypot(step.x, step.y);
-  const double turn = std::abs(step.yaw);
-  prior.sigma_m = has_odometry ? 0.02 + 3 * noise_.srr * way + 0.2 * noise_.str * turn : kUnknownStepM;
-  prior.sigma_rad = has_odometry ? 0.05 + 5 * noise_.stt * turn + 0.5 * noise_.srt * way : kUnknownStepRad;
+  const double distance_m = std::hypot(step.x, step.y);
+  const double rotation_rad = std::abs(step.yaw);
+  prior.sigma_m =
+      has_odometry ? 0.02 + 3 * noise_.srr * distance_m + 0.2 * noise_.str * rotation_rad : kUnknownStepM;
+  prior.sigma_rad =
+      has_odometry ? 0.05 + 5 * noise_.stt * rotation_rad + 0.5 * noise_.srt * distance_m : kUnknownStepRad;
   return prior;
 }
 
@@ -63,7 +65,7 @@ Tracked Tracker::add(const ScanPoints& points, const std::optional<Pose2>& odom_
   const bool jump = jumps(odom_T_base);
   const bool has_odometry = odom_T_base && last_odometry_ && !jump;
   const Pose2 step = expected_step(odom_T_base);
-  const bool enough = points.surface.size() >= kFewestPoints;
+  const bool enough = points.surface.size() >= kMinPoints;
   const PosePrior before = prior(step, has_odometry);
   Tracked tracked;
   tracked.pose = before.mean;
@@ -100,28 +102,28 @@ void Tracker::match_scan(const ScanPoints& points, const PosePrior& prior, Track
   tracked.information = best.information;
 }
 
-/// In a corridor few points tell the way along it, and some of those walk, or travel with the robot as
-/// returns from walls at a grazing angle do. They may pull the match a bit from scan to scan, so that is
-/// added up over half a metre. Wheels that do not slip are off by the same share all the time: within that
-/// share the match decides, which remembers where things stood; beyond it odometry does.
+/// In a corridor few points constrain the position along it, and some of those are people, or move with the
+/// robot as returns from walls at a grazing angle do. They pull the match slightly from scan to scan, so the
+/// deviation is summed over half a metre. Wheels that do not slip have a constant relative error: within that
+/// error the match decides, because it is tied to the local map; beyond it odometry does.
 void Tracker::watch_slide(const ScanPoints& points, const PosePrior& prior, const Pose2& step,
                           Tracked& tracked) {
-  constexpr double kWeakShare = 0.2;  // of the strongest direction's information
-  const double way_m = std::hypot(step.x, step.y);
-  const double wheels_m = noise_.srr * way_m + noise_.str * std::abs(step.yaw);
-  const double keep = std::exp(-way_m / kSlideWayM);
+  constexpr double kWeakRatio = 0.2;  // of the strongest direction's information
+  const double distance_m = std::hypot(step.x, step.y);
+  const double wheels_m = noise_.srr * distance_m + noise_.str * std::abs(step.yaw);
+  const double keep = std::exp(-distance_m / kSlideDistanceM);
   slide_ = {keep * slide_.off_m, keep * slide_.wheels_m};
   const Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d> axes(tracked.information.topLeftCorner<2, 2>());
-  if (axes.eigenvalues()[0] > kWeakShare * axes.eigenvalues()[1]) return;
+  if (axes.eigenvalues()[0] > kWeakRatio * axes.eigenvalues()[1]) return;
   const Eigen::Vector2d along = axes.eigenvectors().col(0);
   slide_.off_m += moved_along(along, prior.mean, tracked.pose);
   slide_.wheels_m += wheels_m;
-  if (std::abs(along.dot(slide_.off_m)) <= kWheelsLeastM + slide_.wheels_m) return;
-  hold(points, {prior.mean, kFreeM, prior.sigma_rad, along, 0.5 * (kWheelsLeastM + wheels_m)}, tracked);
+  if (std::abs(along.dot(slide_.off_m)) <= kMinWheelErrorM + slide_.wheels_m) return;
+  hold(points, {prior.mean, kFreeM, prior.sigma_rad, along, 0.5 * (kMinWheelErrorM + wheels_m)}, tracked);
 }
 
-/// Gives back the way that was lost along a corridor and matches anew with odometry as a narrow prior there.
-/// Unless the scan fits clearly worse then: wheels do slip.
+/// Undoes the slide along a corridor and matches again with odometry as a narrow prior along it, unless the
+/// scan then fits clearly worse: wheels do slip.
 void Tracker::hold(const ScanPoints& points, PosePrior prior, Tracked& tracked) {
   constexpr double kClearlyWorse = 0.12;
   const double slid_m = prior.along.dot(slide_.off_m);
@@ -138,8 +140,8 @@ void Tracker::hold(const ScanPoints& points, PosePrior prior, Tracked& tracked) 
   tracked.information = held.information;
 }
 
-/// Wheels slipped, odometry jumped, somebody carried the robot, or much is new: looks around where odometry
-/// says it is, where it would be had it gone on as before, and where it was. Only a clear gain is believed.
+/// For slipping wheels, jumps of odometry, a carried robot, or much new surroundings: searches around the
+/// pose of odometry, the constant-velocity prediction and the last pose. Only a clear gain counts.
 ScanMatch Tracker::look_wider(const ScanPoints& points, const PosePrior& prior,
                               const ScanMatch& first) const {
   constexpr double kWindowM = 0.4;
@@ -182,8 +184,8 @@ void Tracker::redraw() {
   for (const Remembered& scan : recent_) map_.add(scan.points, scan.pose);
 }
 
-void Tracker::go_on_from(const std::vector<KeyFrame>& frames, const std::vector<Pose2>& poses,
-                         const Pose2& pose) {
+void Tracker::resume_from(const std::vector<KeyFrame>& frames, const std::vector<Pose2>& poses,
+                          const Pose2& pose) {
   recent_.clear();
   for (std::size_t i = frames.size() - std::min(frames.size(), kRemembered); i < frames.size(); ++i)
     recent_.push_back({poses[i], frames[i].points});

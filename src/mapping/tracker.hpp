@@ -29,32 +29,32 @@ struct Tracked {
   bool odometry_contradicted{false};
 };
 
-/// Follows the robot from scan to scan: every scan is matched to the surfaces seen over the last metres, held
-/// by odometry or, without it, by the last motion. Smooth and precise over a room, drifting over a building.
-/// Where the scan hardly tells the way along a corridor and leaves odometry farther than srr and str allow,
-/// odometry decides along it; a degenerate direction is the prediction's in Zhang, Kaess and Singh, "On
+/// Scan-to-map tracking: matches every scan to the surfaces seen over the last metres, with odometry (without
+/// odometry the last motion) as prior. Precise over a room, drifts over a building. Where the scan hardly
+/// constrains the position along a corridor and the match deviates from odometry more than srr and str allow,
+/// odometry decides along that direction; compare degenerate directions in Zhang, Kaess and Singh, "On
 /// Degeneracy of Optimization-based State Estimation Problems", ICRA 2016.
 class Tracker {
  public:
-  static constexpr std::size_t kFewestPoints = 12;  ///< fewer cannot tell a pose
+  static constexpr std::size_t kMinPoints = 12;  ///< fewer do not determine a pose
 
   Tracker(const OdometryNoise& noise, double minimum_fit) : noise_(noise), minimum_fit_(minimum_fit) {}
 
   [[nodiscard]] Tracked add(const ScanPoints& points, const std::optional<Pose2>& odom_T_base);
   [[nodiscard]] const Pose2& pose() const { return pose_; }
-  /// Goes on at `pose`, with the newest key frames before its eyes, in the frame of their `poses`. The robot
+  /// Resumes at `pose`, using the latest key frames as local map, in the frame of their `poses`. The robot
   /// may stand a step away from there, and its odometry may begin anywhere.
-  void go_on_from(const std::vector<KeyFrame>& frames, const std::vector<Pose2>& poses, const Pose2& pose);
+  void resume_from(const std::vector<KeyFrame>& frames, const std::vector<Pose2>& poses, const Pose2& pose);
 
  private:
   struct Remembered {
     Pose2 pose;
     ScanPoints points;
   };
-  /// How matches moved the pose off odometry along directions that scans hardly tell, lately.
+  /// Recent deviation of the matches from odometry along directions that scans hardly constrain.
   struct Slide {
     Eigen::Vector2d off_m{0, 0};  ///< in the tracker's frame
-    double wheels_m{0};           ///< what wheels may be off by over the way on which that happened
+    double wheels_m{0};           ///< expected error of wheel odometry over the same distance
   };
 
   [[nodiscard]] bool jumps(const std::optional<Pose2>& odom_T_base) const;

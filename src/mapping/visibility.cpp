@@ -12,8 +12,8 @@ constexpr float kPi = 3.14159265F;
 
 std::size_t bin_of(const Eigen::Vector2f& ray, std::size_t bins) {
   // Whole degrees, where the rays of many scanners lie, are the middles of bins.
-  const float turn = (std::atan2(ray.y(), ray.x()) + kPi) / (2 * kPi);
-  return static_cast<std::size_t>(std::lround(std::max(0.0F, turn) * static_cast<float>(bins))) % bins;
+  const float revolutions = (std::atan2(ray.y(), ray.x()) + kPi) / (2 * kPi);
+  return static_cast<std::size_t>(std::lround(std::max(0.0F, revolutions) * static_cast<float>(bins))) % bins;
 }
 
 struct Transform {
@@ -41,13 +41,13 @@ RangeProfile::RangeProfile(const ScanPoints& points) : scanner_(points.scanner) 
     const float length = ray.norm();
     if (range == 0.0F || length < range) range = length;
   }
-  // At the rim of things a neighbour is nearer: the nearest of three directions counts.
+  // At the edge of an object a neighbour is nearer: the nearest of three directions counts.
   for (std::size_t i = 0; i < kBins; ++i) {
     if (nearest[i] == 0.0F) continue;
-    float least = nearest[i];
+    float smallest = nearest[i];
     for (const std::size_t other : {(i + kBins - 1) % kBins, (i + 1) % kBins})
-      if (nearest[other] > 0.0F) least = std::min(least, nearest[other]);
-    free_to_m_[i] = std::max(0.0F, least - kMarginM);
+      if (nearest[other] > 0.0F) smallest = std::min(smallest, nearest[other]);
+    free_to_m_[i] = std::max(0.0F, smallest - kMarginM);
   }
 }
 
@@ -56,7 +56,8 @@ bool RangeProfile::sees_through(const Eigen::Vector2f& point) const {
   return ray.norm() < free_to_m_[bin_of(ray, kBins)];
 }
 
-double share_in_free_space(const RangeProfile& other, const ScanPoints& points, const Pose2& other_T_base) {
+double fraction_in_free_space(const RangeProfile& other, const ScanPoints& points,
+                              const Pose2& other_T_base) {
   if (points.surface.empty()) return 0;
   const Transform move(other_T_base);
   const auto count =
@@ -65,8 +66,8 @@ double share_in_free_space(const RangeProfile& other, const ScanPoints& points, 
   return static_cast<double>(count) / static_cast<double>(points.surface.size());
 }
 
-double share_seen_through(const RangeProfile& scan, const SurfaceMap& map, const Pose2& map_T_base,
-                          double radius_m) {
+double fraction_seen_through(const RangeProfile& scan, const SurfaceMap& map, const Pose2& map_T_base,
+                             double radius_m) {
   const Transform back(inverse(map_T_base));
   const auto radius = static_cast<float>(radius_m);
   int seen = 0;

@@ -11,8 +11,8 @@
 
 namespace extperfc::mapping {
 
-/// How far the way is known to be free in each direction, as one scan saw it: about the scanner, in the
-/// base's frame. Directions without a return say nothing.
+/// Known free range in each direction about the scanner of one scan, in the base's frame. Directions without
+/// a return are unknown.
 class RangeProfile {
  public:
   explicit RangeProfile(const ScanPoints& points);
@@ -27,13 +27,13 @@ class RangeProfile {
   std::array<float, kBins> free_to_m_{};  ///< 0: unknown
 };
 
-/// Share of the scan's points that stand where `other`, seen from `other_T_base`, saw free space, [0, 1].
-[[nodiscard]] double share_in_free_space(const RangeProfile& other, const ScanPoints& points,
-                                         const Pose2& other_T_base);
+/// Fraction of the scan's points that stand where `other`, seen from `other_T_base`, saw free space, [0, 1].
+[[nodiscard]] double fraction_in_free_space(const RangeProfile& other, const ScanPoints& points,
+                                            const Pose2& other_T_base);
 
-/// Share of the map's surfaces within `radius_m` of the scanner that the scan, taken from `map_T_base`, saw
-/// through, [0, 1].
-[[nodiscard]] double share_seen_through(const RangeProfile& scan, const SurfaceMap& map,
-                                        const Pose2& map_T_base, double radius_m);
+/// Fraction of the map's surfaces within `radius_m` of the scanner that the scan, taken from `map_T_base`,
+/// saw through, [0, 1].
+[[nodiscard]] double fraction_seen_through(const RangeProfile& scan, const SurfaceMap& map,
+                                           const Pose2& map_T_base, double radius_m);
 
 }  // namespace extperfc::mapping

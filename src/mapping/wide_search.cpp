@@ -10,17 +10,17 @@ namespace extperfc::mapping {
 namespace {
 
 constexpr std::size_t kProbes = 80;  // points of the scan that are looked up
-constexpr double kTurnStepRad = 0.03;
+constexpr double kYawStepRad = 0.03;
 constexpr int kTopLevel = SearchPyramid::kLevels - 1;
-constexpr std::size_t kMostCells = 4000 * 4000;  // of a pyramid's level: 400 m
+constexpr std::size_t kMaxCells = 4000 * 4000;  // of a pyramid's level: 400 m
 
 struct CellPoint {
   int column;
   int row;
 };
 
-/// The points of a scan turned to one of the angles searched, in cells, from the window's lower left corner.
-using TurnedScan = std::vector<CellPoint>;
+/// The points of a scan rotated to one of the angles searched, in cells, from the window's lower left corner.
+using RotatedScan = std::vector<CellPoint>;
 
 int cell_of(double coordinate_m) {
   return static_cast<int>(std::floor(coordinate_m / static_cast<double>(SearchPyramid::kCellM)));
@@ -37,14 +37,14 @@ struct Node {
   }
 };
 
-std::vector<TurnedScan> turn_scan(const ScanPoints& points, const SearchWindow& window, int turns) {
+std::vector<RotatedScan> rotate_scan(const ScanPoints& points, const SearchWindow& window, int yaw_steps) {
   const std::size_t stride = 1 + points.surface.size() / kProbes;
-  std::vector<TurnedScan> scans;
-  for (int i = -turns; i <= turns; ++i) {
-    const double yaw = window.centre.yaw + i * kTurnStepRad;
+  std::vector<RotatedScan> scans;
+  for (int i = -yaw_steps; i <= yaw_steps; ++i) {
+    const double yaw = window.centre.yaw + i * kYawStepRad;
     const double c = std::cos(yaw);
     const double s = std::sin(yaw);
-    TurnedScan& scan = scans.emplace_back();
+    RotatedScan& scan = scans.emplace_back();
     for (std::size_t k = 0; k < points.surface.size(); k += stride) {
       const auto p = points.surface[k].position.cast<double>().eval();
       scan.push_back({cell_of(window.centre.x - window.half_width_m + c * p.x() - s * p.y()),
@@ -54,7 +54,7 @@ std::vector<TurnedScan> turn_scan(const ScanPoints& points, const SearchWindow& 
   return scans;
 }
 
-double bound_of(const SearchPyramid& pyramid, const TurnedScan& scan, int level, int column, int row) {
+double bound_of(const SearchPyramid& pyramid, const RotatedScan& scan, int level, int column, int row) {
   int hits = 0;
   for (const CellPoint& point : scan)
     hits += pyramid.set(level, point.column + column, point.row + row) ? 1 : 0;
@@ -84,7 +84,7 @@ SearchPyramid::SearchPyramid(const SurfaceMap& map) {
   columns_ = right - first_column_ + 3;
   rows_ = top - first_row_ + 3;
   const auto cells = static_cast<std::size_t>(columns_) * static_cast<std::size_t>(rows_);
-  if (cells > kMostCells) {
+  if (cells > kMaxCells) {
     columns_ = rows_ = 0;
     return;
   }
@@ -116,10 +116,10 @@ SearchPyramid::SearchPyramid(const SurfaceMap& map) {
 }
 
 std::optional<FoundPose> search_wide(const SearchPyramid& pyramid, const ScanPoints& points,
-                                     const SearchWindow& window, double least_score, int most_nodes) {
+                                     const SearchWindow& window, double min_score, int max_nodes) {
   if (points.surface.empty()) return std::nullopt;
-  const int turns = std::max(0, static_cast<int>(std::ceil(window.half_turn_rad / kTurnStepRad)));
-  const auto scans = turn_scan(points, window, turns);
+  const int yaw_steps = std::max(0, static_cast<int>(std::ceil(window.half_yaw_rad / kYawStepRad)));
+  const auto scans = rotate_scan(points, window, yaw_steps);
   const int width = std::max(1, cell_of(2 * window.half_width_m));
   std::priority_queue<Node> open;
   int nodes = 0;
@@ -128,19 +128,19 @@ std::optional<FoundPose> search_wide(const SearchPyramid& pyramid, const ScanPoi
     if (column > width || row > width) return;
     const double bound = bound_of(pyramid, scans[static_cast<std::size_t>(angle)], level, column, row);
     ++nodes;
-    if (bound >= least_score) open.push({bound, level, angle, column, row});
+    if (bound >= min_score) open.push({bound, level, angle, column, row});
   };
-  for (int angle = 0; angle <= 2 * turns; ++angle)
+  for (int angle = 0; angle <= 2 * yaw_steps; ++angle)
     for (int column = 0; column <= width; column += kTopStep)
       for (int row = 0; row <= width; row += kTopStep) offer(kTopLevel, angle, column, row);
-  while (!open.empty() && nodes < most_nodes) {
+  while (!open.empty() && nodes < max_nodes) {
     const Node node = open.top();
     open.pop();
     if (node.level == 0) {
       const double step = static_cast<double>(SearchPyramid::kCellM);
       return FoundPose{{window.centre.x - window.half_width_m + node.column * step,
                         window.centre.y - window.half_width_m + node.row * step,
-                        wrap_angle(window.centre.yaw + (node.angle - turns) * kTurnStepRad)},
+                        wrap_angle(window.centre.yaw + (node.angle - yaw_steps) * kYawStepRad)},
                        node.bound};
     }
     const int half = 1 << (node.level - 1);

@@ -41,19 +41,19 @@ class SearchPyramid {
 struct SearchWindow {
   Pose2 centre;
   double half_width_m{2};
-  double half_turn_rad{0.2};
+  double half_yaw_rad{0.2};
 };
 
 struct FoundPose {
   Pose2 pose;
-  double score{0};  ///< share of the points that fall on a surface, [0, 1]
+  double score{0};  ///< fraction of the points that fall on a surface, [0, 1]
 };
 
-/// The best pose in the window whose score is at least `least_score`, by branch and bound (Hess et al. 2016,
-/// Real-Time Loop Closure in 2D LIDAR SLAM, section V). Gives up, without a pose, after
-/// `most_nodes` bounds were computed.
+/// The best pose in the window whose score is at least `min_score`, by branch and bound (Hess et al. 2016,
+/// Real-Time Loop Closure in 2D LIDAR SLAM, section V). No pose when none was found
+/// within `max_nodes` computed bounds.
 [[nodiscard]] std::optional<FoundPose> search_wide(const SearchPyramid& pyramid, const ScanPoints& points,
-                                                   const SearchWindow& window, double least_score,
-                                                   int most_nodes);
+                                                   const SearchWindow& window, double min_score,
+                                                   int max_nodes);
 
 }  // namespace extperfc::mapping

@@ -159,7 +159,7 @@ def slow_checks(scope):
         "core", ["-DEXTPERFC_WITH_OPENVINO=OFF", "-DEXTPERFC_WITH_MRPT=OFF"], "unit/(detect|sources|offline)/"), False, True)
     yield Test("sanitize/thread", "sanitize", variant(
         "tsan", ["-DEXTPERFC_SANITIZE=thread", "-DEXTPERFC_WITH_OPENVINO=OFF"],
-        "latest_slot|in_order|event_loop|resolver|mapper_threads|map_picture|planning_team"), False, True)
+        "latest_slot|in_order|event_loop|resolver|mapper_threads|map_image|planning_team"), False, True)
     yield Test("sanitize/address_undefined", "sanitize", variant(
         "asan", ["-DEXTPERFC_SANITIZE=address,undefined", *openvino_options()]), False, True)
     yield Test("style/tidy", "style", InBackground(tidy_runner(scope.sources, scope.end)), False, True)

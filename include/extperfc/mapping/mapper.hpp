@@ -18,44 +18,44 @@
 
 namespace extperfc::mapping {
 
-/// What a user may set. Standard deviations of odometry follow GMapping: srr and str of the translation per
-/// metre and per radian, srt and stt of the rotation per metre and per radian.
+/// Parameters of the mapper. Standard deviations of odometry follow GMapping: srr and str of the translation
+/// per metre and per radian, srt and stt of the rotation per metre and per radian.
 struct MapperParams {
   int particles{30};          ///< hypotheses of the path, [1, 1000]
   double resolution_m{0.05};  ///< side of a cell of the map [m], [0.01, 1]
-  double max_range_m{0};      ///< maxRange: rays without return are free up to here [m]; 0: they say nothing
+  double max_range_m{0};      ///< maxRange: rays without return are free up to here [m]; 0: they are not used
   double max_usable_range_m{0};     ///< maxUrange: returns beyond do not count [m]; 0: the scan's range_max
-  double linear_update_m{0.3};      ///< a key frame after this way [m], [0.05, 5] ...
-  double angular_update_rad{0.25};  ///< ... or this turn [rad], [0.02, 3.2] ...
+  double linear_update_m{0.3};      ///< a key frame after this translation [m], [0.05, 5] ...
+  double angular_update_rad{0.25};  ///< ... or this rotation [rad], [0.02, 3.2] ...
   double temporal_update_s{-1};     ///< ... or this time [s]; negative: never by time
-  double resample_threshold{0.5};   ///< resample below this share of effective particles, [0, 1]
-  double minimum_score{0.4};        ///< share of a scan that must fit the map for a match to count, [0, 1]
+  double resample_threshold{0.5};   ///< resample below this fraction of effective particles, [0, 1]
+  double minimum_score{0.4};        ///< fraction of a scan that must fit the map for a match to count, [0, 1]
   double srr{0.1};                  ///< [m/m]
   double srt{0.1};                  ///< [rad/m]
   double str{0.1};                  ///< [m/rad]
   double stt{0.1};                  ///< [rad/rad]
-  double occupied_threshold{0.25};  ///< occ_thresh: share of hits from which a cell is occupied, (0, 1)
+  double occupied_threshold{0.25};  ///< occ_thresh: fraction of hits from which a cell is occupied, (0, 1)
   std::uint64_t seed{1};            ///< of every random draw
 };
 
 /// An error that names the first parameter out of its range.
 [[nodiscard]] Result<void> validate(const MapperParams& params);
 
-/// What became of a scan.
-enum class ScanFate {
-  kKeyFrame,  ///< it is part of the map now
-  kTracked,   ///< it gave a pose; the robot is too near the last key frame for the map to need it
-  kUnusable,  ///< too few returns to be matched: the pose follows odometry alone
+/// Result of processing one scan.
+enum class ScanStatus {
+  kKeyFrame,  ///< the scan was added to the map
+  kTracked,   ///< the scan gave a pose; the robot is too near the last key frame for another one
+  kUnusable,  ///< too few returns for scan matching: the pose follows odometry alone
 };
 
 struct MapperUpdate {
-  ScanFate fate{ScanFate::kTracked};
+  ScanStatus status{ScanStatus::kTracked};
   Pose2 pose;                         ///< of the base in the map, at the scan's stamp
   Eigen::Matrix3d covariance;         ///< of x, y, yaw [m, m, rad]
-  double fit{0};                      ///< share of the returns that the map explains, [0, 1]
+  double fit{0};                      ///< fraction of the returns that the map explains, [0, 1]
   bool matched{false};                ///< false: odometry (or standing still) alone gave the pose
-  bool odometry_contradicted{false};  ///< the match left odometry far behind: slip, a jump, or a wrong match
-  bool map_moved{false};              ///< a loop was closed: poses of old scans, and the map, changed
+  bool odometry_contradicted{false};  ///< match and odometry differ widely: slip, a jump, or a wrong match
+  bool map_changed{false};            ///< a loop was closed: poses of old scans, and the map, changed
 };
 
 struct MapperStatistics {
@@ -84,7 +84,7 @@ class Mapper {
   Mapper& operator=(Mapper&&) noexcept;
   ~Mapper();
 
-  /// One scan, with the odometry's pose of the base at its stamp where there is one. Scans may vary in size
+  /// Adds one scan with the odometry's pose of the base at its stamp, if there is one. Scans may vary in size
   /// from one to the next, and stamps may run backwards. Errors: validate(scan), non-finite odometry.
   [[nodiscard]] Result<MapperUpdate> add(const LaserScan& scan, const std::optional<Pose2>& odom_T_base);
 
@@ -92,21 +92,21 @@ class Mapper {
   [[nodiscard]] Pose2 pose() const;
   /// Hypotheses of the pose of the last key frame.
   [[nodiscard]] std::vector<WeightedPose> particles() const;
-  /// The most likely map. Work is bounded per call: after a loop is closed it takes some calls until every
-  /// old scan stands where it belongs; `settled()` tells.
+  /// The most likely map. The work per call is bounded: after a loop closure several calls redraw the moved
+  /// scans, until settled() is true.
   [[nodiscard]] std::shared_ptr<const OccupancyGrid> map();
   [[nodiscard]] bool settled() const;
   /// Changes whenever map() would give another map.
   [[nodiscard]] std::uint64_t map_version() const;
-  /// Every scan so far, where the newest knowledge puts it.
+  /// The latest estimate of the pose of every scan so far.
   [[nodiscard]] Trajectory trajectory() const;
   [[nodiscard]] MapperStatistics statistics() const;
 
-  /// A recording is over: relaxes everything once more and settles the map.
+  /// Call after the last scan: final graph optimization and full redraw of the map.
   void finish();
 
-  /// Keeps all that mapping needs to go on from here. `load` continues at the last pose, with odometry that
-  /// may begin anywhere. Errors name the file and what is wrong with it (missing, damaged, other version).
+  /// Writes a session, from which `load` continues at the last pose; its odometry may begin anywhere. Errors
+  /// name the file and what is wrong with it (missing, damaged, other version).
   [[nodiscard]] Result<void> save(const std::filesystem::path& file) const;
   [[nodiscard]] static Result<Mapper> load(const std::filesystem::path& file, const MapperParams& params);
 

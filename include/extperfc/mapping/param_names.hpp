@@ -11,14 +11,14 @@
 
 namespace extperfc::mapping {
 
-/// A parameter as its users know it: GMapping's names where they mean the same.
+/// A parameter under its public name: GMapping's names where the meaning is the same.
 struct ParamName {
   /// Which member it sets.
   using Field = std::variant<int MapperParams::*, double MapperParams::*, std::uint64_t MapperParams::*>;
 
   std::string_view name;  ///< e.g. "linearUpdate"
   Field field;
-  std::string_view unit;  ///< e.g. "m"; empty for a share or a number of things
+  std::string_view unit;  ///< e.g. "m"; empty for a fraction or a count
   std::string_view help;  ///< one line
 };
 

@@ -119,7 +119,7 @@ void MappingHealth::warn_of(DiagnosticStatusWrapper& status, const Event& event,
 void MappingHealth::report_warnings(DiagnosticStatusWrapper& status) const {
   if (paused_)
     status.mergeSummary(DiagnosticStatus::WARN, "paused: scans are skipped until ~resume is called");
-  if (last_ && last_->fate == mapping::ScanFate::kUnusable)
+  if (last_ && last_->status == mapping::ScanStatus::kUnusable)
     status.mergeSummary(DiagnosticStatus::WARN,
                         "the last scan has too few returns to be matched: the pose follows odometry alone");
   else if (last_ && statistics_.key_frames > 1 && !last_->matched)

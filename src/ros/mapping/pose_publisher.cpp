@@ -22,7 +22,7 @@ void PosePublisher::publish(const mapping::MapperUpdate& update, const ros::Time
   header.frame_id = map_frame_;
   header.stamp = stamp;
   publish_pose(update, header);
-  if (update.fate != mapping::ScanFate::kKeyFrame) return;
+  if (update.status != mapping::ScanStatus::kKeyFrame) return;
   if (particles_.getNumSubscribers() > 0) publish_particles(header, mapper);
   if (entropy_.getNumSubscribers() > 0) {
     std_msgs::Float64 message;

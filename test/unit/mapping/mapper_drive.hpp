@@ -58,7 +58,7 @@ inline MapperUpdate add_scans(Mapper& mapper, const MapperDrive& drive, std::siz
   return update;
 }
 
-/// Share of the cells known to either map that differ between them.
+/// Fraction of the cells known to either map that differ between them.
 inline double map_difference(const OccupancyGrid& a, const OccupancyGrid& b) {
   std::size_t known = 0;
   std::size_t different = 0;

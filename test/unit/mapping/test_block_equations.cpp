@@ -13,7 +13,7 @@ namespace extperfc::mapping {
 namespace {
 
 using Block = BlockEquations::Block;
-using Place = BlockEquations::Place;
+using BlockIndex = BlockEquations::BlockIndex;
 
 Block random_block(Rng& rng) {
   Block block;
@@ -32,18 +32,18 @@ Eigen::Index row_of(std::size_t node) {
 /// The same equations twice: by blocks, and as a full matrix.
 class Twice {
  public:
-  Twice(std::size_t nodes, std::vector<Place> places)
-      : nodes_(nodes), places_(std::move(places)), blocks_(nodes, places_) {}
+  Twice(std::size_t nodes, std::vector<BlockIndex> indices)
+      : nodes_(nodes), indices_(std::move(indices)), blocks_(nodes, indices_) {}
 
   /// Positive definite: every row's diagonal outweighs the rest.
   void fill(Rng& rng) {
-    const double diagonal = 3.0 * static_cast<double>(places_.size() + 1);
+    const double diagonal = 3.0 * static_cast<double>(indices_.size() + 1);
     blocks_.reset(diagonal);
     full_ = diagonal * Eigen::MatrixXd::Identity(row_of(nodes_), row_of(nodes_));
     right_ = Eigen::VectorXd::Zero(row_of(nodes_));
-    for (std::size_t i = 0; i < places_.size(); ++i) {
+    for (std::size_t i = 0; i < indices_.size(); ++i) {
       const Block block = random_block(rng);
-      const auto [row, column] = places_[i];
+      const auto [row, column] = indices_[i];
       blocks_.add(i, block);
       full_.block<3, 3>(row_of(row), row_of(column)) += block;
       full_.block<3, 3>(row_of(column), row_of(row)) += block.transpose();
@@ -67,29 +67,29 @@ class Twice {
 
  private:
   std::size_t nodes_;
-  std::vector<Place> places_;
+  std::vector<BlockIndex> indices_;
   BlockEquations blocks_;
   Eigen::MatrixXd full_;
   Eigen::VectorXd right_;
 };
 
-std::vector<Place> random_places(std::size_t nodes, std::size_t number, Rng& rng) {
-  std::vector<Place> places;
+std::vector<BlockIndex> random_indices(std::size_t nodes, std::size_t number, Rng& rng) {
+  std::vector<BlockIndex> indices;
   const int last = static_cast<int>(nodes) - 1;
   for (std::size_t i = 0; i < number; ++i)
-    places.emplace_back(static_cast<std::size_t>(rng.integer(0, last)),
-                        static_cast<std::size_t>(rng.integer(0, last)));
-  return places;
+    indices.emplace_back(static_cast<std::size_t>(rng.integer(0, last)),
+                         static_cast<std::size_t>(rng.integer(0, last)));
+  return indices;
 }
 
-// Any pattern: places on both sides of the diagonal, on it, and more than once.
+// Any pattern: indices on both sides of the diagonal, on it, and more than once.
 TEST(BlockEquations, SolveWhatAFullMatrixSolves) {
   for (std::uint64_t seed = 1; seed <= 30; ++seed) {
     SCOPED_TRACE(seed);
     Rng rng(seed);
     const auto nodes = static_cast<std::size_t>(rng.integer(1, 25));
     const auto number = static_cast<std::size_t>(rng.integer(0, 60));
-    Twice twice(nodes, random_places(nodes, number, rng));
+    Twice twice(nodes, random_indices(nodes, number, rng));
     for (int round = 0; round < 3; ++round) {  // filled anew, with the order that was found once
       twice.fill(rng);
       twice.expect_same_solution();
@@ -100,10 +100,10 @@ TEST(BlockEquations, SolveWhatAFullMatrixSolves) {
 TEST(BlockEquations, SolveAChainWithLoops) {
   Rng rng(7);
   constexpr std::size_t kNodes = 120;
-  std::vector<Place> places;
-  for (std::size_t i = 1; i < kNodes; ++i) places.emplace_back(i, i - 1);
-  for (std::size_t i = 60; i < kNodes; i += 7) places.emplace_back(i, i - 60);
-  Twice twice(kNodes, places);
+  std::vector<BlockIndex> indices;
+  for (std::size_t i = 1; i < kNodes; ++i) indices.emplace_back(i, i - 1);
+  for (std::size_t i = 60; i < kNodes; i += 7) indices.emplace_back(i, i - 60);
+  Twice twice(kNodes, indices);
   twice.fill(rng);
   twice.expect_same_solution();
 }

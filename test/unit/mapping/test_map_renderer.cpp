@@ -115,7 +115,7 @@ TEST_F(MapRendererTest, ClearRaysMakeFreeAndNoWall) {
   EXPECT_EQ(at(*map, 2.1, 0.02), OccupancyGrid::kUnknown);
 }
 
-TEST_F(MapRendererTest, OccupiedFromTheShareOnThatWasAsked) {
+TEST_F(MapRendererTest, OccupiedFromTheFractionOnThatWasAsked) {
   KeyFrame hit;
   hit.points.surface.push_back({{1.02F, 0.02F}, {-1, 0}});
   KeyFrame through;
@@ -144,7 +144,7 @@ TEST_F(MapRendererTest, MovedIsTheSameAsDrawnThere) {
   expect_same(*renderer.map(), *draw_from_scratch(poses_));
 }
 
-TEST_F(MapRendererTest, AllTakenAwayLeavesNothingBehind) {
+TEST_F(MapRendererTest, AllTakenAwayLeavesAnEmptyMap) {
   see({{-3, -1.5, 0}, {0, 0, 1}});
   MapRenderer renderer(kResolutionM, kOccupied);
   ASSERT_TRUE(renderer.update(frames_, poses_, kUnbounded));
@@ -193,12 +193,12 @@ TEST_F(MapRendererTest, BudgetIsRespected) {
 }
 
 TEST_F(MapRendererTest, GrowsInAllDirections) {
-  const std::vector<Pose2> ways{{0, 0, 0},   {30, 0, 0},    {-30, 0, 0}, {0, 30, 0},
-                                {0, -30, 0}, {-45, -45, 0}, {50, 50, 0}};
+  const std::vector<Pose2> directions{{0, 0, 0},   {30, 0, 0},    {-30, 0, 0}, {0, 30, 0},
+                                      {0, -30, 0}, {-45, -45, 0}, {50, 50, 0}};
   MapRenderer renderer(kResolutionM, kOccupied);
-  for (const Pose2& way : ways) {
+  for (const Pose2& corner : directions) {
     frames_.push_back(see_room({0, 0, 0}, rng_));
-    poses_.push_back(way);
+    poses_.push_back(corner);
     ASSERT_TRUE(renderer.update(frames_, poses_, kUnbounded));
     const auto map = renderer.map();
     for (const Pose2& pose : poses_) EXPECT_EQ(at(*map, pose.x + 0.5, pose.y), OccupancyGrid::kFree);

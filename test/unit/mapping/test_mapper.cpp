@@ -35,8 +35,8 @@ TEST(Mapper, MapsARoom) {
   for (std::size_t i = 0; i < drive.scans.size(); ++i) {
     const auto update = mapper.add(drive.scans[i], drive.odometry[i]).value();
     EXPECT_TRUE(update.matched) << i;
-    EXPECT_NE(update.fate, ScanFate::kUnusable) << i;
-    if (update.fate == ScanFate::kKeyFrame) ++key_frames;
+    EXPECT_NE(update.status, ScanStatus::kUnusable) << i;
+    if (update.status == ScanStatus::kKeyFrame) ++key_frames;
     EXPECT_TRUE(same_bits(update.pose, mapper.pose()));
     ASSERT_LT(drive.error_m(update.pose, i), kRoomErrorM) << i;
   }
@@ -118,7 +118,7 @@ TEST(Mapper, EmptyScansBeforeTheFirstKeyFrame) {
     const auto scan = i < kBlind ? without_returns(drive.scans[i]) : drive.scans[i];
     const auto update = mapper.add(scan, drive.odometry[i]).value();
     if (i < kBlind) {
-      EXPECT_EQ(update.fate, ScanFate::kUnusable);
+      EXPECT_EQ(update.status, ScanStatus::kUnusable);
       EXPECT_FALSE(update.matched);
     }
   }
@@ -143,7 +143,7 @@ TEST(Mapper, ScansOfOtherSizesAndDamagedOnesInBetween) {
         if (rng.chance(0.3)) range = rng.chance(0.5) ? std::numeric_limits<float>::quiet_NaN() : -1.0F;
     const auto update = mapper.add(scan, drive.odometry[i]);
     ASSERT_TRUE(update) << i;
-    EXPECT_EQ(update->fate == ScanFate::kUnusable, i % 9 == 4 || i % 9 == 5) << i;
+    EXPECT_EQ(update->status == ScanStatus::kUnusable, i % 9 == 4 || i % 9 == 5) << i;
     ASSERT_LT(drive.error_m(update->pose, i), kRoomErrorM + 0.03) << i;
   }
 }
@@ -387,7 +387,7 @@ TEST_F(MapperSession, ErrorsNameTheFile) {
   ASSERT_FALSE(missing);
   EXPECT_EQ(missing.error().code, ErrorCode::kNotFound);
   EXPECT_NE(missing.error().message.find("a.session"), std::string::npos);
-  const auto other = Mapper::load(folder_.write("other.session", "a picture"), {});
+  const auto other = Mapper::load(folder_.write("other.session", "a PNG image"), {});
   ASSERT_FALSE(other);
   EXPECT_EQ(other.error().code, ErrorCode::kCorrupt);
   EXPECT_NE(other.error().message.find("other.session"), std::string::npos);

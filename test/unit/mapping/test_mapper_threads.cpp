@@ -17,7 +17,7 @@
 namespace extperfc::mapping {
 namespace {
 
-constexpr std::size_t kMostHeld = 64;
+constexpr std::size_t kMaxHeld = 64;
 
 struct HeldMap {
   std::shared_ptr<const OccupancyGrid> map;
@@ -46,7 +46,7 @@ class MapperThreads : public testing::Test {
       const auto map = mapper_.with([](Mapper& mapper) { return mapper.map(); });
       (void)mapper_.with([](Mapper& mapper) { return mapper.settled(); });
       const long sum = map ? sum_of(*map) : 0;
-      if (map && held.size() < kMostHeld) {
+      if (map && held.size() < kMaxHeld) {
         held.push_back({map, sum});
         ++held_;
       }
@@ -65,14 +65,14 @@ class MapperThreads : public testing::Test {
     }
   }
 
-  /// Gives the scans in pieces, each when another map was taken, whatever share of the processors the threads
-  /// have, and waits until all are added.
+  /// Gives the scans in pieces, each when another map was taken, whatever fraction of the processors the
+  /// threads have, and waits until all are added.
   void drive_to_the_end() {
     std::size_t awaited = 0;
     for (std::size_t i = 0; i < drive_.scans.size(); ++i) {
       EXPECT_FALSE(queue_.put(i));
-      if (i % 10 != 9 || awaited == kMostHeld) continue;
-      awaited = std::min(held_ + 1, kMostHeld);
+      if (i % 10 != 9 || awaited == kMaxHeld) continue;
+      awaited = std::min(held_ + 1, kMaxHeld);
       while (held_ < awaited) std::this_thread::yield();
     }
     while (added_ < drive_.scans.size()) std::this_thread::yield();

@@ -83,8 +83,8 @@ TEST(Matcher, ThePriorHoldsAlongACorridor) {
   const Pose2 truth{0.2, 0.1, 0.02};
   const Pose2 believed{0.5, 0, 0};
   const auto found = match(corridor.map, corridor.see(truth), believed, {believed, 0.05, 0.05}, 0.4);
-  EXPECT_NEAR(found.pose.x, believed.x, 0.03) << "nothing tells along the corridor";
-  EXPECT_NEAR(found.pose.y, truth.y, 0.015) << "its walls tell across";
+  EXPECT_NEAR(found.pose.x, believed.x, 0.03) << "the position along the corridor is unconstrained";
+  EXPECT_NEAR(found.pose.y, truth.y, 0.015) << "its walls constrain the direction across";
   EXPECT_NEAR(found.pose.yaw, truth.yaw, 0.005);
 }
 
@@ -128,8 +128,7 @@ TEST(Matcher, MatchAlongFindsTheFeature) {
     const Pose2 believed{truth.x + off, 0, 0};
     const PosePrior prior{believed, 0.5, 0.1};
     const auto first = match(corridor.map, points, believed, prior, 0.3);
-    ASSERT_GT(std::abs(first.pose.x - truth.x), 0.3)
-        << "a plain match should stay where it was told to begin";
+    ASSERT_GT(std::abs(first.pose.x - truth.x), 0.3) << "a plain match should stay where it began";
     const auto found =
         match_along(corridor.map, points, first, prior, 1.2, 0.3, score_of(corridor.map, points));
     EXPECT_NEAR(found.pose.x, truth.x, 0.06);
@@ -208,8 +207,8 @@ TEST(Matcher, SearchNearFindsTheBasin) {
     SCOPED_TRACE(seed);
     Rng rng(static_cast<std::uint64_t>(seed));
     const Pose2 truth{rng.uniform(-1.5, 1.5), rng.uniform(-1, 1), rng.uniform(-M_PI, M_PI)};
-    const double way = rng.uniform(-M_PI, M_PI);
-    const Pose2 centre{truth.x + 0.35 * std::cos(way), truth.y + 0.35 * std::sin(way),
+    const double angle = rng.uniform(-M_PI, M_PI);
+    const Pose2 centre{truth.x + 0.35 * std::cos(angle), truth.y + 0.35 * std::sin(angle),
                        wrap_angle(truth.yaw + (rng.chance(0.5) ? 0.25 : -0.25))};
     const auto points = room.see(truth);
     const Pose2 start = search_near(room.map, points, centre, 0.4, 0.3);

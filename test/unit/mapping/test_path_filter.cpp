@@ -16,7 +16,7 @@ struct Drifting {
   std::vector<KeyFrame> frames;
 };
 
-/// Rounds through the room. Each step is turned a little too far to the left.
+/// Rounds through the room. Each step is rotated a little too far to the left.
 Drifting drive(int rounds, std::uint64_t seed) {
   std::vector<Eigen::Vector2d> corners{{-3, -1.5}};
   for (int i = 0; i < rounds; ++i)
@@ -28,19 +28,19 @@ Drifting drive(int rounds, std::uint64_t seed) {
   const PlanarScanner scanner;
   Rng rng(seed);
   Drifting drive;
-  double way_m = 0;
+  double distance_m = 0;
   for (std::size_t i = 0; i < route.size(); ++i) {
     drive.truth.push_back(between(route.front(), route[i]));
     const Pose2 step = i == 0 ? Pose2{} : between(route[i - 1], route[i]);
     const double step_m = std::hypot(step.x, step.y);
-    way_m += step_m;
+    distance_m += step_m;
     TrackedStep tracked;
     tracked.step = {step.x + rng.normal(0, 0.002), step.y + rng.normal(0, 0.002),
                     step.yaw + 0.002 + rng.normal(0, 0.001)};
     tracked.information = Eigen::Vector3d(1e4, 1e4, 1e5).asDiagonal();
-    tracked.way_m = step_m;
+    tracked.distance_m = step_m;
     drive.steps.push_back(tracked);
-    drive.frames.push_back({i, way_m, scan_points(scanner.scan(room, route[i], rng), {})});
+    drive.frames.push_back({i, distance_m, scan_points(scanner.scan(room, route[i], rng), {})});
   }
   return drive;
 }
@@ -50,7 +50,7 @@ double error_m(const Pose2& truth, const Pose2& pose) {
   return std::hypot(off.x, off.y);
 }
 
-TEST(PathFilter, BeginsWhereItIsTold) {
+TEST(PathFilter, BeginsAtTheGivenPose) {
   const auto driven = drive(1, 1);
   PathFilter filter({7, 0.5, 1});
   filter.begin({1, 2, 0.5}, driven.frames[0]);
@@ -70,7 +70,7 @@ TEST(PathFilter, FollowsTheStepsWhereNothingIsOld) {
   for (std::size_t i = 1; i < 12; ++i) {
     expected = compose(expected, driven.steps[i].step);
     const auto step = filter.add(driven.steps[i], driven.frames[i]);
-    EXPECT_FALSE(step.committed) << i;
+    EXPECT_FALSE(step.accepted) << i;
     EXPECT_NEAR(filter.poses().back().x, expected.x, 1e-9);
     EXPECT_NEAR(filter.poses().back().yaw, expected.yaw, 1e-9);
   }
@@ -87,10 +87,10 @@ TEST(PathFilter, RoundsDoNotDriftApart) {
     PathFilter filter({30, 0.5, seed});
     filter.begin({}, driven.frames[0]);
     Pose2 dead_reckoned;
-    std::size_t commits = 0;
+    std::size_t accepted_loops = 0;
     for (std::size_t i = 1; i < driven.steps.size(); ++i) {
       dead_reckoned = compose(dead_reckoned, driven.steps[i].step);
-      if (filter.add(driven.steps[i], driven.frames[i]).committed) ++commits;
+      if (filter.add(driven.steps[i], driven.frames[i]).accepted) ++accepted_loops;
       const auto weights = filter.weights();
       ASSERT_NEAR(std::accumulate(weights.begin(), weights.end(), 0.0), 1.0, 1e-9);
       const Eigen::Matrix3d covariance = filter.covariance();
@@ -99,7 +99,7 @@ TEST(PathFilter, RoundsDoNotDriftApart) {
                 Eigen::Success);
     }
     filter.finish();
-    EXPECT_GT(commits, 0U);
+    EXPECT_GT(accepted_loops, 0U);
     EXPECT_GT(error_m(driven.truth.back(), dead_reckoned), 0.6) << "the steps alone drift";
     for (std::size_t i = 0; i < driven.truth.size(); ++i)
       ASSERT_LT(error_m(driven.truth[i], filter.poses()[i]), 0.15) << i;

@@ -29,37 +29,37 @@ bool same_bits(const Pose2& a, const Pose2& b) {
   return a.x == b.x && a.y == b.y && a.yaw == b.yaw;
 }
 
-Relation measured(const std::vector<Pose2>& truth, std::size_t from, std::size_t to, Rng& rng) {
+Constraint measured(const std::vector<Pose2>& truth, std::size_t from, std::size_t to, Rng& rng) {
   return {from, to, between(truth[from], truth[to]), random_information(rng), false};
 }
 
 /// Twice the negative log likelihood.
 double cost(const PoseGraph& graph) {
   double sum = 0;
-  for (const Relation& relation : graph.relations()) sum += graph.squared_error(relation);
+  for (const Constraint& constraint : graph.constraints()) sum += graph.squared_error(constraint);
   return sum;
 }
 
-TEST(PoseGraph, ErrorOfARelation) {
+TEST(PoseGraph, ErrorOfAConstraint) {
   PoseGraph graph;
   graph.add_node({1, 1, M_PI / 2});
   graph.add_node({1, 3, M_PI});
-  Relation relation{0, 1, {1.5, 0.25, M_PI / 2 - 0.1}, Eigen::Vector3d(4, 16, 100).asDiagonal(), false};
-  const Eigen::Vector3d error = graph.error(relation);
+  Constraint constraint{0, 1, {1.5, 0.25, M_PI / 2 - 0.1}, Eigen::Vector3d(4, 16, 100).asDiagonal(), false};
+  const Eigen::Vector3d error = graph.error(constraint);
   EXPECT_NEAR(error.x(), 0.5, 1e-12);
   EXPECT_NEAR(error.y(), -0.25, 1e-12);
   EXPECT_NEAR(error.z(), 0.1, 1e-12);
-  EXPECT_NEAR(graph.squared_error(relation), 1 + 1 + 1, 1e-9);
-  relation.from_T_to.yaw = -M_PI / 2 - 0.2;
-  EXPECT_NEAR(std::abs(graph.error(relation).z()), M_PI - 0.2, 1e-9) << "the short way round";
+  EXPECT_NEAR(graph.squared_error(constraint), 1 + 1 + 1, 1e-9);
+  constraint.from_T_to.yaw = -M_PI / 2 - 0.2;
+  EXPECT_NEAR(std::abs(graph.error(constraint).z()), M_PI - 0.2, 1e-9) << "the short way round";
 }
 
 TEST(PoseGraph, ALoopWithoutErrorIsExact) {
   Rng rng(1);
   std::vector<Pose2> truth;
   for (int i = 0; i < 16; ++i) {
-    const double turn = 2 * M_PI * i / 16;
-    truth.push_back({5 + 3 * std::cos(turn), 3 * std::sin(turn), wrap_angle(turn + M_PI / 2)});
+    const double angle = 2 * M_PI * i / 16;
+    truth.push_back({5 + 3 * std::cos(angle), 3 * std::sin(angle), wrap_angle(angle + M_PI / 2)});
   }
   PoseGraph graph;
   for (std::size_t i = 0; i < truth.size(); ++i) {
@@ -67,12 +67,12 @@ TEST(PoseGraph, ALoopWithoutErrorIsExact) {
     graph.add_node(compose(truth[i], off));
   }
   for (std::size_t i = 0; i < truth.size(); ++i) graph.add(measured(truth, i, (i + 1) % truth.size(), rng));
-  ASSERT_TRUE(graph.relax(0, 20));
+  ASSERT_TRUE(graph.optimize(0, 20));
   EXPECT_TRUE(same_bits(graph.poses()[0], truth[0]));
   for (std::size_t i = 0; i < truth.size(); ++i) EXPECT_LT(distance(graph.poses()[i], truth[i]), 1e-6) << i;
 }
 
-TEST(PoseGraph, RandomChainsRelaxToNoError) {
+TEST(PoseGraph, RandomChainsOptimizeToNoError) {
   for (std::uint64_t seed = 1; seed <= 20; ++seed) {
     SCOPED_TRACE(seed);
     Rng rng(seed);
@@ -87,14 +87,14 @@ TEST(PoseGraph, RandomChainsRelaxToNoError) {
       const auto to = static_cast<std::size_t>(rng.integer(0, 39));
       if (from != to) graph.add(measured(truth, from, to, rng));  // backwards, too
     }
-    ASSERT_TRUE(graph.relax(0, 30));
+    ASSERT_TRUE(graph.optimize(0, 30));
     EXPECT_TRUE(same_bits(graph.poses()[0], truth[0])) << "node 0 stays";
-    for (const Relation& relation : graph.relations()) EXPECT_LT(graph.error(relation).norm(), 1e-6);
+    for (const Constraint& constraint : graph.constraints()) EXPECT_LT(graph.error(constraint).norm(), 1e-6);
   }
 }
 
 // The analytic Jacobians lead to where the numeric gradient of the cost is zero, and nowhere else.
-TEST(PoseGraph, RelaxedIsWhereTheCostIsStationary) {
+TEST(PoseGraph, OptimizedIsWhereTheCostIsStationary) {
   for (std::uint64_t seed = 1; seed <= 10; ++seed) {
     SCOPED_TRACE(seed);
     Rng rng(seed);
@@ -114,15 +114,15 @@ TEST(PoseGraph, RelaxedIsWhereTheCostIsStationary) {
       graph.add({from, to, seen, random_information(rng), false});
     }
     const double before = cost(graph);
-    ASSERT_TRUE(graph.relax(0, 50));
+    ASSERT_TRUE(graph.optimize(0, 50));
     const double after = cost(graph);
     EXPECT_LT(after, before);
     EXPECT_GT(after, 0.01);
     constexpr double kStep = 1e-4;
-    const auto relaxed = graph.poses();
-    for (std::size_t node = 1; node < relaxed.size(); ++node)
+    const auto optimized = graph.poses();
+    for (std::size_t node = 1; node < optimized.size(); ++node)
       for (double Pose2::*coordinate : {&Pose2::x, &Pose2::y, &Pose2::yaw}) {
-        auto poses = relaxed;
+        auto poses = optimized;
         poses[node].*coordinate += kStep;
         graph.set_poses(poses);
         const double up = cost(graph);
@@ -137,7 +137,7 @@ TEST(PoseGraph, RelaxedIsWhereTheCostIsStationary) {
   }
 }
 
-TEST(PoseGraph, AWrongSightingLosesAgainstManyRight) {
+TEST(PoseGraph, AWrongLoopClosureLosesAgainstManyRight) {
   Rng rng(3);
   std::vector<Pose2> truth;
   for (int i = 0; i < 40; ++i) truth.push_back({0.5 * (i % 20), i < 20 ? 0.0 : 1.0, 0});
@@ -152,13 +152,13 @@ TEST(PoseGraph, AWrongSightingLosesAgainstManyRight) {
     graph.add({i, i + 1, step, step_information, false});
     at = compose(at, step);
   }
-  const Eigen::Matrix3d sighting_information = Eigen::Vector3d(1e4, 1e4, 4e4).asDiagonal();
+  const Eigen::Matrix3d loop_closure_information = Eigen::Vector3d(1e4, 1e4, 4e4).asDiagonal();
   for (std::size_t i = 0; i < 10; ++i) {
     const std::size_t to = 20 + 2 * i;
-    graph.add({2 * i, to, between(truth[2 * i], truth[to]), sighting_information, true});
+    graph.add({2 * i, to, between(truth[2 * i], truth[to]), loop_closure_information, true});
   }
-  graph.add({3, 33, {2.0, 3.0, 1.0}, sighting_information, true});
-  ASSERT_TRUE(graph.relax(0, 20));
+  graph.add({3, 33, {2.0, 3.0, 1.0}, loop_closure_information, true});
+  ASSERT_TRUE(graph.optimize(0, 20));
   for (std::size_t i = 0; i < truth.size(); ++i) EXPECT_LT(distance(graph.poses()[i], truth[i]), 0.1) << i;
 }
 
@@ -171,27 +171,27 @@ TEST(PoseGraph, AWindowLeavesTheOthers) {
   for (std::size_t i = 1; i < truth.size(); ++i) graph.add(measured(truth, i - 1, i, rng));
   const auto before = graph.poses();
   const double cost_before = cost(graph);
-  ASSERT_TRUE(graph.relax(20, 10));
+  ASSERT_TRUE(graph.optimize(20, 10));
   for (std::size_t i = 0; i < 20; ++i) EXPECT_TRUE(same_bits(graph.poses()[i], before[i])) << i;
   for (std::size_t i = 20; i < 30; ++i) EXPECT_FALSE(same_bits(graph.poses()[i], before[i])) << i;
   EXPECT_LT(cost(graph), cost_before);
-  for (std::size_t i = 20; i < 30; ++i) EXPECT_LT(graph.error(graph.relations()[i - 1]).norm(), 1e-6);
+  for (std::size_t i = 20; i < 30; ++i) EXPECT_LT(graph.error(graph.constraints()[i - 1]).norm(), 1e-6);
 }
 
 TEST(PoseGraph, SmallAndHostileOnes) {
   PoseGraph graph;
-  EXPECT_TRUE(graph.relax(0, 5));
+  EXPECT_TRUE(graph.optimize(0, 5));
   graph.add_node({1, 2, 3});
-  EXPECT_TRUE(graph.relax(0, 5));
+  EXPECT_TRUE(graph.optimize(0, 5));
   graph.add_node({4, 5, 6});
-  EXPECT_TRUE(graph.relax(0, 5)) << "a node that nothing holds";
+  EXPECT_TRUE(graph.optimize(0, 5)) << "a node that nothing holds";
   EXPECT_NEAR(graph.poses()[1].x, 4, 1e-9);
-  EXPECT_TRUE(graph.relax(7, 5)) << "a window past the end";
+  EXPECT_TRUE(graph.optimize(7, 5)) << "a window past the end";
   const auto before = graph.poses();
-  Relation broken{0, 1, {1, 0, 0}, Eigen::Matrix3d::Identity(), false};
+  Constraint broken{0, 1, {1, 0, 0}, Eigen::Matrix3d::Identity(), false};
   broken.information(0, 0) = std::numeric_limits<double>::quiet_NaN();
   graph.add(broken);
-  EXPECT_FALSE(graph.relax(0, 5));
+  EXPECT_FALSE(graph.optimize(0, 5));
   EXPECT_TRUE(same_bits(graph.poses()[0], before[0]));
   EXPECT_TRUE(same_bits(graph.poses()[1], before[1])) << "nothing moves then";
 }

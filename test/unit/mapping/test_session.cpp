@@ -44,9 +44,9 @@ Session random_session(std::uint64_t seed, std::size_t frames, std::size_t point
     session.frames.push_back(frame);
     session.graph.add_node(random_pose(rng));
     if (i == 0) continue;
-    Relation relation{i - 1, i, random_pose(rng), Eigen::Matrix3d::Zero(), i % 2 == 0};
-    for (int k = 0; k < 9; ++k) relation.information(k / 3, k % 3) = rng.uniform(-10, 10);
-    session.graph.add(relation);
+    Constraint constraint{i - 1, i, random_pose(rng), Eigen::Matrix3d::Zero(), i % 2 == 0};
+    for (int k = 0; k < 9; ++k) constraint.information(k / 3, k % 3) = rng.uniform(-10, 10);
+    session.graph.add(constraint);
   }
   return session;
 }
@@ -73,14 +73,14 @@ void expect_same(const Session& a, const Session& b) {
       EXPECT_EQ(one.points.surface[k].normal, other.points.surface[k].normal);
     }
   }
-  ASSERT_EQ(a.graph.relations().size(), b.graph.relations().size());
-  for (std::size_t i = 0; i < a.graph.relations().size(); ++i) {
-    const Relation& one = a.graph.relations()[i];
-    const Relation& other = b.graph.relations()[i];
+  ASSERT_EQ(a.graph.constraints().size(), b.graph.constraints().size());
+  for (std::size_t i = 0; i < a.graph.constraints().size(); ++i) {
+    const Constraint& one = a.graph.constraints()[i];
+    const Constraint& other = b.graph.constraints()[i];
     EXPECT_EQ(one.from, other.from);
     EXPECT_EQ(one.to, other.to);
     EXPECT_EQ(one.information, other.information);
-    EXPECT_EQ(one.sighting, other.sighting);
+    EXPECT_EQ(one.is_loop_closure, other.is_loop_closure);
     expect_same(one.from_T_to, other.from_T_to);
   }
   ASSERT_EQ(a.scans.size(), b.scans.size());
@@ -212,14 +212,14 @@ TEST_F(SessionFile, ContradictionsAreRefused) {
     return refusal(written(session)) != "";
   };
   EXPECT_FALSE(refused([](Session&) {}));
-  EXPECT_TRUE(refused([](Session& s) { s.graph.relations()[1].from = 4; }));
-  EXPECT_TRUE(refused([](Session& s) { s.graph.relations()[1].to = std::size_t{1} << 60U; }));
+  EXPECT_TRUE(refused([](Session& s) { s.graph.constraints()[1].from = 4; }));
+  EXPECT_TRUE(refused([](Session& s) { s.graph.constraints()[1].to = std::size_t{1} << 60U; }));
   EXPECT_TRUE(refused([](Session& s) { s.scans[3].key_frame = 4; }));
   EXPECT_TRUE(refused([](Session& s) { s.frames[2].scan = 8; }));
   EXPECT_TRUE(refused([](Session& s) { s.scans.clear(); }));
   constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
   EXPECT_TRUE(refused([](Session& s) { s.scans[0].tracked.x = kNan; }));
-  EXPECT_TRUE(refused([](Session& s) { s.graph.relations()[0].information(2, 1) = kNan; }));
+  EXPECT_TRUE(refused([](Session& s) { s.graph.constraints()[0].information(2, 1) = kNan; }));
   EXPECT_TRUE(
       refused([](Session& s) { s.frames[0].points.surface[0].normal.x() = static_cast<float>(kNan); }));
 }
@@ -230,10 +230,10 @@ TEST_F(SessionFile, KeyFramesOutOfOrderAreRefused) {
   std::swap(session.frames[1].scan, session.frames[2].scan);
   EXPECT_NE(refusal(written(session)), "");
   session = random_session(9, 4, 2);
-  session.graph.relations()[0].from = session.graph.relations()[0].to;
+  session.graph.constraints()[0].from = session.graph.constraints()[0].to;
   EXPECT_NE(refusal(written(session)), "") << "a key frame is not seen from itself";
   session = random_session(9, 4, 2);
-  std::swap(session.graph.relations()[1].from, session.graph.relations()[1].to);
+  std::swap(session.graph.constraints()[1].from, session.graph.constraints()[1].to);
   EXPECT_NE(refusal(written(session)), "") << "nor from a later one";
 }
 

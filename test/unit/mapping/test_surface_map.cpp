@@ -122,8 +122,8 @@ TEST(SurfaceMap, NearestIsTheNearestWithinReach) {
   Rng rng(2);
   SurfaceMap map;
   for (int i = 0; i < 150; ++i) {
-    const double turn = rng.uniform(-M_PI, M_PI);
-    const Eigen::Vector2d normal(std::cos(turn), std::sin(turn));
+    const double angle = rng.uniform(-M_PI, M_PI);
+    const Eigen::Vector2d normal(std::cos(angle), std::sin(angle));
     const Eigen::Vector2d at(rng.uniform(-2, 2), rng.uniform(-2, 2));
     map.add(points_of(
                 {{at.cast<float>(), rng.chance(0.2) ? Eigen::Vector2f(0, 0) : normal.cast<float>().eval()}}),
@@ -133,9 +133,9 @@ TEST(SurfaceMap, NearestIsTheNearestWithinReach) {
   for (int i = 0; i < 500; ++i) {
     const Eigen::Vector2f at(static_cast<float>(rng.uniform(-2.5, 2.5)),
                              static_cast<float>(rng.uniform(-2.5, 2.5)));
-    const auto turn = static_cast<float>(rng.uniform(-M_PI, M_PI));
+    const auto angle = static_cast<float>(rng.uniform(-M_PI, M_PI));
     const Eigen::Vector2f normal =
-        i % 5 == 0 ? Eigen::Vector2f(0, 0) : Eigen::Vector2f(std::cos(turn), std::sin(turn));
+        i % 5 == 0 ? Eigen::Vector2f(0, 0) : Eigen::Vector2f(std::cos(angle), std::sin(angle));
     const int reach = rng.integer(1, 6);
     float nearest = SurfaceMap::kCellM * static_cast<float>(reach);
     const SurfaceMap::Surface* expected = nullptr;

@@ -139,7 +139,7 @@ struct CorridorDrive {
 
   static constexpr double kStepM = 0.1;
   static constexpr int kSteps = 120;
-  static constexpr double kWayM = kStepM * kSteps;
+  static constexpr double kLengthM = kStepM * kSteps;
 
   void drive(std::uint64_t seed) {
     Rng rng(seed);
@@ -174,7 +174,7 @@ PlanarScanner half_turn_scanner() {
 }
 
 // Along a corridor the pose may leave odometry by 1 cm and by srr of the way, and is given back what is more.
-constexpr double kOffWheelsM = 0.01 + 0.1 * CorridorDrive::kWayM;
+constexpr double kOffWheelsM = 0.01 + 0.1 * CorridorDrive::kLengthM;
 
 /// Two people walk 6 m ahead at the robot's pace or nearly so: what the scan tells along the corridor is that
 /// the robot stands still, or is slow. (Nearer they fill so much of the scan that they still count.)
@@ -288,7 +288,7 @@ TEST(Tracker, GoesOnAStepAway) {
     poses.push_back(drive.truth(i));
   }
   Tracker tracker({}, kMinimumFit);
-  tracker.go_on_from(frames, poses, drive.truth(50));
+  tracker.resume_from(frames, poses, drive.truth(50));
   EXPECT_EQ(tracker.pose().x, drive.truth(50).x);
   constexpr std::size_t kAway = 55;  // 0.7 m on
   for (std::size_t i = kAway; i < drive.size(); ++i) {

@@ -1,6 +1,6 @@
 #include <gtest/gtest.h>
 
-#include "mapping/place_cache.hpp"
+#include "mapping/submap_cache.hpp"
 #include "mapping/visibility.hpp"
 #include "planar_world.hpp"
 
@@ -12,23 +12,23 @@ ScanPoints see(const PlanarWorld& world, const Pose2& pose, const PlanarScanner&
   return scan_points(scanner.scan(world, pose, rng), {});
 }
 
-/// Share of a circle about `centre` that is seen through.
-double share_of_circle(const RangeProfile& profile, const Eigen::Vector2f& centre, float radius_m) {
+/// Fraction of a circle about `centre` that is seen through.
+double fraction_of_circle(const RangeProfile& profile, const Eigen::Vector2f& centre, float radius_m) {
   int seen = 0;
   constexpr int kPoints = 720;
   for (int i = 0; i < kPoints; ++i) {
-    const float turn = (static_cast<float>(i) + 0.5F) * 2 * static_cast<float>(M_PI) / kPoints;
-    if (profile.sees_through(centre + radius_m * Eigen::Vector2f(std::cos(turn), std::sin(turn)))) ++seen;
+    const float angle = (static_cast<float>(i) + 0.5F) * 2 * static_cast<float>(M_PI) / kPoints;
+    if (profile.sees_through(centre + radius_m * Eigen::Vector2f(std::cos(angle), std::sin(angle)))) ++seen;
   }
   return static_cast<double>(seen) / kPoints;
 }
 
-TEST(Visibility, TheWayToAWallIsFreeAndTheWallIsNot) {
-  // The nearest thing in the room is 2.2 m away from its middle, the farthest 5 m.
+TEST(Visibility, TheSpaceBeforeAWallIsFreeAndTheWallIsNot) {
+  // The nearest object in the room is 2.2 m away from its middle, the farthest 5 m.
   const RangeProfile profile(see(planar_room(), {}));
-  EXPECT_GT(share_of_circle(profile, {0, 0}, 0.5F), 0.7) << "rays between two directions say nothing";
-  EXPECT_GT(share_of_circle(profile, {0, 0}, 1.8F), 0.7);
-  EXPECT_EQ(share_of_circle(profile, {0, 0}, 5.5F), 0) << "behind the walls";
+  EXPECT_GT(fraction_of_circle(profile, {0, 0}, 0.5F), 0.7) << "rays between two directions say nothing";
+  EXPECT_GT(fraction_of_circle(profile, {0, 0}, 1.8F), 0.7);
+  EXPECT_EQ(fraction_of_circle(profile, {0, 0}, 5.5F), 0) << "behind the walls";
   for (const auto& point : see(planar_room(), {}).surface) EXPECT_FALSE(profile.sees_through(point.position));
 }
 
@@ -45,15 +45,15 @@ TEST(Visibility, DirectionsWithoutReturnsSayNothing) {
   }
   EXPECT_EQ(behind, 0);
   EXPECT_GT(ahead, 100);
-  EXPECT_EQ(share_of_circle(RangeProfile{ScanPoints{}}, {0, 0}, 0.1F), 0);
+  EXPECT_EQ(fraction_of_circle(RangeProfile{ScanPoints{}}, {0, 0}, 0.1F), 0);
 }
 
 TEST(Visibility, IsSeenFromTheScanner) {
   PlanarScanner scanner;
   scanner.base_T_sensor = {1, 0.5, 2.0};
   const RangeProfile profile(see(planar_room(), {-1, -0.5, 0}, scanner));  // the scanner stands in the middle
-  EXPECT_GT(share_of_circle(profile, {1, 0.5F}, 1.8F), 0.7);
-  EXPECT_EQ(share_of_circle(profile, {1, 0.5F}, 5.5F), 0);
+  EXPECT_GT(fraction_of_circle(profile, {1, 0.5F}, 1.8F), 0.7);
+  EXPECT_EQ(fraction_of_circle(profile, {1, 0.5F}, 5.5F), 0);
 }
 
 TEST(Visibility, ScansOfOnePlaceDoNotContradict) {
@@ -62,16 +62,16 @@ TEST(Visibility, ScansOfOnePlaceDoNotContradict) {
   const Pose2 b{0.8, -0.6, 2.0};
   const auto seen_a = see(room, a);
   const auto seen_b = see(room, b);
-  EXPECT_LT(share_in_free_space(RangeProfile(seen_a), seen_b, between(a, b)), 0.02);
-  EXPECT_LT(share_in_free_space(RangeProfile(seen_b), seen_a, between(b, a)), 0.02);
-  EXPECT_GT(share_in_free_space(RangeProfile(seen_a), seen_b, compose(between(a, b), {1.2, 0.5, 0})), 0.1)
+  EXPECT_LT(fraction_in_free_space(RangeProfile(seen_a), seen_b, between(a, b)), 0.02);
+  EXPECT_LT(fraction_in_free_space(RangeProfile(seen_b), seen_a, between(b, a)), 0.02);
+  EXPECT_GT(fraction_in_free_space(RangeProfile(seen_a), seen_b, compose(between(a, b), {1.2, 0.5, 0})), 0.1)
       << "walls cannot stand where the other looked through";
-  EXPECT_EQ(share_in_free_space(RangeProfile(seen_a), {}, {}), 0);
+  EXPECT_EQ(fraction_in_free_space(RangeProfile(seen_a), {}, {}), 0);
   SurfaceMap map;
-  EXPECT_EQ(share_seen_through(RangeProfile(seen_b), map, b, 8), 0);
+  EXPECT_EQ(fraction_seen_through(RangeProfile(seen_b), map, b, 8), 0);
   for (int i = 0; i < 3; ++i) map.add(seen_a, a);
-  EXPECT_LT(share_seen_through(RangeProfile(seen_b), map, b, 8), 0.02);
-  EXPECT_GT(share_seen_through(RangeProfile(seen_b), map, compose(b, {1.2, 0.5, 0}), 8), 0.1);
+  EXPECT_LT(fraction_seen_through(RangeProfile(seen_b), map, b, 8), 0.02);
+  EXPECT_GT(fraction_seen_through(RangeProfile(seen_b), map, compose(b, {1.2, 0.5, 0}), 8), 0.1);
 }
 
 TEST(Visibility, OnlySurfacesWithinTheRadiusCount) {
@@ -83,8 +83,8 @@ TEST(Visibility, OnlySurfacesWithinTheRadiusCount) {
   map.add(phantom, {});
   map.add(phantom, {});
   const RangeProfile profile(seen);
-  EXPECT_GT(share_seen_through(profile, map, {}, 3), 0.7);
-  EXPECT_EQ(share_seen_through(profile, map, {}, 0.3), 0);
+  EXPECT_GT(fraction_seen_through(profile, map, {}, 3), 0.7);
+  EXPECT_EQ(fraction_seen_through(profile, map, {}, 0.3), 0);
 }
 
 TEST(Visibility, APlaceContradictsAScanOfAnother) {
@@ -96,16 +96,16 @@ TEST(Visibility, APlaceContradictsAScanOfAnother) {
     poses.push_back({-1 + 0.3 * i, 0.5, 0.2 * i});
     frames.push_back({static_cast<std::size_t>(i), 0.3 * i, see(planar_room(), poses.back())});
   }
-  PlaceCache cache;
-  const Place& place = cache.at(3, 6, frames, poses);
+  SubmapCache cache;
+  const Submap& submap = cache.at(3, 6, frames, poses);
   const Pose2 pose{0.2, 0.3, 1.0};
   const auto same = see(planar_room(), pose);
   const auto strange = see(other, pose);
-  const Pose2 place_T_base = between(poses[3], pose);
-  const double right = contradictions(place, same, RangeProfile(same), place_T_base);
-  const double wrong = contradictions(place, strange, RangeProfile(strange), place_T_base);
+  const Pose2 submap_T_base = between(poses[3], pose);
+  const double right = contradictions(submap, same, RangeProfile(same), submap_T_base);
+  const double wrong = contradictions(submap, strange, RangeProfile(strange), submap_T_base);
   EXPECT_LT(right, 0.02);
-  EXPECT_GT(wrong, 0.05) << "a cupboard stands where the place was free";
+  EXPECT_GT(wrong, 0.05) << "a cupboard stands where the submap was free";
 }
 
 }  // namespace

@@ -29,7 +29,7 @@ SurfaceMap map_of(const ScanPoints& points) {
   return map;
 }
 
-/// Share of the points that fall on set cells of level 0 at a pose.
+/// Fraction of the points that fall on set cells of level 0 at a pose.
 double score_at(const SearchPyramid& pyramid, const ScanPoints& points, const Pose2& pose) {
   int hits = 0;
   for (const auto& point : points.surface) {
@@ -89,13 +89,13 @@ TEST(WideSearch, FindsWhatBruteForceFinds) {
     const SearchWindow window{
         {rng.uniform(-0.3, 0.3), rng.uniform(-0.3, 0.3), rng.uniform(-0.05, 0.05)}, 1.0, 0.12};
     double best = 0;
-    for (int turn = -4; turn <= 4; ++turn)
+    for (int i = -4; i <= 4; ++i)
       for (int column = 0; column < 20; ++column)
         for (int row = 0; row < 20; ++row)
-          best = std::max(
-              best, score_at(pyramid, scan,
-                             {window.centre.x - 1.0 + column * kStepM, window.centre.y - 1.0 + row * kStepM,
-                              window.centre.yaw + 0.03 * turn}));
+          best =
+              std::max(best, score_at(pyramid, scan,
+                                      {window.centre.x - 1.0 + column * kStepM,
+                                       window.centre.y - 1.0 + row * kStepM, window.centre.yaw + 0.03 * i}));
     const auto found = search_wide(pyramid, scan, window, 0.05, kAllNodes);
     ASSERT_TRUE(found);
     // A point on the edge of a cell may fall to either side of it: shifts are whole cells there, sums here.
@@ -137,11 +137,11 @@ TEST(WideSearch, StaysInsideItsWindow) {
     if (!found) continue;
     EXPECT_LE(std::abs(found->pose.x - window.centre.x), window.half_width_m + kStepM);
     EXPECT_LE(std::abs(found->pose.y - window.centre.y), window.half_width_m + kStepM);
-    EXPECT_LE(std::abs(wrap_angle(found->pose.yaw - window.centre.yaw)), window.half_turn_rad + 0.03);
+    EXPECT_LE(std::abs(wrap_angle(found->pose.yaw - window.centre.yaw)), window.half_yaw_rad + 0.03);
   }
 }
 
-TEST(WideSearch, GivesUpAfterMostNodes) {
+TEST(WideSearch, GivesUpAfterMaxNodes) {
   Rng rng(5);
   const auto seen = random_points(rng, 300, 10);
   const SearchPyramid pyramid(map_of(seen));

@@ -13,12 +13,12 @@
 
 #include "extperfc/base/rng.hpp"
 
-#include "mapping/map_picture.hpp"
+#include "mapping/map_image.hpp"
 
 namespace extperfc::mapping {
 namespace {
 
-using Extent = MapPicture::Extent;
+using Extent = MapImage::Extent;
 
 constexpr std::size_t kUnbounded = std::numeric_limits<std::size_t>::max();
 constexpr double kResolutionM = 0.5;
@@ -26,8 +26,8 @@ constexpr double kResolutionM = 0.5;
 /// Everything that was ever drawn, by column and row.
 using Drawing = std::map<std::pair<int, int>, std::int8_t>;
 
-void draw(MapPicture& picture, Drawing& drawing, int column, int row, std::int8_t value) {
-  *picture.cells_at(column, row) = value;
+void draw(MapImage& image, Drawing& drawing, int column, int row, std::int8_t value) {
+  *image.cells_at(column, row) = value;
   drawing[{column, row}] = value;
 }
 
@@ -47,106 +47,106 @@ void expect_shows(const OccupancyGrid& grid, const Extent& extent, const Drawing
     }
 }
 
-TEST(MapPicture, IsEmptyAtFirst) {
-  MapPicture picture(kResolutionM);
-  EXPECT_TRUE(picture.show()->empty());
-  EXPECT_EQ(picture.show()->width, 0U);
+TEST(MapImage, IsEmptyAtFirst) {
+  MapImage image(kResolutionM);
+  EXPECT_TRUE(image.show()->empty());
+  EXPECT_EQ(image.show()->width, 0U);
 }
 
-TEST(MapPicture, IsDrawnOnInPlaceWhileNobodyHoldsIt) {
-  MapPicture picture(kResolutionM);
+TEST(MapImage, IsDrawnOnInPlaceWhileNobodyHoldsIt) {
+  MapImage image(kResolutionM);
   Drawing drawing;
   const Extent extent{-3, -2, 7, 5};
-  ASSERT_TRUE(picture.open(extent, kUnbounded));
-  const OccupancyGrid* address = picture.show().get();
+  ASSERT_TRUE(image.open(extent, kUnbounded));
+  const OccupancyGrid* address = image.show().get();
   for (int i = 0; i < 5; ++i) {
-    ASSERT_TRUE(picture.open(extent, 1)) << "nothing is to be copied";
-    draw(picture, drawing, -3 + i, 2 - i, 100);
-    const auto shown = picture.show();
+    ASSERT_TRUE(image.open(extent, 1)) << "nothing is to be copied";
+    draw(image, drawing, -3 + i, 2 - i, 100);
+    const auto shown = image.show();
     EXPECT_EQ(shown.get(), address);
     expect_shows(*shown, extent, drawing);
   }
 }
 
-TEST(MapPicture, WhatSomebodyHoldsStaysAsItWas) {
-  MapPicture picture(kResolutionM);
+TEST(MapImage, WhatSomebodyHoldsStaysAsItWas) {
+  MapImage image(kResolutionM);
   Drawing drawing;
   const Extent extent{0, 0, 4, 3};
   std::vector<std::pair<std::shared_ptr<const OccupancyGrid>, Drawing>> held;
   for (int i = 0; i < 12; ++i) {
-    ASSERT_TRUE(picture.open(extent, kUnbounded));
-    draw(picture, drawing, i % 4, i / 4, static_cast<std::int8_t>(i));
-    held.emplace_back(picture.show(), drawing);
+    ASSERT_TRUE(image.open(extent, kUnbounded));
+    draw(image, drawing, i % 4, i / 4, static_cast<std::int8_t>(i));
+    held.emplace_back(image.show(), drawing);
   }
   for (const auto& [shown, then] : held) expect_shows(*shown, extent, then);
 }
 
-TEST(MapPicture, OutlivesWhatShowedIt) {
+TEST(MapImage, OutlivesWhatShowedIt) {
   std::shared_ptr<const OccupancyGrid> shown;
   Drawing drawing;
   {
-    MapPicture picture(kResolutionM);
-    ASSERT_TRUE(picture.open({1, 2, 3, 4}, kUnbounded));
-    draw(picture, drawing, 2, 3, 100);
-    shown = picture.show();
+    MapImage image(kResolutionM);
+    ASSERT_TRUE(image.open({1, 2, 3, 4}, kUnbounded));
+    draw(image, drawing, 2, 3, 100);
+    shown = image.show();
   }
   expect_shows(*shown, {1, 2, 3, 4}, drawing);
 }
 
-TEST(MapPicture, CopyingTakesAsManyCallsAsTheBoundAsks) {
-  MapPicture picture(kResolutionM);
+TEST(MapImage, CopyingTakesAsManyCallsAsTheBoundAsks) {
+  MapImage image(kResolutionM);
   Drawing drawing;
   const Extent small{0, 0, 10, 10};
   const Extent large{-5, -5, 20, 20};
-  ASSERT_TRUE(picture.open(small, kUnbounded));
-  draw(picture, drawing, 9, 9, 100);
+  ASSERT_TRUE(image.open(small, kUnbounded));
+  draw(image, drawing, 9, 9, 100);
   for (int call = 1; call < 10; ++call) {
-    ASSERT_FALSE(picture.open(large, 40)) << call;
-    expect_shows(*picture.show(), small, drawing);
+    ASSERT_FALSE(image.open(large, 40)) << call;
+    expect_shows(*image.show(), small, drawing);
   }
-  ASSERT_TRUE(picture.open(large, 40)) << "400 cells, 40 a call";
-  draw(picture, drawing, -5, 14, 0);
-  const auto held = picture.show();
+  ASSERT_TRUE(image.open(large, 40)) << "400 cells, 40 a call";
+  draw(image, drawing, -5, 14, 0);
+  const auto held = image.show();
   expect_shows(*held, large, drawing);
-  ASSERT_FALSE(picture.open(large, 380)) << "it is held, so it is copied";
-  ASSERT_TRUE(picture.open(large, 1)) << "one row is left";
+  ASSERT_FALSE(image.open(large, 380)) << "it is held, so it is copied";
+  ASSERT_TRUE(image.open(large, 1)) << "one row is left";
 }
 
-TEST(MapPicture, HeldNoMoreNeedsNoCopy) {
-  MapPicture picture(kResolutionM);
+TEST(MapImage, HeldNoMoreNeedsNoCopy) {
+  MapImage image(kResolutionM);
   Drawing drawing;
   const Extent extent{0, 0, 100, 100};
-  ASSERT_TRUE(picture.open(extent, kUnbounded));
-  auto held = picture.show();
+  ASSERT_TRUE(image.open(extent, kUnbounded));
+  auto held = image.show();
   const OccupancyGrid* address = held.get();
-  ASSERT_FALSE(picture.open(extent, 1000)) << "it is held, and being copied";
+  ASSERT_FALSE(image.open(extent, 1000)) << "it is held, and being copied";
   held.reset();
-  ASSERT_TRUE(picture.open(extent, 1000));
-  draw(picture, drawing, 50, 50, 100);
-  EXPECT_EQ(picture.show().get(), address);
-  expect_shows(*picture.show(), extent, drawing);
+  ASSERT_TRUE(image.open(extent, 1000));
+  draw(image, drawing, 50, 50, 100);
+  EXPECT_EQ(image.show().get(), address);
+  expect_shows(*image.show(), extent, drawing);
 }
 
 // Growing faster than it can be copied: what was begun is finished first, and shown.
-TEST(MapPicture, KeepsUpWithAnExtentThatAlwaysGrows) {
+TEST(MapImage, KeepsUpWithAnExtentThatAlwaysGrows) {
   constexpr int kHeight = 10;
   constexpr int kWidest = 200;
   constexpr int kBound = 400;
   constexpr int kCallsPerCopy = kWidest * kHeight / kBound;
-  MapPicture picture(kResolutionM);
+  MapImage image(kResolutionM);
   for (int width = 10; width <= kWidest; ++width) {  // a column a call
-    (void)picture.open({0, 0, width, kHeight}, kBound);
-    const int shown = static_cast<int>(picture.show()->width);
+    (void)image.open({0, 0, width, kHeight}, kBound);
+    const int shown = static_cast<int>(image.show()->width);
     EXPECT_GE(shown + 2 * kCallsPerCopy + 1, width) << "a copy began in vain, another had to follow it";
   }
 }
 
 // Against a plain model: random growth, drawing, holding and letting go, with random bounds.
-TEST(MapPicture, ShowsWhatWasDrawn) {
+TEST(MapImage, ShowsWhatWasDrawn) {
   for (std::uint64_t seed = 1; seed <= 20; ++seed) {
     SCOPED_TRACE(seed);
     Rng rng(seed);
-    MapPicture picture(kResolutionM);
+    MapImage image(kResolutionM);
     Extent wanted{rng.integer(-20, 20), rng.integer(-20, 20), rng.integer(1, 5), rng.integer(1, 5)};
     Drawing drawing;
     std::vector<std::pair<std::shared_ptr<const OccupancyGrid>, std::pair<Extent, Drawing>>> held;
@@ -157,26 +157,26 @@ TEST(MapPicture, ShowsWhatWasDrawn) {
         wanted = {wanted.column - left, wanted.row - down, wanted.width + left + rng.integer(0, 3),
                   wanted.height + down + rng.integer(0, 3)};
       }
-      if (picture.open(wanted, static_cast<std::size_t>(rng.integer(1, 400)))) {
-        const Extent& extent = picture.extent();
+      if (image.open(wanted, static_cast<std::size_t>(rng.integer(1, 400)))) {
+        const Extent& extent = image.extent();
         for (int i = 0; i < 5; ++i)
-          draw(picture, drawing, extent.column + rng.integer(0, extent.width - 1),
+          draw(image, drawing, extent.column + rng.integer(0, extent.width - 1),
                extent.row + rng.integer(0, extent.height - 1),
                static_cast<std::int8_t>(rng.integer(-1, 100)));
       }
-      expect_shows(*picture.show(), picture.extent(), drawing);
-      if (rng.chance(0.3)) held.emplace_back(picture.show(), std::pair(picture.extent(), drawing));
+      expect_shows(*image.show(), image.extent(), drawing);
+      if (rng.chance(0.3)) held.emplace_back(image.show(), std::pair(image.extent(), drawing));
       if (rng.chance(0.2)) held.clear();
     }
     for (const auto& [shown, then] : held) expect_shows(*shown, then.first, then.second);
   }
 }
 
-TEST(MapPicture, IsLookedAtByOtherThreads) {
-  constexpr int kFewestPictures = 2000;
-  constexpr int kFewestLooks = 100;  // of all threads
+TEST(MapImage, IsLookedAtByOtherThreads) {
+  constexpr int kMinImages = 2000;
+  constexpr int kMinLooks = 100;  // of all threads
   const Extent extent{0, 0, 16, 16};
-  MapPicture picture(kResolutionM);
+  MapImage image(kResolutionM);
   std::shared_ptr<const OccupancyGrid> handed;  // guarded by mutex
   std::mutex mutex;
   std::atomic<bool> done{false};
@@ -198,10 +198,10 @@ TEST(MapPicture, IsLookedAtByOtherThreads) {
   };
   std::thread first(look);
   std::thread second(look);
-  for (int i = 0; i < kFewestPictures || looks < kFewestLooks; ++i) {  // else the time limit of tests ends it
-    EXPECT_TRUE(picture.open(extent, kUnbounded));
-    std::fill_n(picture.cells_at(0, 0), 256, static_cast<std::int8_t>(i % 100));
-    auto next = picture.show();
+  for (int i = 0; i < kMinImages || looks < kMinLooks; ++i) {  // else the time limit of tests ends it
+    EXPECT_TRUE(image.open(extent, kUnbounded));
+    std::fill_n(image.cells_at(0, 0), 256, static_cast<std::int8_t>(i % 100));
+    auto next = image.show();
     {
       const std::lock_guard lock(mutex);
       handed = i % 3 == 0 ? nullptr : std::move(next);
@@ -211,7 +211,7 @@ TEST(MapPicture, IsLookedAtByOtherThreads) {
   done = true;
   first.join();
   second.join();
-  EXPECT_EQ(torn, 0) << "a picture changed while somebody held it";
+  EXPECT_EQ(torn, 0) << "a image changed while somebody held it";
 }
 
 }  // namespace

@@ -1,0 +1,199 @@
+// Accepts or rejects the loop-closure candidates on which the particles agree.
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include <Eigen/Eigenvalues>
+#include <Eigen/Geometry>
+
+#include "mapping/path_filter.hpp"
+#include "mapping/path_filter_common.hpp"
+
+namespace extperfc::mapping {
+
+namespace {
+
+// Acceptance.
+constexpr double kAgreement = 0.85;     // fraction of the weight that must agree
+constexpr double kSmallOffsetM = 0.15;  // beyond the tracker's own drift: needs no more than one candidate
+constexpr std::size_t kMinNearCandidates = 3;
+constexpr double kMinNearDistanceM = 0.8;
+constexpr std::size_t kMinFarCandidates = 8;
+constexpr double kMinFarDistanceM = 3.0;
+constexpr double kMaxSquaredErrorPerStep = 4.0;  // mean chi-square of tracked steps that a loop may cost
+// Optimization.
+constexpr std::size_t kWindow = 60;            // key frames that a small correction moves
+constexpr std::size_t kOptimizeAllEvery = 60;  // small corrections
+constexpr double kLargeMoveM = 0.1;
+constexpr double kContradictionM = 0.35;  // a larger correction contradicts earlier loop closures
+
+}  // namespace
+
+/// True when a particle's candidates constrain its position in every direction: false in a bare corridor.
+bool PathFilter::determined(const Particle& particle) const {
+  constexpr double kSigmaM = 0.08;
+  Eigen::Matrix2d information = Eigen::Matrix2d::Zero();
+  for (const LoopClosureCandidate& candidate : particle.candidates) {
+    const double yaw = graph_.poses()[candidate.constraint.from].yaw;
+    const Eigen::Rotation2Dd rotation(yaw);
+    information += rotation.toRotationMatrix() * candidate.constraint.information.topLeftCorner<2, 2>() *
+                   rotation.toRotationMatrix().transpose();
+  }
+  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d> axes(information, Eigen::EigenvaluesOnly);
+  return axes.eigenvalues()[0] > 1 / (kSigmaM * kSigmaM);
+}
+
+bool PathFilter::is_consistent(std::size_t best) const {
+  const Particle& leader = particles_[best];
+  if (leader.candidates.empty() || leader.candidates.back().constraint.to != frames_.size() - 1) return false;
+  const auto normalized = weights();
+  double agreeing = 0;
+  for (std::size_t i = 0; i < particles_.size(); ++i)
+    if (near(particles_[i].pose, leader.pose, kSameClusterM, kSameClusterRad)) agreeing += normalized[i];
+  const double offset = distance(leader.pose, graph_.poses().back());
+  const double yaw_offset = yaw_between(leader.pose, graph_.poses().back());
+  const double drift = expected_drift_m();
+  const auto& first = leader.candidates.front().constraint;
+  const double travelled_m = frames_.back().travelled_m - frames_[first.to].travelled_m;
+  if (!leader.injected && offset < kSmallOffsetM + 0.2 * drift && yaw_offset < 0.05) return agreeing > 0.5;
+  if (agreeing < kAgreement || !determined(leader)) return false;
+  if (offset > farthest_offset_m(leader.candidates.back().constraint.from)) return false;
+  const bool expected = offset < 2 * drift && yaw_offset < 0.1 + 0.02 * drift;
+  if (expected && !leader.injected)
+    return leader.candidates.size() >= kMinNearCandidates && travelled_m >= kMinNearDistanceM;
+  return leader.candidates.size() >= kMinFarCandidates && travelled_m >= kMinFarDistanceM;
+}
+
+PathFilter::Step PathFilter::accept(std::size_t best) {
+  const Particle leader = particles_[best];
+  const double moved = distance(leader.pose, graph_.poses().back());
+  const auto poses_before = graph_.poses();
+  const std::size_t constraints_before = graph_.constraints().size();
+  const auto kept_constraints = moved > kContradictionM ? graph_.constraints() : std::vector<Constraint>{};
+  for (const LoopClosureCandidate& candidate : leader.candidates) {
+    graph_.add(candidate.constraint);
+    graph_.constraints().back().fit = candidate.fit;
+  }
+  bool good = optimize_accepted(moved);
+  if (good && moved > kContradictionM) good = review(constraints_before);
+  if (!good) {
+    if (!kept_constraints.empty()) graph_.constraints() = kept_constraints;
+    graph_.constraints().resize(constraints_before);
+    graph_.set_poses(poses_before);
+    collapse();
+    return {};
+  }
+  if (moved > kLargeMoveM) ++loops_;
+  accepted_at_m_ = frames_.back().travelled_m;
+  collapse();
+  return {true, moved > kLargeMoveM};
+}
+
+/// Optimizes with the new constraints. False when the tracked steps contradict the result.
+bool PathFilter::optimize_accepted(double moved_m) {
+  const std::size_t nodes = graph_.poses().size();
+  if (moved_m <= kLargeMoveM && ++since_optimized_ < kOptimizeAllEvery)
+    return graph_.optimize(nodes - std::min(nodes, kWindow), 2);
+  since_optimized_ = 0;
+  if (!graph_.optimize(0, 8)) return false;
+  if (moved_m <= kLargeMoveM) return true;
+  double squared_error = 0;
+  std::size_t steps = 0;
+  for (const Constraint& constraint : graph_.constraints()) {
+    if (constraint.is_loop_closure || frames_[constraint.to].travelled_m < accepted_at_m_) continue;
+    squared_error += graph_.squared_error(constraint);
+    ++steps;
+  }
+  return squared_error <= kMaxSquaredErrorPerStep * static_cast<double>(steps + 10);
+}
+
+/// After an accepted loop closure there is one path; the particles start at its end again.
+void PathFilter::collapse() {
+  for (Particle& particle : particles_) particle = {graph_.poses().back(), 0.0, {}, false};
+  effective_ = static_cast<double>(particles_.size());
+}
+
+/// Matches a loop closure again from the optimized pose. False when it does not fit there: its weight is then
+/// zero.
+bool PathFilter::rematch(Constraint& constraint) {
+  const Pose2 start = between(graph_.poses()[constraint.from], graph_.poses()[constraint.to]);
+  Submap& submap =
+      submaps_.at(constraint.from, std::min(constraint.to, frames_.size()), frames_, graph_.poses());
+  const ScanPoints& points = frames_[constraint.to].points;
+  const auto seen = match(submap.map, points, start, {start, kMatchSigmaM, kMatchSigmaRad}, kMatchReachM);
+  const double fit =
+      seen.fit - kContradictionCost * contradictions(submap, points, RangeProfile(points), seen.pose);
+  if (fit < kGoodFit || !near(seen.pose, start, kFarthestPullM, kFarthestPullRad)) {
+    constraint.information.setZero();
+    constraint.fit = 0;
+    return false;
+  }
+  constraint.from_T_to = seen.pose;
+  constraint.fit = fit;
+  return true;
+}
+
+/// A correction far beyond the drift since the last accepted loop closure means that one of the two was
+/// wrong. Takes out the loop closures since the last trusted correction, optimizes without them, and matches
+/// them again from there. False when the old constraints fit better in total than the new ones.
+bool PathFilter::review(std::size_t constraints_before) {
+  constexpr std::size_t kMaxSuspects = 300;
+  std::vector<std::size_t> suspects;
+  for (std::size_t i = trusted_constraints_; i < constraints_before; ++i)
+    if (graph_.constraints()[i].is_loop_closure && graph_.constraints()[i].fit > 0) suspects.push_back(i);
+  if (suspects.size() > kMaxSuspects) suspects.erase(suspects.begin(), suspects.end() - kMaxSuspects);
+  std::vector<Eigen::Matrix3d> information;
+  double old_fit = 0;
+  for (const std::size_t i : suspects) {
+    Constraint& constraint = graph_.constraints()[i];
+    old_fit += constraint.fit;
+    information.push_back(constraint.information);
+    constraint.information.setZero();
+  }
+  if (!graph_.optimize(0, 8)) return false;
+  double new_fit = 0;
+  for (std::size_t i = constraints_before; i < graph_.constraints().size(); ++i)
+    new_fit += graph_.constraints()[i].fit;
+  for (std::size_t k = 0; k < suspects.size(); ++k) {
+    Constraint& constraint = graph_.constraints()[suspects[k]];
+    constraint.information = information[k];
+    if (rematch(constraint)) new_fit += constraint.fit;
+  }
+  if (new_fit < old_fit) return false;
+  trusted_constraints_ = constraints_before;  // the next correction may review this one
+  return graph_.optimize(0, 8);
+}
+
+/// At the end of a recording fewer candidates and less agreement suffice, as no more scans follow.
+void PathFilter::accept_rest() {
+  constexpr double kMinAgreement = 0.6;
+  constexpr std::size_t kFewest = 4;
+  if (particles_.empty() || frames_.empty()) return;
+  const auto normalized = weights();
+  const auto best =
+      static_cast<std::size_t>(std::max_element(normalized.begin(), normalized.end()) - normalized.begin());
+  const Particle& leader = particles_[best];
+  if (leader.candidates.size() < kFewest || !determined(leader)) return;
+  if (distance(leader.pose, graph_.poses().back()) >
+      farthest_offset_m(leader.candidates.back().constraint.from))
+    return;
+  double agreeing = 0;
+  for (std::size_t i = 0; i < particles_.size(); ++i)
+    if (near(particles_[i].pose, leader.pose, kSameClusterM, kSameClusterRad)) agreeing += normalized[i];
+  if (agreeing >= kMinAgreement) accept(best);
+}
+
+void PathFilter::finish() {
+  constexpr double kContradicted = 12.0;  // chi-square: one in a hundred
+  constexpr int kRounds = 3;
+  accept_rest();
+  graph_.optimize(0, 10);
+  for (int round = 0; round < kRounds; ++round) {
+    for (Constraint& constraint : graph_.constraints())
+      if (constraint.is_loop_closure && graph_.squared_error(constraint) > kContradicted) rematch(constraint);
+    graph_.optimize(0, 6);
+  }
+  if (!particles_.empty() && !graph_.poses().empty()) collapse();
+}
+
+}  // namespace extperfc::mapping

@@ -1,0 +1,52 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+#include <vector>
+
+#include "extperfc/world/pose.hpp"
+
+#include "mapping/key_frame.hpp"
+#include "mapping/surface_map.hpp"
+#include "mapping/visibility.hpp"
+#include "mapping/wide_search.hpp"
+
+namespace extperfc::mapping {
+
+/// Surfaces around an old key frame, in that key frame's frame.
+struct Submap {
+  std::size_t key_frame{0};
+  std::size_t first{0};  ///< key frames [first, last) make it up
+  std::size_t last{0};
+  Pose2 first_seen;  ///< of `first` and of `last - 1` when the map was drawn; shows when it is out of date
+  Pose2 last_seen;
+  SurfaceMap map;
+  std::vector<RangeProfile> profiles;      ///< of `first`, `key_frame` and `last - 1` ...
+  std::vector<Pose2> profile_poses;        ///< ... and where those stand here
+  std::unique_ptr<SearchPyramid> pyramid;  ///< made when a wide search first needs it
+  std::uint64_t used{0};
+};
+
+/// Fraction of contradictions between a scan at `submap_T_base` and a submap: points where the submap is
+/// free, surfaces that the scan saw through. [0, 1]
+[[nodiscard]] double contradictions(const Submap& submap, const ScanPoints& points,
+                                    const RangeProfile& profile, const Pose2& submap_T_base);
+
+/// Submaps of old key frames, shared by all particles: drawn on demand, redrawn when an optimization moved
+/// their key frames, dropped when others were used more recently. Memory is bounded by kMaxSubmaps.
+class SubmapCache {
+ public:
+  static constexpr std::size_t kMaxSubmaps = 40;
+  static constexpr std::size_t kHalfWidth = 8;  ///< key frames before and after the middle
+
+  /// The submap around `key_frame`, from key frames before `end` only. Valid until the next call.
+  [[nodiscard]] Submap& at(std::size_t key_frame, std::size_t end, const std::vector<KeyFrame>& frames,
+                           const std::vector<Pose2>& poses);
+
+ private:
+  std::vector<std::unique_ptr<Submap>> submaps_;
+  std::uint64_t clock_{0};
+};
+
+}  // namespace extperfc::mapping
