@@ -13,7 +13,7 @@ BeamModel::BeamModel(const LocalizerParams& params)
       sigma_m_(params.laser_sigma_hit),
       lambda_short_(params.laser_lambda_short) {
   const double sum = z_hit_ + z_short_ + z_max_ + z_rand_;
-  for (double* share : {&z_hit_, &z_short_, &z_max_, &z_rand_}) *share /= sum;
+  for (double* weight : {&z_hit_, &z_short_, &z_max_, &z_rand_}) *weight /= sum;
 }
 
 double BeamModel::likelihood(double range_m, double expected_m, double max_range_m) const {
@@ -66,18 +66,19 @@ float cast_ray(const DistanceField& field, float x_m, float y_m, float angle_rad
   const float x = x_m * scale + field.margin();
   const float y = y_m * scale + field.margin();
   const float longest = max_range_m * scale;
-  float way = 0;
-  while (way < longest) {
-    const float column = x + way * step_x;
-    const float row = y + way * step_y;
+  float travelled = 0;
+  while (travelled < longest) {
+    const float column = x + travelled * step_x;
+    const float row = y + travelled * step_y;
     if (!(column >= 0 && row >= 0 && column <= field.last_column() && row <= field.last_row()))
       return max_range_m;
     const std::uint8_t byte =
         field.bytes()[static_cast<std::size_t>(row) * static_cast<std::size_t>(field.stride()) +
                       static_cast<std::size_t>(column)];
     const float near = static_cast<float>(byte) * cells_per_byte;
-    if (near < 0.5F) return std::min(way / scale, max_range_m);  // neighbours of an obstacle are 1 cell away
-    way += std::max(kStep, near - kDiagonal - cells_per_byte);
+    if (near < 0.5F)
+      return std::min(travelled / scale, max_range_m);  // neighbours of an obstacle are 1 cell away
+    travelled += std::max(kStep, near - kDiagonal - cells_per_byte);
   }
   return max_range_m;
 }

@@ -11,7 +11,7 @@
 namespace extperfc::localize {
 
 /// Beam model (Probabilistic Robotics, table 6.1): every ray is cast through the map, and the reading is one
-/// of a hit near the expected range, something nearer that the map does not hold, a miss, or anything at all.
+/// of a hit near the expected range, a nearer obstacle that the map does not contain, a miss, or random.
 class BeamModel {
  public:
   explicit BeamModel(const LocalizerParams& params);
@@ -20,7 +20,7 @@ class BeamModel {
   /// probability instead. Both together make one, but for the bell's tails beyond the sensor's ranges.
   [[nodiscard]] double likelihood(double range_m, double expected_m, double max_range_m) const;
 
-  /// Mean over the rays of the logarithm of their likelihood as a share of a perfect hit's (a miss: of an
+  /// Mean over the rays of the logarithm of their likelihood relative to a perfect hit's (a miss: to an
   /// expected miss's), within [1e-6, 1], for every particle. O(particles * rays * some ten steps).
   void mean_logs(const DistanceField& field, const Beams& beams, const ParticleSet& particles,
                  std::vector<float>& result) const;
@@ -34,8 +34,9 @@ class BeamModel {
   double lambda_short_;
 };
 
-/// Way from a point to the first obstacle along a direction [m], at most `max_range_m`; that too where the
-/// ray leaves the map. Exact to about half a cell. The point is in metres from the map's lower left corner.
+/// Distance from a point to the first obstacle along a direction [m], at most `max_range_m`; `max_range_m`
+/// where the ray leaves the map. Exact to about half a cell. The point is in metres from the map's lower left
+/// corner.
 [[nodiscard]] float cast_ray(const DistanceField& field, float x_m, float y_m, float angle_rad,
                              float max_range_m);
 

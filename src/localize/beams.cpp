@@ -14,8 +14,8 @@ std::vector<std::size_t> useful_rays(const LaserScan& scan, double shortest, dou
   rays.reserve(scan.ranges.size());
   for (std::size_t i = 0; i < scan.ranges.size(); ++i) {
     const double range = scan.ranges[i];
-    const bool says_something = range > 0 && range >= shortest;  // false for NaN
-    if (says_something && (with_misses || range < longest)) rays.push_back(i);
+    const bool usable = range > 0 && range >= shortest;  // false for NaN
+    if (usable && (with_misses || range < longest)) rays.push_back(i);
   }
   return rays;
 }

@@ -19,8 +19,8 @@ struct Beams {
   [[nodiscard]] std::size_t ends() const { return x_m.size(); }
 };
 
-/// At most `laser_max_beams` rays, evenly spaced over those that say something: NaN, zero, negative ranges
-/// and those below the shortest range do not. Infinite ranges and those above the longest met nothing: the
+/// At most `laser_max_beams` rays, evenly spaced over the usable ones: NaN, zero, negative ranges and those
+/// below the shortest range are not. Infinite ranges and those above the longest met nothing: the
 /// likelihood field has no use for them, the beam model takes them as readings of the longest range.
 [[nodiscard]] Beams select_beams(const LaserScan& scan, const LocalizerParams& params);
 

@@ -12,7 +12,7 @@
 namespace extperfc::localize {
 
 /// Likelihood field (Probabilistic Robotics, table 6.3): a beam that ends at distance d from the nearest
-/// obstacle has the likelihood z_hit * exp(-d^2 / (2 sigma^2)) + z_rand, as a share of z_hit + z_rand.
+/// obstacle has the likelihood z_hit * exp(-d^2 / (2 sigma^2)) + z_rand, relative to z_hit + z_rand.
 ///
 /// Random readings are thus as likely as hits at 2.4 sigma, and not spread over the whole range of the sensor
 /// as in the book. There one beam in an unmapped chair outweighs ten that fit; people and furniture are the

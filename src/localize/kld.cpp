@@ -7,9 +7,9 @@ namespace extperfc::localize {
 double normal_quantile(double probability) {
   // Newton's method on the distribution itself; its derivative is the density. Symmetric, so only one side.
   if (probability > 0.5) return -normal_quantile(1 - probability);
-  constexpr int kMostSteps = 60;
+  constexpr int kMaxSteps = 60;
   double z = 0;
-  for (int i = 0; i < kMostSteps; ++i) {
+  for (int i = 0; i < kMaxSteps; ++i) {
     const double error = 0.5 * std::erfc(-z / std::sqrt(2.0)) - probability;
     const double density = std::exp(-z * z / 2) / std::sqrt(2 * M_PI);
     const double step = error / density;

@@ -29,18 +29,18 @@ Result<void> check_map(const std::shared_ptr<const OccupancyGrid>& map) {
   if (!map || map->empty()) return wrong("the map is empty");
   if (map->width == 0 || map->height == 0 || map->width > kLongestSide || map->height > kLongestSide)
     return wrong("the map has " + std::to_string(map->width) + " x " + std::to_string(map->height) +
-                 " cells; 1 to 30000 a side are possible");
+                 " cells; each side must have 1 to 30000");
   if (map->cells.size() != map->width * map->height)
     return wrong("the map has " + std::to_string(map->cells.size()) +
                  " cells, not width * height = " + std::to_string(map->width * map->height));
   if (!std::isfinite(map->resolution_m) || map->resolution_m <= 0)
     return wrong("the map's resolution is " + std::to_string(map->resolution_m) + " m, must be above 0");
   if (!is_finite(map->origin)) return wrong("the map's origin is not finite");
-  if (FreeSpace(map).cells() == 0) return wrong("the map has no free cell: the robot could be nowhere");
+  if (FreeSpace(map).cells() == 0) return wrong("map has no free cells: cannot place particles");
   return {};
 }
 
-/// A matrix L with L * L^T = covariance; nothing where there is none.
+/// A matrix L with L * L^T = covariance, if the covariance is valid.
 std::optional<Eigen::Matrix3d> square_root(const Eigen::Matrix3d& covariance) {
   if (!covariance.allFinite()) return std::nullopt;
   const double scale = std::max(covariance.cwiseAbs().maxCoeff(), 1e-12);
@@ -65,14 +65,15 @@ class Localizer::Impl {
     listed_ = false;
   }
 
-  void scatter() {
-    filter_.scatter();
+  void initialize_globally() {
+    filter_.initialize_globally();
     last_odom_.reset();
     describe_particles();
   }
 
   void set_pose(const Pose2& mean, const Eigen::Matrix3d& covariance, const Eigen::Matrix3d& root) {
-    filter_.spread(compose(inverse(filter_.map().origin), mean), turn(-filter_.map().origin.yaw) * root);
+    filter_.spread(compose(inverse(filter_.map().origin), mean),
+                   rotation_by(-filter_.map().origin.yaw) * root);
     last_odom_.reset();
     listed_ = false;
     estimate_ = PoseEstimate{{mean.x, mean.y, wrap_angle(mean.yaw)}, covariance, 1, 0, false};
@@ -106,7 +107,7 @@ class Localizer::Impl {
   }
 
  private:
-  static Eigen::Matrix3d turn(double angle_rad) {
+  static Eigen::Matrix3d rotation_by(double angle_rad) {
     return Eigen::AngleAxisd(angle_rad, Eigen::Vector3d::UnitZ()).toRotationMatrix();
   }
 
@@ -118,8 +119,8 @@ class Localizer::Impl {
   [[nodiscard]] PoseEstimate in_map(PoseEstimate estimate) const {
     const Pose2& origin = filter_.map().origin;
     estimate.pose = compose(origin, estimate.pose);
-    const Eigen::Matrix3d turned = turn(origin.yaw) * estimate.covariance * turn(-origin.yaw);
-    estimate.covariance = 0.5 * (turned + turned.transpose());  // symmetric to the last digit
+    const Eigen::Matrix3d rotated = rotation_by(origin.yaw) * estimate.covariance * rotation_by(-origin.yaw);
+    estimate.covariance = 0.5 * (rotated + rotated.transpose());  // symmetric to the last digit
     return estimate;
   }
 
@@ -143,16 +144,16 @@ Localizer& Localizer::operator=(Localizer&&) noexcept = default;
 Localizer::~Localizer() = default;
 
 Result<void> Localizer::set_pose(const Pose2& mean, const Eigen::Matrix3d& covariance) {
-  if (!is_finite(mean)) return wrong("the pose to start from is not finite");
+  if (!is_finite(mean)) return wrong("the initial pose is not finite");
   const auto root = square_root(covariance);
   if (!root)
-    return wrong("the covariance of the pose to start from is not finite, symmetric and non-negative");
+    return wrong("the covariance of the initial pose must be finite, symmetric and positive semi-definite");
   impl_->set_pose(mean, covariance, *root);
   return {};
 }
 
-void Localizer::scatter() {
-  impl_->scatter();
+void Localizer::initialize_globally() {
+  impl_->initialize_globally();
 }
 
 Result<void> Localizer::set_map(std::shared_ptr<const OccupancyGrid> map) {

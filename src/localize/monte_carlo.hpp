@@ -9,11 +9,11 @@
 
 #include "localize/beam_model.hpp"
 #include "localize/beams.hpp"
+#include "localize/map_model.hpp"
 #include "localize/particle_set.hpp"
-#include "localize/place.hpp"
 #include "localize/pose_bins.hpp"
+#include "localize/pose_hypotheses.hpp"
 #include "localize/recovery.hpp"
-#include "localize/rivals.hpp"
 
 namespace extperfc::localize {
 
@@ -23,9 +23,9 @@ class MonteCarlo {
   MonteCarlo(const LocalizerParams& params, std::shared_ptr<const OccupancyGrid> map);
 
   void set_map(std::shared_ptr<const OccupancyGrid> map);
-  [[nodiscard]] const OccupancyGrid& map() const { return *place_.map; }
+  [[nodiscard]] const OccupancyGrid& map() const { return *map_model_.map; }
 
-  void scatter();
+  void initialize_globally();
   /// Particles normally distributed around `mean`; `root` * its transpose is the covariance.
   void spread(const Pose2& mean, const Eigen::Matrix3d& root);
   void move(const Pose2& motion);
@@ -35,24 +35,24 @@ class MonteCarlo {
   [[nodiscard]] const ParticleSet& particles() const { return particles_; }
 
  private:
-  void begin_anew();
+  void restart();
   double weigh_particles(const Beams& beams, std::size_t count);
   void refine_estimate(const Beams& all_beams, PoseEstimate& estimate);
-  void doubt(const Beams& beams, const Beams& all_beams, const PoseEstimate& estimate);
-  void resample(const PoseBins& bins, double sharpness_share);
+  void test_hypotheses(const Beams& beams, const Beams& all_beams, const PoseEstimate& estimate);
+  void resample(const PoseBins& bins, double exponent_fraction);
 
   LocalizerParams params_;
   double kld_quantile_;
   Rng rng_;
   BeamModel beam_model_;
-  Place place_;
+  MapModel map_model_;
   Recovery recovery_;
-  Rivals rivals_;
+  PoseHypotheses hypotheses_;
   ParticleSet particles_;
   std::vector<float> logs_;  ///< by particle
   int updates_{0};
-  bool searching_{false};  ///< after scatter(), until one cluster is left that fits
-  bool unseen_{false};     ///< after scatter(), until the first scan
+  bool searching_{false};  ///< after initialize_globally(), until one cluster is left that fits
+  bool unseen_{false};     ///< after initialize_globally(), until the first scan
 };
 
 }  // namespace extperfc::localize

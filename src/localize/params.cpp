@@ -45,24 +45,23 @@ tl::unexpected<Error> wrong(const std::string& what) {
 }
 
 Result<void> check_integers(const LocalizerParams& p) {
-  constexpr int kMostParticles = 1'000'000;
-  constexpr int kMostBeams = 10'000;
-  if (p.max_particles < 1 || p.max_particles > kMostParticles)
+  constexpr int kMaxParticles = 1'000'000;
+  constexpr int kMaxBeams = 10'000;
+  if (p.max_particles < 1 || p.max_particles > kMaxParticles)
     return wrong("max_particles is " + std::to_string(p.max_particles) + ", must lie in [1, 1000000]");
   if (p.min_particles < 1 || p.min_particles > p.max_particles)
     return wrong("min_particles is " + std::to_string(p.min_particles) +
                  ", must lie in [1, max_particles = " + std::to_string(p.max_particles) + "]");
   if (p.resample_interval < 1)
     return wrong("resample_interval is " + std::to_string(p.resample_interval) + ", must be 1 or more");
-  if (p.laser_max_beams < 2 || p.laser_max_beams > kMostBeams)
+  if (p.laser_max_beams < 2 || p.laser_max_beams > kMaxBeams)
     return wrong("laser_max_beams is " + std::to_string(p.laser_max_beams) + ", must lie in [2, 10000]");
   return {};
 }
 
 Result<void> check_combinations(const LocalizerParams& p) {
   // Without a floor one beam that meets nothing known would rule a pose out for good.
-  if (p.laser_z_hit <= 0)
-    return wrong("laser_z_hit is 0: no pose would be better than another; set e.g. 0.95");
+  if (p.laser_z_hit <= 0) return wrong("laser_z_hit is 0: all poses would be equally likely; set e.g. 0.95");
   if (p.laser_z_rand <= 0)
     return wrong(
         "laser_z_rand is 0: one beam that the map does not explain would rule a pose out; set e.g. 0.05");

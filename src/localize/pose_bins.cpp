@@ -12,26 +12,26 @@ namespace {
 constexpr std::uint32_t kNone = std::numeric_limits<std::uint32_t>::max();
 constexpr std::int64_t kBias = std::int64_t{1} << 27U;  // bins on either side of the map's corner
 
-std::uint64_t pack(std::int64_t column, std::int64_t row, std::int64_t turn) {
+std::uint64_t pack(std::int64_t column, std::int64_t row, std::int64_t yaw_bin) {
   return static_cast<std::uint64_t>(column + kBias) << 36U | static_cast<std::uint64_t>(row + kBias) << 8U |
-         static_cast<std::uint64_t>(turn);
+         static_cast<std::uint64_t>(yaw_bin);
 }
 
 std::uint64_t key_of(float x, float y, float yaw) {
-  const auto place = [](double v) {
+  const auto bin = [](double v) {
     constexpr auto kLimit = static_cast<double>(kBias - 2);
     return static_cast<std::int64_t>(std::clamp(std::floor(v / kBinSide_m), -kLimit, kLimit));
   };
-  const auto turn = static_cast<int>(std::floor((yaw + M_PI) / (2 * M_PI) * kBinsPerTurn));
-  return pack(place(x), place(y), (turn % kBinsPerTurn + kBinsPerTurn) % kBinsPerTurn);
+  const auto yaw_bin = static_cast<int>(std::floor((yaw + M_PI) / (2 * M_PI) * kBinsPerRevolution));
+  return pack(bin(x), bin(y), (yaw_bin % kBinsPerRevolution + kBinsPerRevolution) % kBinsPerRevolution);
 }
 
 /// The key of a neighbouring bin.
-std::uint64_t moved(std::uint64_t key, int columns, int rows, int turns) {
-  const auto turn = (static_cast<int>(key & 0xffU) + turns + kBinsPerTurn) % kBinsPerTurn;
+std::uint64_t moved(std::uint64_t key, int columns, int rows, int yaw_bins) {
+  const auto yaw_bin = (static_cast<int>(key & 0xffU) + yaw_bins + kBinsPerRevolution) % kBinsPerRevolution;
   const auto row = static_cast<std::int64_t>(key >> 8U & 0xfffffffU) - kBias + rows;
   const auto column = static_cast<std::int64_t>(key >> 36U) - kBias + columns;
-  return pack(column, row, turn);
+  return pack(column, row, yaw_bin);
 }
 
 std::uint64_t mix(std::uint64_t key) {

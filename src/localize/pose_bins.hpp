@@ -10,7 +10,7 @@
 namespace extperfc::localize {
 
 constexpr double kBinSide_m = 0.5;
-constexpr int kBinsPerTurn = 36;
+constexpr int kBinsPerRevolution = 36;
 
 /// Particles sorted into bins of 0.5 m x 0.5 m x 10 degrees, and neighbouring bins joined to clusters.
 class PoseBins {

@@ -16,11 +16,11 @@ void Recovery::add(double likelihood) {
   fast_ += std::max(alpha_fast_, 1 / updates_) * (likelihood - fast_);
 }
 
-double Recovery::share() const {
+double Recovery::fraction() const {
   constexpr double kNoise = 0.1;
   if (alpha_slow_ <= 0 || alpha_fast_ <= 0) return 0;
-  const double share = 1 - fast_ / slow_;
-  return share < kNoise ? 0 : std::min(share, 1.0);
+  const double fraction = 1 - fast_ / slow_;
+  return fraction < kNoise ? 0 : std::min(fraction, 1.0);
 }
 
 }  // namespace extperfc::localize

@@ -11,15 +11,15 @@ namespace {
 
 constexpr std::size_t kFirstBeams = 30;  // for the first choice
 constexpr std::size_t kKeptOf = 5;       // the first choice keeps one of so many
-constexpr double kShake_m = 0.1;         // about the distance of neighbours among the kept
-constexpr double kShake_rad = 0.06;
+constexpr double kJitter_m = 0.1;        // about the distance of neighbours among the kept
+constexpr double kJitter_rad = 0.06;
 
 /// As many as `count` of the particles, chosen by how well they fit.
 ParticleSet choose(const ParticleSet& particles, const std::vector<float>& logs, std::size_t beams,
                    std::size_t count, Rng& rng) {
   std::vector<float> weights = particles.weight;
-  const double least = static_cast<double>(std::min(count, particles.size())) / 4;
-  reweigh(weights, logs, bearable_sharpness(weights, logs, static_cast<double>(beams), least));
+  const double min_effective = static_cast<double>(std::min(count, particles.size())) / 4;
+  reweigh(weights, logs, tempered_exponent(weights, logs, static_cast<double>(beams), min_effective));
   return pick(particles, sample_systematic(weights, count, rng));
 }
 
@@ -45,23 +45,23 @@ ParticleSet pick(const ParticleSet& from, const std::vector<std::uint32_t>& numb
   return picked;
 }
 
-void shake(ParticleSet& particles, double sigma_m, double sigma_rad, Rng& rng) {
+void add_jitter(ParticleSet& particles, double sigma_m, double sigma_rad, Rng& rng) {
   for (std::size_t i = 0; i < particles.size(); ++i)
     particles.set(i, static_cast<float>(particles.x[i] + rng.normal(0, 1) * sigma_m),
                   static_cast<float>(particles.y[i] + rng.normal(0, 1) * sigma_m),
                   static_cast<float>(wrap_angle(particles.yaw[i] + rng.normal(0, 1) * sigma_rad)));
 }
 
-ParticleSet search_scan(const Place& place, const Beams& beams, std::size_t tries, std::size_t count,
+ParticleSet search_scan(const MapModel& map_model, const Beams& beams, std::size_t tries, std::size_t count,
                         Rng& rng) {
-  if (beams.ends() == 0) return draw_uniform(place.free_space, count, rng);
-  ParticleSet poses = draw_uniform(place.free_space, tries, rng);
+  if (beams.ends() == 0) return draw_uniform(map_model.free_space, count, rng);
+  ParticleSet poses = draw_uniform(map_model.free_space, tries, rng);
   std::vector<float> logs;
   const std::size_t every = std::max<std::size_t>(1, beams.ends() / kFirstBeams);
-  place.wide.mean_logs(place.field, beams, poses, logs, every);
+  map_model.wide.mean_logs(map_model.field, beams, poses, logs, every);
   poses = choose(poses, logs, std::min(beams.ends(), kFirstBeams), std::max(count, tries / kKeptOf), rng);
-  shake(poses, kShake_m, kShake_rad, rng);
-  place.exact.mean_logs(place.field, beams, poses, logs);
+  add_jitter(poses, kJitter_m, kJitter_rad, rng);
+  map_model.exact.mean_logs(map_model.field, beams, poses, logs);
   return choose(poses, logs, beams.ends(), count, rng);
 }
 

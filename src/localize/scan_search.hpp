@@ -7,20 +7,19 @@
 #include "extperfc/base/rng.hpp"
 
 #include "localize/beams.hpp"
+#include "localize/map_model.hpp"
 #include "localize/particle_set.hpp"
-#include "localize/place.hpp"
 
 namespace extperfc::localize {
 
-/// Poses that explain a scan, wherever they lie on the map (sensor resetting, Lenser and Veloso 2000):
-/// particles for a robot that does not know where it is. Draws `tries` poses all over the free space, keeps a
-/// part of them by a widened likelihood field, moves each a little and keeps `count` by the true one, with
-/// equal weights.
+/// Poses on the whole map that explain a scan (sensor resetting, Lenser and Veloso 2000): particles for
+/// global localization. Draws `tries` poses uniformly over the free space, selects some of them by a widened
+/// likelihood field, jitters them and selects `count` by the true one, with equal weights.
 ///
-/// Places that look alike are all kept, in proportion to how well they fit, with the sharpness limited so
-/// that a quarter of the poses count. O(tries * 30 + max(count, tries / 5) * beams). Uniform poses where the
-/// scan has no end points.
-[[nodiscard]] ParticleSet search_scan(const Place& place, const Beams& beams, std::size_t tries,
+/// Similar poses are all kept, in proportion to their fit, with the likelihood exponent limited so that a
+/// quarter of the poses stays effective. O(tries * 30 + max(count, tries / 5) * beams). Uniform poses where
+/// the scan has no end points.
+[[nodiscard]] ParticleSet search_scan(const MapModel& map_model, const Beams& beams, std::size_t tries,
                                       std::size_t count, Rng& rng);
 
 /// Uniform over free cells and headings, equal weights.
@@ -30,6 +29,6 @@ namespace extperfc::localize {
 [[nodiscard]] ParticleSet pick(const ParticleSet& from, const std::vector<std::uint32_t>& numbers);
 
 /// Adds normal noise to every particle.
-void shake(ParticleSet& particles, double sigma_m, double sigma_rad, Rng& rng);
+void add_jitter(ParticleSet& particles, double sigma_m, double sigma_rad, Rng& rng);
 
 }  // namespace extperfc::localize

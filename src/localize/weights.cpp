@@ -15,8 +15,8 @@ float largest(const std::vector<float>& logs) {
 
 /// Of the weights after reweigh(), without changing them.
 double effective_after(const std::vector<float>& weights, const std::vector<float>& logs, float best,
-                       double sharpness) {
-  const auto k = static_cast<float>(sharpness);
+                       double likelihood_exponent) {
+  const auto k = static_cast<float>(likelihood_exponent);
   double sum = 0;
   double squares = 0;
   for (std::size_t i = 0; i < weights.size(); ++i) {
@@ -35,31 +35,31 @@ double effective_count(const std::vector<float>& weights) {
   return squares > 0 ? 1 / squares : 0;
 }
 
-void reweigh(std::vector<float>& weights, const std::vector<float>& logs, double sharpness) {
+void reweigh(std::vector<float>& weights, const std::vector<float>& logs, double likelihood_exponent) {
   const float best = largest(logs);
-  const auto k = static_cast<float>(sharpness);
+  const auto k = static_cast<float>(likelihood_exponent);
   double sum = 0;
   for (std::size_t i = 0; i < weights.size(); ++i) {
     weights[i] *= std::exp(k * (logs[i] - best));
     sum += weights[i];
   }
-  if (!(sum > 0)) {  // the best particles had no weight left: begin anew from the scan alone
+  if (!(sum > 0)) {  // the best particles had no weight left: use the scan alone
     for (std::size_t i = 0; i < weights.size(); ++i) sum += weights[i] = std::exp(k * (logs[i] - best));
   }
   const auto scale = static_cast<float>(1 / sum);
   for (float& w : weights) w *= scale;
 }
 
-double bearable_sharpness(const std::vector<float>& weights, const std::vector<float>& logs, double most,
-                          double least_effective) {
+double tempered_exponent(const std::vector<float>& weights, const std::vector<float>& logs,
+                         double max_exponent, double min_effective) {
   const float best = largest(logs);
-  if (effective_after(weights, logs, best, most) >= least_effective) return most;
+  if (effective_after(weights, logs, best, max_exponent) >= min_effective) return max_exponent;
   constexpr int kSteps = 8;
-  double low = std::log(most / 1000);
-  double high = std::log(most);
+  double low = std::log(max_exponent / 1000);
+  double high = std::log(max_exponent);
   for (int i = 0; i < kSteps; ++i) {
     const double middle = (low + high) / 2;
-    (effective_after(weights, logs, best, std::exp(middle)) >= least_effective ? low : high) = middle;
+    (effective_after(weights, logs, best, std::exp(middle)) >= min_effective ? low : high) = middle;
   }
   return std::exp(low);
 }
@@ -81,23 +81,23 @@ std::vector<std::uint32_t> sample_systematic(const std::vector<float>& weights, 
 }
 
 std::size_t kld_count(const std::vector<float>& weights, const std::vector<std::uint32_t>& bin_of,
-                      std::size_t bins, std::size_t least, std::size_t most, double error, double quantile,
-                      Rng& rng) {
-  if (least >= most) return most;
+                      std::size_t bins, std::size_t min_count, std::size_t max_count, double error,
+                      double quantile, Rng& rng) {
+  if (min_count >= max_count) return max_count;
   std::vector<double> sums(weights.size());
   double sum = 0;
   for (std::size_t i = 0; i < weights.size(); ++i) sums[i] = sum += weights[i];
   std::vector<bool> met(bins, false);
   std::size_t met_count = 0;
-  std::size_t needed = least;
-  for (std::size_t drawn = 0; drawn < std::min(needed, most); ++drawn) {
+  std::size_t needed = min_count;
+  for (std::size_t drawn = 0; drawn < std::min(needed, max_count); ++drawn) {
     const auto at = std::upper_bound(sums.begin(), sums.end(), rng.uniform(0, sum)) - sums.begin();
     const std::uint32_t bin = bin_of[std::min(static_cast<std::size_t>(at), weights.size() - 1)];
     if (met[bin]) continue;
     met[bin] = true;
-    needed = std::max(least, kld_sample_size(++met_count, error, quantile));
+    needed = std::max(min_count, kld_sample_size(++met_count, error, quantile));
   }
-  return std::min(needed, most);
+  return std::min(needed, max_count);
 }
 
 }  // namespace extperfc::localize

@@ -40,9 +40,10 @@ struct LocalizerParams {
   double laser_z_short{0.1};
   double laser_z_max{0.05};
   double laser_z_rand{0.05};
-  double laser_sigma_hit{0.2};            ///< [m], > 0
-  double laser_lambda_short{0.1};         ///< [1/m], > 0
-  double laser_likelihood_max_dist{2.0};  ///< obstacles farther from an end point do not count [m], > 0
+  double laser_sigma_hit{0.2};     ///< [m], > 0
+  double laser_lambda_short{0.1};  ///< [1/m], > 0
+  double laser_likelihood_max_dist{
+      2.0};  ///< larger distances from an end point to an obstacle are clipped [m], > 0
   OdometryModel odometry_model{OdometryModel::kDifferential};
   double odom_alpha1{0.2};  ///< rotation noise from rotation, >= 0: variance per squared radian or metre
   double odom_alpha2{0.2};  ///< rotation noise from translation
@@ -63,8 +64,8 @@ struct Particle {
 struct PoseEstimate {
   Pose2 pose;  ///< of the base in the map: mean of the heaviest cluster, moved to where the scan fits best
   Eigen::Matrix3d covariance;  ///< of x, y, yaw over that cluster [m, m, rad]
-  double cluster_weight{0};    ///< share of the particles' weight that the cluster holds, (0, 1]
-  double fit{0};               ///< share of the returns within 0.15 m of an obstacle of the map, [0, 1]
+  double cluster_weight{0};    ///< fraction of the particles' weight in that cluster, (0, 1]
+  double fit{0};               ///< fraction of the returns within 0.15 m of an obstacle of the map, [0, 1]
   bool resampled{false};
 };
 
@@ -73,22 +74,22 @@ struct PoseEstimate {
 /// thread at a time. Same input and seed, same result.
 class Localizer {
  public:
-  /// Begins as after scatter(). Errors: validate(params), a map that is damaged or has no free cell.
+  /// Starts with global localization. Errors: validate(params), a map that is damaged or has no free cell.
   [[nodiscard]] static Result<Localizer> make(const LocalizerParams& params,
                                               std::shared_ptr<const OccupancyGrid> map);
   Localizer(Localizer&&) noexcept;
   Localizer& operator=(Localizer&&) noexcept;
   ~Localizer();
 
-  /// Particles from a normal distribution around `mean`. Errors: non-finite values, a covariance that is
-  /// none.
+  /// Particles from a normal distribution around `mean`. Errors: non-finite values, a covariance that is not
+  /// symmetric and positive semi-definite.
   [[nodiscard]] Result<void> set_pose(const Pose2& mean, const Eigen::Matrix3d& covariance);
-  /// Global localization: particles all over the free cells.
-  void scatter();
-  /// Another map; the particles stay where they are. Errors: as of make(); the old map then stays.
+  /// Global localization: particles uniform over the free cells.
+  void initialize_globally();
+  /// Replaces the map and keeps the particles. Errors: as of make(); the old map then stays.
   [[nodiscard]] Result<void> set_map(std::shared_ptr<const OccupancyGrid> map);
 
-  /// One scan with the odometry's pose of the base at its stamp. Nothing when the robot has not moved enough
+  /// One scan with the odometry's pose of the base at its stamp. No value when the robot has not moved enough
   /// since the last update (unless `force`): the estimate then follows odometry from the last one.
   /// Errors: validate(scan), non-finite odometry.
   [[nodiscard]] Result<std::optional<PoseEstimate>> update(const LaserScan& scan, const Pose2& odom_T_base,

@@ -107,7 +107,7 @@ Result<void> LocalizerEngine::place(const Odometry& now) {
   }
   time_ran_back_ = false;
   if (const auto* given = std::get_if<GivenPose>(&*placement)) return place(*given, now);
-  localizer_->scatter();
+  localizer_->initialize_globally();
   return {};
 }
 

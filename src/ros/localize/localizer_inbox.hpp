@@ -17,18 +17,18 @@
 
 namespace extperfc::localizer {
 
-/// Somebody says where the base was at a time.
+/// An initial pose: pose of the base in the map at a time.
 struct GivenPose {
   ros::Time stamp;  ///< zero: now
   Pose2 pose;
   Eigen::Matrix3d covariance{Eigen::Matrix3d::Zero()};
 };
-struct Scatter {};  ///< global localization: it may be anywhere
+struct GlobalInitialization {};  ///< global localization: particles on the whole map
 
-using Placement = std::variant<GivenPose, Scatter>;
+using Placement = std::variant<GivenPose, GlobalInitialization>;
 using MapPtr = std::shared_ptr<const OccupancyGrid>;
 
-/// What the worker has to do, in this order.
+/// Pending work for the worker, processed in this order.
 struct Work {
   bool time_ran_back{false};
   MapPtr map;                          ///< null: none came
@@ -37,8 +37,8 @@ struct Work {
   sensor_msgs::LaserScanConstPtr scan;
 };
 
-/// Between callbacks, which only store, and the worker. Of every kind the newest replaces one that waits, so
-/// it holds five things at most. Any number of threads may store; one takes.
+/// Mailbox between the callbacks, which only store, and the worker. A newer item replaces a waiting one of
+/// the same kind, so it holds five items at most. Any number of threads may store; one takes.
 class LocalizerInbox {
  public:
   void put_map(MapPtr map, std::optional<Placement> placement = std::nullopt) {
@@ -66,7 +66,7 @@ class LocalizerInbox {
     });
   }
 
-  /// Waits for work. Nothing means: closed.
+  /// Waits for work. No value: closed.
   [[nodiscard]] std::optional<Work> take() {
     std::unique_lock lock(mutex_);
     ready_.wait(lock, [this] { return waiting_ || closed_; });

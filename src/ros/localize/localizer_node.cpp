@@ -135,7 +135,7 @@ void LocalizerNode::on_initial_pose(const PoseMessage::ConstPtr& message) {
 }
 
 bool LocalizerNode::on_global_localization(std_srvs::Empty::Request&, std_srvs::Empty::Response&) {
-  inbox_.put_placement(Scatter{});
+  inbox_.put_placement(GlobalInitialization{});
   return true;
 }
 

@@ -52,7 +52,7 @@ class Subject {
  public:
   virtual ~Subject() = default;
   virtual void begin_at(const Pose2& pose) = 0;
-  virtual void scatter() = 0;
+  virtual void initialize_globally() = 0;
   virtual void update(const LaserScan& scan, const Pose2& odom) = 0;
   [[nodiscard]] virtual Pose2 pose() const = 0;
 };
@@ -62,23 +62,24 @@ constexpr double kSigma_rad = 0.2;
 
 class Ours : public Subject {
  public:
-  Ours(const std::shared_ptr<const OccupancyGrid>& map, int least, int most)
-      : localizer_(make(map, least, most)) {}
+  Ours(const std::shared_ptr<const OccupancyGrid>& map, int min_particles, int max_particles)
+      : localizer_(make(map, min_particles, max_particles)) {}
   void begin_at(const Pose2& pose) override {
     const Eigen::Vector3d variances(kSigma_m * kSigma_m, kSigma_m * kSigma_m, kSigma_rad * kSigma_rad);
     if (!localizer_.set_pose(pose, variances.asDiagonal())) std::abort();
   }
-  void scatter() override { localizer_.scatter(); }
+  void initialize_globally() override { localizer_.initialize_globally(); }
   void update(const LaserScan& scan, const Pose2& odom) override {
     if (!localizer_.update(scan, odom, true)) std::abort();
   }
   [[nodiscard]] Pose2 pose() const override { return localizer_.estimate().pose; }
 
  private:
-  static Localizer make(const std::shared_ptr<const OccupancyGrid>& map, int least, int most) {
+  static Localizer make(const std::shared_ptr<const OccupancyGrid>& map, int min_particles,
+                        int max_particles) {
     LocalizerParams params;
-    params.min_particles = least;
-    params.max_particles = most;
+    params.min_particles = min_particles;
+    params.max_particles = max_particles;
     auto made = Localizer::make(params, map);
     if (!made) std::abort();
     return std::move(*made);
@@ -93,8 +94,8 @@ class Theirs : public Subject {
     peer_->begin_at(pose, kSigma_m, kSigma_rad);
     last_.reset();
   }
-  void scatter() override {
-    peer_->scatter();
+  void initialize_globally() override {
+    peer_->initialize_globally();
     last_.reset();
   }
   void update(const LaserScan& scan, const Pose2& odom) override {
@@ -153,31 +154,31 @@ Run track(Subject& subject, const Recording& recording, const std::vector<std::s
   return run;
 }
 
-/// Found: within 0.5 m and 12 degrees after 30 m of way, and for all the 10 m after that. Returns CPU ms per
-/// update.
+/// Found: within 0.5 m and 12 degrees after 30 m travelled, and for all the 10 m after that. Returns CPU ms
+/// per update.
 bool find(Subject& subject, const Recording& recording, std::size_t start, std::vector<double>& ms) {
   constexpr double kFound_m = 0.5;
   constexpr double kFound_deg = 12;
-  subject.scatter();
+  subject.initialize_globally();
   Pose2 last;
-  double way = 0;
+  double travelled_m = 0;
   bool found = true;
-  for (std::size_t i = start; i < recording.scans.size() && way < 40; ++i) {
-    if (i > start) way += apart_m(recording.odom[i - 1], recording.odom[i]);
+  for (std::size_t i = start; i < recording.scans.size() && travelled_m < 40; ++i) {
+    if (i > start) travelled_m += apart_m(recording.odom[i - 1], recording.odom[i]);
     if (i > start && !moved(last, recording.odom[i])) continue;
     const CpuStopwatch watch;
     subject.update(recording.scans[i], recording.odom[i]);
     ms.push_back(1e3 * watch.seconds());
     last = recording.odom[i];
-    if (way >= 30)
+    if (travelled_m >= 30)
       found = found && apart_m(subject.pose(), recording.truth[i]) < kFound_m &&
               apart_deg(subject.pose(), recording.truth[i]) < kFound_deg;
   }
-  return found && way >= 30;
+  return found && travelled_m >= 30;
 }
 
-std::unique_ptr<Subject> peer_for(const OccupancyGrid& map, int least, int most) {
-  auto peer = Peer::make(map, least, most, 3);  // 180 rays, 60 beams
+std::unique_ptr<Subject> peer_for(const OccupancyGrid& map, int min_particles, int max_particles) {
+  auto peer = Peer::make(map, min_particles, max_particles, 3);  // 180 rays, 60 beams
   if (!peer) return nullptr;
   return std::make_unique<Theirs>(std::move(peer));
 }
@@ -279,18 +280,18 @@ Result<std::vector<Row>> measure(const Options& options) {
   return rows;
 }
 
-std::optional<Options> parse(const std::vector<std::string>& words) {
+std::optional<Options> parse(const std::vector<std::string>& arguments) {
   Options options;
-  for (std::size_t i = 0; i < words.size(); ++i) {
-    const bool value = i + 1 < words.size();
-    if (words[i] == "--quick")
+  for (std::size_t i = 0; i < arguments.size(); ++i) {
+    const bool value = i + 1 < arguments.size();
+    if (arguments[i] == "--quick")
       options.quick = true;
-    else if (words[i] == "--log" && value)
-      options.log = words[++i];
-    else if (words[i] == "--trajectory" && value)
-      options.trajectory = words[++i];
-    else if (words[i] == "--json" && value)
-      options.json = words[++i];
+    else if (arguments[i] == "--log" && value)
+      options.log = arguments[++i];
+    else if (arguments[i] == "--trajectory" && value)
+      options.trajectory = arguments[++i];
+    else if (arguments[i] == "--json" && value)
+      options.json = arguments[++i];
     else
       return std::nullopt;
   }
@@ -322,10 +323,10 @@ int run(const Options& options) {
 
 int main(int argc, char** argv) {
   using namespace extperfc::benchmark;  // NOLINT
-  const std::vector<std::string> words(argv + 1, argv + argc);
-  const auto options = parse(words);
+  const std::vector<std::string> arguments(argv + 1, argv + argc);
+  const auto options = parse(arguments);
   if (options) return run(*options);
-  const bool help = words.size() == 1 && (words[0] == "--help" || words[0] == "-h");
+  const bool help = arguments.size() == 1 && (arguments[0] == "--help" || arguments[0] == "-h");
   std::fputs(kHelp, help ? stdout : stderr);
   return help ? EXIT_SUCCESS : 2;
 }

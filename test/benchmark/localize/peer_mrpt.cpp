@@ -43,23 +43,23 @@ COccupancyGridMap2D::Ptr convert(const OccupancyGrid& map, std::size_t rays_per_
 
 class MrptPeer : public Peer {
  public:
-  MrptPeer(const OccupancyGrid& map, int least, int most, std::size_t rays_per_beam)
-      : most_(static_cast<std::size_t>(most)), grid_(convert(map, rays_per_beam)) {
+  MrptPeer(const OccupancyGrid& map, int min_particles, int max_particles, std::size_t rays_per_beam)
+      : max_particles_(static_cast<std::size_t>(max_particles)), grid_(convert(map, rays_per_beam)) {
     pdf_.options.metricMap = grid_;
-    pdf_.options.KLD_params.KLD_minSampleSize = static_cast<unsigned>(least);
-    pdf_.options.KLD_params.KLD_maxSampleSize = static_cast<unsigned>(most);
+    pdf_.options.KLD_params.KLD_minSampleSize = static_cast<unsigned>(min_particles);
+    pdf_.options.KLD_params.KLD_maxSampleSize = static_cast<unsigned>(max_particles);
     pdf_.options.KLD_params.KLD_binSize_XY = 0.5;
     filter_.m_options.PF_algorithm = CParticleFilter::pfStandardProposal;
-    filter_.m_options.adaptiveSampleSize = least < most;
+    filter_.m_options.adaptiveSampleSize = min_particles < max_particles;
     filter_.m_options.resamplingMethod =
-        least < most ? CParticleFilter::prMultinomial : CParticleFilter::prSystematic;
-    filter_.m_options.sampleSize = static_cast<unsigned>(most);
+        min_particles < max_particles ? CParticleFilter::prMultinomial : CParticleFilter::prSystematic;
+    filter_.m_options.sampleSize = static_cast<unsigned>(max_particles);
     mrpt::random::getRandomGenerator().randomize(1);
   }
 
   void begin_at(const Pose2& pose, double sigma_m, double sigma_rad) override {
     auto& random = mrpt::random::getRandomGenerator();
-    pdf_.resetDeterministic({pose.x, pose.y, pose.yaw}, most_);
+    pdf_.resetDeterministic({pose.x, pose.y, pose.yaw}, max_particles_);
     for (auto& particle : pdf_.m_particles) {
       particle.d.x += random.drawGaussian1D(0, sigma_m);
       particle.d.y += random.drawGaussian1D(0, sigma_m);
@@ -67,12 +67,15 @@ class MrptPeer : public Peer {
     }
   }
 
-  void scatter() override { pdf_.resetUniformFreeSpace(grid_.get(), 0.7, static_cast<int>(most_)); }
+  void initialize_globally() override {
+    pdf_.resetUniformFreeSpace(grid_.get(), 0.7, static_cast<int>(max_particles_));
+  }
 
   void update(const LaserScan& scan, const Pose2& motion) override {
     CActionRobotMovement2D moved;
-    // MRPT's own noise. Its other model (Thrun's) splits a turn on the spot, or a way backwards, into two
-    // turns of up to pi and makes noise of both: with as much of it as ours by default, it loses the robot.
+    // MRPT's own noise. Its other model (Thrun's) splits a rotation on the spot, or a motion backwards, into
+    // two rotations of up to pi and makes noise of both: with as much of it as ours by default, it loses the
+    // robot.
     moved.computeFromOdometry({motion.x, motion.y, motion.yaw}, {});
     mrpt::obs::CActionCollection actions;
     actions.insert(moved);
@@ -107,7 +110,7 @@ class MrptPeer : public Peer {
     return observation;
   }
 
-  std::size_t most_;
+  std::size_t max_particles_;
   COccupancyGridMap2D::Ptr grid_;
   mrpt::slam::CMonteCarloLocalization2D pdf_;
   CParticleFilter filter_;
@@ -115,8 +118,9 @@ class MrptPeer : public Peer {
 
 }  // namespace
 
-std::unique_ptr<Peer> Peer::make(const OccupancyGrid& map, int least, int most, std::size_t rays_per_beam) {
-  return std::make_unique<MrptPeer>(map, least, most, rays_per_beam);
+std::unique_ptr<Peer> Peer::make(const OccupancyGrid& map, int min_particles, int max_particles,
+                                 std::size_t rays_per_beam) {
+  return std::make_unique<MrptPeer>(map, min_particles, max_particles, rays_per_beam);
 }
 
 }  // namespace extperfc::benchmark

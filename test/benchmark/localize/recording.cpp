@@ -60,7 +60,7 @@ class Counts {
       if (!(range > scan.range_min) || range > std::min(kLongest_m, scan.range_max)) continue;
       const double angle = pose.yaw + scan.angle_min + static_cast<double>(i) * scan.angle_increment;
       const double step = map_->resolution_m / 2;
-      for (double way = 0; way < range - 2 * step; way += step) count(by_, pose, angle, way);
+      for (double range_m = 0; range_m < range - 2 * step; range_m += step) count(by_, pose, angle, range_m);
       count(ended_, pose, angle, range);
     }
   }
@@ -77,8 +77,8 @@ class Counts {
   }
 
  private:
-  void count(std::vector<int>& counts, const Pose2& pose, double angle, double way) {
-    const auto cell = map_->cell_of(pose.x + way * std::cos(angle), pose.y + way * std::sin(angle));
+  void count(std::vector<int>& counts, const Pose2& pose, double angle, double range_m) {
+    const auto cell = map_->cell_of(pose.x + range_m * std::cos(angle), pose.y + range_m * std::sin(angle));
     if (cell) ++counts[cell->row * map_->width + cell->column];
   }
 
@@ -90,11 +90,11 @@ class Counts {
 }  // namespace
 
 Result<Recording> load_recording(const std::filesystem::path& log, const std::filesystem::path& trajectory,
-                                 std::size_t most) {
+                                 std::size_t max_scans) {
   auto opened = sources::open_carmen_log(log);
   if (!opened) return tl::unexpected(opened.error());
   Recording recording;
-  while (recording.scans.size() < most) {
+  while (recording.scans.size() < max_scans) {
     auto record = (*opened)->next();
     if (!record) return tl::unexpected(record.error());
     if (!*record) break;
@@ -113,12 +113,13 @@ Result<Recording> load_recording(const std::filesystem::path& log, const std::fi
 }
 
 std::vector<std::size_t> key_frames(const Recording& recording) {
-  constexpr double kWay_m = 0.5;
-  constexpr double kTurn_rad = 0.5;
+  constexpr double kDistance_m = 0.5;
+  constexpr double kRotation_rad = 0.5;
   std::vector<std::size_t> frames{0};
   for (std::size_t i = 1; i < recording.truth.size(); ++i) {
     const Pose2 moved = between(recording.truth[frames.back()], recording.truth[i]);
-    if (std::hypot(moved.x, moved.y) > kWay_m || std::abs(moved.yaw) > kTurn_rad) frames.push_back(i);
+    if (std::hypot(moved.x, moved.y) > kDistance_m || std::abs(moved.yaw) > kRotation_rad)
+      frames.push_back(i);
   }
   return frames;
 }

@@ -18,12 +18,13 @@ struct Recording {
   std::vector<Pose2> truth;
 };
 
-/// The first `most` scans of a CARMEN log. The truth is that of a TUM file with a line per scan or, where
-/// `trajectory` is empty, what our own mapper makes of the log. Errors name the file.
+/// The first `max_scans` scans of a CARMEN log. The truth is that of a TUM file with a line per scan or,
+/// where `trajectory` is empty, what our own mapper makes of the log. Errors name the file.
 [[nodiscard]] Result<Recording> load_recording(const std::filesystem::path& log,
-                                               const std::filesystem::path& trajectory, std::size_t most);
+                                               const std::filesystem::path& trajectory,
+                                               std::size_t max_scans);
 
-/// Numbers of the scans at which the robot had moved by 0.5 m or turned by 0.5 rad since the last one.
+/// Numbers of the scans at which the robot had moved by 0.5 m or rotated by 0.5 rad since the last one.
 [[nodiscard]] std::vector<std::size_t> key_frames(const Recording& recording);
 
 /// Cells of 0.05 m, from every second key frame: occupied where an eighth of the rays that came by ended.

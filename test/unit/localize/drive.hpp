@@ -18,11 +18,11 @@ class Drive {
   /// Moves by `step` in the robot's frame. Odometry errs by 3 % and 0.3 degrees per step.
   void move(const Pose2& step) {
     truth_ = compose(truth_, step);
-    const double way = std::hypot(step.x, step.y);
-    odom_ = compose(odom_, {step.x + rng_.normal(0, 0.03) * way, step.y + rng_.normal(0, 0.03) * way,
-                            step.yaw + rng_.normal(0, 0.005)});
+    const double distance = std::hypot(step.x, step.y);
+    odom_ = compose(odom_, {step.x + rng_.normal(0, 0.03) * distance,
+                            step.y + rng_.normal(0, 0.03) * distance, step.yaw + rng_.normal(0, 0.005)});
   }
-  /// Somebody lifts the robot: odometry does not notice.
+  /// The robot is carried: odometry does not notice.
   void carry_to(const Pose2& pose) { truth_ = pose; }
 
   [[nodiscard]] LaserScan scan() { return plan_.scan(truth_, rng_); }
@@ -50,10 +50,10 @@ inline bool at_truth(const PoseEstimate& estimate, const Pose2& truth) {
 }
 
 /// Forced updates of a robot that stands until the estimate has been right for five of them; nothing after
-/// `most`.
-inline std::optional<int> updates_until_found(Localizer& localizer, Drive& drive, int most) {
+/// `max_updates`.
+inline std::optional<int> updates_until_found(Localizer& localizer, Drive& drive, int max_updates) {
   int right = 0;
-  for (int i = 1; i <= most; ++i) {
+  for (int i = 1; i <= max_updates; ++i) {
     EXPECT_TRUE(localizer.update(drive.scan(), drive.odom(), true));
     right = at_truth(localizer.estimate(), drive.truth()) ? right + 1 : 0;
     if (right == 5) return i;

@@ -39,9 +39,9 @@ struct Plan {
       const double ey = w.y1 - w.y0;
       const double cross = dx * ey - dy * ex;
       if (std::abs(cross) < 1e-12) continue;
-      const double way = ((w.x0 - x) * ey - (w.y0 - y) * ex) / cross;
+      const double range = ((w.x0 - x) * ey - (w.y0 - y) * ex) / cross;
       const double along = ((w.x0 - x) * dy - (w.y0 - y) * dx) / cross;
-      if (way > 0 && along >= 0 && along <= 1) nearest = std::min(nearest, way);
+      if (range > 0 && along >= 0 && along <= 1) nearest = std::min(nearest, range);
     }
     return nearest;
   }
@@ -68,7 +68,7 @@ struct Plan {
     return grid;
   }
 
-  /// A turn of `rays` rays from a scanner that sits off the robot's middle; noise of 1 cm.
+  /// A revolution of `rays` rays from a scanner that sits off the robot's middle; noise of 1 cm.
   [[nodiscard]] LaserScan scan(const Pose2& plan_T_base, Rng& rng, std::size_t rays = 180) const {
     LaserScan scan;
     scan.angle_min = -M_PI;
@@ -124,7 +124,7 @@ inline Plan building() {
   return plan;
 }
 
-/// Distance [m] and turn [rad] between two poses.
+/// Distance [m] and rotation [rad] between two poses.
 inline double apart_m(const Pose2& a, const Pose2& b) {
   return std::hypot(a.x - b.x, a.y - b.y);
 }

@@ -7,7 +7,7 @@ namespace extperfc::localize {
 namespace {
 
 /// Poses in rooms that have something of their own, and in the corridor.
-std::vector<Pose2> places() {
+std::vector<Pose2> start_poses() {
   return {{2.6, 4.5, 1},    {10.5, 3.5, -2}, {12.8, 4.8, 0.3}, {4.5, 9.5, 2.5},
           {16.4, 11, -0.7}, {22.5, 9, 3},    {10.8, 11.5, 0.5}};
 }
@@ -18,9 +18,9 @@ TEST(Lost, GlobalLocalizationOnTheMove) {
   params.max_particles = 5000;
   auto localizer = Localizer::make(params, plan.map());
   ASSERT_TRUE(localizer);
-  for (const Pose2& start : places()) {
+  for (const Pose2& start : start_poses()) {
     Drive drive(plan, start, 21);
-    localizer->scatter();
+    localizer->initialize_globally();
     for (int i = 0; i < 10; ++i) {
       drive.move({0.05, 0, 0.25});
       ASSERT_TRUE(localizer->update(drive.scan(), drive.odom()));
@@ -54,10 +54,10 @@ TEST(Lost, KidnappedAndSetDownSomewhereElse) {
     ASSERT_TRUE(localizer->update(drive.scan(), drive.odom()));
   }
   ASSERT_TRUE(at_truth(localizer->estimate(), drive.truth()));
-  for (const Pose2& place : places()) {
-    drive.carry_to(place);
+  for (const Pose2& start : start_poses()) {
+    drive.carry_to(start);
     const auto updates = updates_until_found(*localizer, drive, 100);  // 10 s of scans at 10 Hz
-    EXPECT_TRUE(updates) << place.x << " " << place.y << ": " << localizer->estimate().pose.x << " "
+    EXPECT_TRUE(updates) << start.x << " " << start.y << ": " << localizer->estimate().pose.x << " "
                          << localizer->estimate().pose.y << " fit " << localizer->estimate().fit;
     RecordProperty("updates", updates.value_or(-1));
   }

@@ -14,12 +14,12 @@
 namespace extperfc::localize {
 namespace {
 
-OccupancyGrid random_map(std::size_t width, std::size_t height, double share, std::uint64_t seed) {
+OccupancyGrid random_map(std::size_t width, std::size_t height, double fraction, std::uint64_t seed) {
   Rng rng(seed);
   OccupancyGrid map;
   map.width = width;
   map.height = height;
-  for (std::size_t i = 0; i < width * height; ++i) map.cells.push_back(rng.chance(share) ? 100 : 0);
+  for (std::size_t i = 0; i < width * height; ++i) map.cells.push_back(rng.chance(fraction) ? 100 : 0);
   return map;
 }
 
@@ -36,11 +36,11 @@ double nearest_obstacle_m(const OccupancyGrid& map, std::size_t column, std::siz
 TEST(DistanceField, EqualsTheSearchOverAllObstacles) {
   struct Case {
     std::size_t width, height;
-    double share, max_m;
+    double fraction, max_m;
   };
   for (const Case& c : {Case{37, 23, 0.02, 1}, Case{1, 40, 0.05, 2}, Case{40, 1, 0.05, 2},
                         Case{25, 25, 0.3, 0.5}, Case{30, 30, 0, 2}, Case{20, 30, 0.003, 0.07}}) {
-    const auto map = random_map(c.width, c.height, c.share, 7);
+    const auto map = random_map(c.width, c.height, c.fraction, 7);
     const DistanceField field(map, c.max_m);
     for (std::size_t row = 0; row < c.height; ++row)
       for (std::size_t column = 0; column < c.width; ++column) {
@@ -271,23 +271,24 @@ TEST(Odometry, DifferentialMoments) {
   params.odom_alpha3 = 0.03;
   params.odom_alpha4 = 0.04;
   const auto straight = after(params, {0.5, 0, 0}, kSamples);
-  const double turn_sigma = std::sqrt(0.02) * 0.5;  // each of two turns
+  const double rotation_sigma = std::sqrt(0.02) * 0.5;  // each of two turns
   EXPECT_NEAR(straight.sigma.x(), std::sqrt(0.03) * 0.5, 0.05 * 0.5 * std::sqrt(0.03));
-  EXPECT_NEAR(straight.sigma.y(), 0.5 * turn_sigma, 0.05 * 0.5 * turn_sigma);
-  EXPECT_NEAR(straight.sigma.z(), std::sqrt(2.0) * turn_sigma, kRelative * std::sqrt(2.0) * turn_sigma);
+  EXPECT_NEAR(straight.sigma.y(), 0.5 * rotation_sigma, 0.05 * 0.5 * rotation_sigma);
+  EXPECT_NEAR(straight.sigma.z(), std::sqrt(2.0) * rotation_sigma,
+              kRelative * std::sqrt(2.0) * rotation_sigma);
 
-  const auto turn = after(params, {0, 0, 0.8}, kSamples);
-  EXPECT_NEAR(turn.mean.z(), 0.8, 5 * 0.08 / std::sqrt(double{kSamples}));
-  EXPECT_NEAR(turn.sigma.z(), std::sqrt(0.01) * 0.8, kRelative * 0.08);
-  EXPECT_NEAR(std::hypot(turn.sigma.x(), turn.sigma.y()), std::sqrt(0.04) * 0.8, kRelative * 0.16);
+  const auto rotation = after(params, {0, 0, 0.8}, kSamples);
+  EXPECT_NEAR(rotation.mean.z(), 0.8, 5 * 0.08 / std::sqrt(double{kSamples}));
+  EXPECT_NEAR(rotation.sigma.z(), std::sqrt(0.01) * 0.8, kRelative * 0.08);
+  EXPECT_NEAR(std::hypot(rotation.sigma.x(), rotation.sigma.y()), std::sqrt(0.04) * 0.8, kRelative * 0.16);
 }
 
-TEST(Odometry, BackwardsIsNoTurn) {
+TEST(Odometry, BackwardsIsNoRotation) {
   const LocalizerParams params;
   const auto forwards = motion_noise(params, {0.5, 0, 0});
   const auto backwards = motion_noise(params, {-0.5, 0, 0});
-  EXPECT_NEAR(forwards.first_turn_rad, backwards.first_turn_rad, 1e-12);
-  EXPECT_NEAR(forwards.way_m, backwards.way_m, 1e-12);
+  EXPECT_NEAR(forwards.first_rotation_rad, backwards.first_rotation_rad, 1e-12);
+  EXPECT_NEAR(forwards.translation_m, backwards.translation_m, 1e-12);
 }
 
 TEST(Odometry, OmniMoments) {

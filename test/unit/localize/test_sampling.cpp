@@ -57,9 +57,9 @@ TEST(Kld, TheCountFollowsTheBinsThatAreMet) {
     for (std::size_t i = 0; i < bin_of.size(); ++i) bin_of[i] = static_cast<std::uint32_t>(i % bins);
     const std::vector<float> weights(bin_of.size(), 1.0F / 5000);
     EXPECT_EQ(kld_count(weights, bin_of, bins, 10, 100000, 0.02, z, rng), kld_sample_size(bins, 0.02, z));
-    EXPECT_EQ(kld_count(weights, bin_of, bins, 10, 20, 0.02, z, rng), 20U) << "never more than the most";
+    EXPECT_EQ(kld_count(weights, bin_of, bins, 10, 20, 0.02, z, rng), 20U) << "never more than max_count";
     EXPECT_EQ(kld_count(weights, bin_of, bins, 99999, 100000, 0.02, z, rng), 99999U)
-        << "nor less than the least";
+        << "nor less than min_count";
     EXPECT_EQ(kld_count(weights, bin_of, bins, 70, 70, 0.02, z, rng), 70U);
   }
 }
@@ -116,21 +116,21 @@ TEST(Weights, BayesRule) {
   EXPECT_NEAR(weights[2], 0.032 / sum, 1e-6);
 }
 
-TEST(Weights, SharpnessLeavesEnoughParticles) {
+TEST(Weights, TemperingLeavesEnoughParticles) {
   Rng rng(5);
   std::vector<float> logs(1000);
   for (float& log : logs) log = static_cast<float>(-rng.uniform(0, 3));
   const std::vector<float> equal(1000, 1e-3F);
-  const double sharpness = bearable_sharpness(equal, logs, 60, 100);
-  EXPECT_LT(sharpness, 60);
+  const double exponent = tempered_exponent(equal, logs, 60, 100);
+  EXPECT_LT(exponent, 60);
   auto weights = equal;
-  reweigh(weights, logs, sharpness);
+  reweigh(weights, logs, exponent);
   EXPECT_GE(effective_count(weights), 99);
   EXPECT_LT(effective_count(weights), 120) << "and no blunter than needed";
-  EXPECT_EQ(bearable_sharpness(equal, std::vector<float>(1000, -1.0F), 60, 100), 60);
+  EXPECT_EQ(tempered_exponent(equal, std::vector<float>(1000, -1.0F), 60, 100), 60);
 }
 
-TEST(Clusters, TheHeaviestOneWithItsMeanAcrossTheTurn) {
+TEST(Clusters, TheHeaviestOneWithItsMeanAcrossPi) {
   Rng rng(6);
   ParticleSet particles;
   particles.resize(1000);
@@ -153,7 +153,7 @@ TEST(Clusters, TheHeaviestOneWithItsMeanAcrossTheTurn) {
   EXPECT_EQ(bins.bin_of().size(), 1000U);
 }
 
-TEST(Clusters, SameYawApartInPlaceAndTheReverse) {
+TEST(Clusters, SameYawApartInPositionAndTheReverse) {
   ParticleSet particles;
   particles.resize(3);
   particles.set(0, 0.2F, 0.2F, 0.01F);
@@ -165,22 +165,22 @@ TEST(Clusters, SameYawApartInPlaceAndTheReverse) {
   EXPECT_NEAR(heaviest_cluster(particles, bins).cluster_weight, 1.0 / 3, 1e-6);
 }
 
-TEST(Recovery, SharesAreZeroUntilTheFitFalls) {
+TEST(Recovery, FractionIsZeroUntilTheFitFalls) {
   Recovery recovery(0.001, 0.1);
   for (int i = 0; i < 500; ++i) {
     recovery.add(0.9);
-    ASSERT_EQ(recovery.share(), 0);
+    ASSERT_EQ(recovery.fraction(), 0);
   }
   for (int i = 0; i < 20; ++i) recovery.add(0.3);
   const double fast = 0.3 + 0.6 * std::pow(0.9, 20);
-  EXPECT_NEAR(recovery.share(), 1 - fast / recovery.usual(), 1e-6);
+  EXPECT_NEAR(recovery.fraction(), 1 - fast / recovery.usual(), 1e-6);
   EXPECT_GT(recovery.usual(), 0.87);
   for (int i = 0; i < 60; ++i) recovery.add(0.9);
-  EXPECT_EQ(recovery.share(), 0);
+  EXPECT_EQ(recovery.fraction(), 0);
 
   Recovery off(0, 0.1);
   for (int i = 0; i < 20; ++i) off.add(0.01);
-  EXPECT_EQ(off.share(), 0);
+  EXPECT_EQ(off.fraction(), 0);
 }
 
 TEST(FreeSpace, UniformOverFreeCellsManyOrFew) {
@@ -211,14 +211,14 @@ TEST(FreeSpace, UniformOverFreeCellsManyOrFew) {
   }
 }
 
-TEST(ScanSearch, FindsThePlaceThatTheScanShows) {
+TEST(ScanSearch, FindsThePoseThatTheScanShows) {
   const auto plan = room();
   const LocalizerParams params;
-  const Place place(plan.map(), params);
+  const MapModel map_model(plan.map(), params);
   Rng rng(8);
   for (int i = 0; i < 5; ++i) {
     const Pose2 truth{rng.uniform(3.5, 5.8), rng.uniform(3.2, 5.2), rng.uniform(-3, 3)};
-    const auto poses = search_scan(place, select_beams(plan.scan(truth, rng), params), 20000, 200, rng);
+    const auto poses = search_scan(map_model, select_beams(plan.scan(truth, rng), params), 20000, 200, rng);
     ASSERT_EQ(poses.size(), 200U);
     EXPECT_NEAR(sum_of(poses.weight), 1, 1e-4);
     int near = 0;
@@ -228,7 +228,7 @@ TEST(ScanSearch, FindsThePlaceThatTheScanShows) {
     }
     EXPECT_GT(near, 40) << "uniform draws would give 0.1";
   }
-  EXPECT_EQ(search_scan(place, Beams{}, 1000, 50, rng).size(), 50U) << "without end points";
+  EXPECT_EQ(search_scan(map_model, Beams{}, 1000, 50, rng).size(), 50U) << "without end points";
 }
 
 }  // namespace

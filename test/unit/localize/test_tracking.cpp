@@ -85,7 +85,7 @@ TEST(Tracking, BeamModel) {
   EXPECT_LT(errors.mean_rad, 0.015);
 }
 
-TEST(Tracking, MapWithATurnedAndDistantOrigin) {
+TEST(Tracking, MapWithARotatedAndDistantOrigin) {
   for (const Pose2& origin : {Pose2{-3, 8, 1.1}, Pose2{400000, 5800000, -2.5}}) {
     const auto errors = follow(test_params(), false, origin);
     EXPECT_LT(errors.mean_m, 0.03);
@@ -217,14 +217,14 @@ TEST(Tracking, SetPoseHasTheGivenMoments) {
   }
 }
 
-TEST(Tracking, ScatterFillsTheFreeSpaceEvenly) {
+TEST(Tracking, GlobalInitializationFillsTheFreeSpaceEvenly) {
   const Pose2 origin{-4, 7, 0.6};
   const auto map = room().map(origin);
   auto params = test_params();
   params.max_particles = 20000;
   auto localizer = localizer_in(params, map);
   ASSERT_TRUE(localizer.set_pose({0, 0, 0}, kAbout));
-  localizer.scatter();
+  localizer.initialize_globally();
   ASSERT_EQ(localizer.particles().size(), 20000U);
   EXPECT_NEAR(weight_sum(localizer), 1, 1e-4);
   int left = 0;
@@ -240,7 +240,7 @@ TEST(Tracking, ScatterFillsTheFreeSpaceEvenly) {
   EXPECT_NEAR(up, 10000, 5 * 71);
 }
 
-TEST(Tracking, AnotherMapKeepsTheParticlesInPlace) {
+TEST(Tracking, AnotherMapKeepsTheParticles) {
   const Plan plan = room();
   auto localizer = localizer_in(test_params(), plan.map());
   ASSERT_TRUE(localizer.set_pose({4, 4, 0.5}, kAbout));

@@ -75,10 +75,11 @@ std::shared_ptr<const OccupancyGrid> draw(const Drive& drive, std::size_t step) 
   return renderer.map();
 }
 
-Localizer make_localizer(const std::shared_ptr<const OccupancyGrid>& map, int least, int most) {
+Localizer make_localizer(const std::shared_ptr<const OccupancyGrid>& map, int min_particles,
+                         int max_particles) {
   localize::LocalizerParams params;
-  params.min_particles = least;
-  params.max_particles = most;
+  params.min_particles = min_particles;
+  params.max_particles = max_particles;
   auto localizer = Localizer::make(params, map);
   EXPECT_TRUE(localizer) << localizer.error().message;
   return *std::move(localizer);
@@ -142,13 +143,13 @@ Errors track(Localizer& localizer, const Drive& drive) {
 }
 
 /// Searched in the whole map from scan `start` on. The number of the update from which on the estimate stays
-/// within 0.5 m and 12 degrees, up to update `most`; nothing when it is elsewhere in the end.
+/// within 0.5 m and 12 degrees, up to update `max_updates`; none when it is elsewhere in the end.
 std::optional<std::size_t> updates_until_found(Localizer& localizer, const Drive& drive, std::size_t start,
-                                               std::size_t most) {
-  localizer.scatter();
+                                               std::size_t max_updates) {
+  localizer.initialize_globally();
   Follower follower(localizer);
   std::optional<std::size_t> found;
-  for (std::size_t i = start; i < drive.records.size() && follower.updates() < most; ++i) {
+  for (std::size_t i = start; i < drive.records.size() && follower.updates() < max_updates; ++i) {
     const Pose2 pose = follower.see(drive.records[i]);
     if (apart_m(pose, drive.poses[i]) > 0.5 || apart_rad(pose, drive.poses[i]) > 12 * kDegree)
       found.reset();
@@ -158,15 +159,15 @@ std::optional<std::size_t> updates_until_found(Localizer& localizer, const Drive
   return found;
 }
 
-/// Starts spread over the drive, each found within `most` updates and not lost again in as many more.
+/// Starts spread over the drive, each found within `max_updates` updates and not lost again in as many more.
 void expect_found_everywhere(const Drive& drive, const std::shared_ptr<const OccupancyGrid>& map,
-                             std::size_t most) {
+                             std::size_t max_updates) {
   constexpr std::size_t kStarts = 7;
   auto localizer = make_localizer(map, 500, 10000);
   for (std::size_t k = 0; k < kStarts; ++k) {
     const std::size_t start = (2 * k + 1) * drive.records.size() / (2 * kStarts + 2);
-    const auto updates = updates_until_found(localizer, drive, start, 2 * most);
-    EXPECT_LE(updates.value_or(2 * most + 1), most) << "from scan " << start;
+    const auto updates = updates_until_found(localizer, drive, start, 2 * max_updates);
+    EXPECT_LE(updates.value_or(2 * max_updates + 1), max_updates) << "from scan " << start;
   }
 }
 

@@ -11,10 +11,10 @@
 
 namespace extperfc::localize {
 
-/// A map and what is computed from it once. Poses in it are metres from the map's lower left corner, along
-/// the map's own axes.
-struct Place {
-  Place(std::shared_ptr<const OccupancyGrid> the_map, const LocalizerParams& params);
+/// A map with the fields that are computed from it once. Poses in it are metres from the map's lower left
+/// corner, along the map's own axes.
+struct MapModel {
+  MapModel(std::shared_ptr<const OccupancyGrid> the_map, const LocalizerParams& params);
 
   std::shared_ptr<const OccupancyGrid> map;
   DistanceField field;
@@ -25,11 +25,12 @@ struct Place {
 
   /// Mean log likelihood of the beams' end points at one pose, in (-inf, 0].
   [[nodiscard]] double mean_log(const Beams& beams, const Pose2& pose) const;
-  /// How well a scan agrees with the map at one pose, as the mean of a logarithm per ray, in (-inf, 0]. It
-  /// knows what mean_log() does not: a ray that goes through a wall cannot be, one that ends short of it met
-  /// something that the map does not hold, such as people. `beams` without misses; takes up to 90 rays.
+  /// How well a scan agrees with the map at one pose, as the mean of a logarithm per ray, in (-inf, 0].
+  /// Unlike mean_log() it considers the whole ray: a ray through a wall is nearly impossible, one that ends
+  /// before the wall met an object that the map does not contain, such as a person. `beams` without misses;
+  /// takes up to 90 rays.
   [[nodiscard]] double agreement(const Beams& beams, const Pose2& pose) const;
-  /// Share of the beams' end points near an obstacle (0.15 m, or one and a half cells), [0, 1].
+  /// Fraction of the beams' end points near an obstacle (0.15 m, or one and a half cells), [0, 1].
   [[nodiscard]] double fit(const Beams& beams, const Pose2& pose) const;
 };
 

@@ -1,4 +1,4 @@
-#include "localize/place.hpp"
+#include "localize/map_model.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -23,7 +23,7 @@ void visit_ends(const DistanceField& field, const Beams& beams, const Pose2& pos
 
 }  // namespace
 
-Place::Place(std::shared_ptr<const OccupancyGrid> the_map, const LocalizerParams& params)
+MapModel::MapModel(std::shared_ptr<const OccupancyGrid> the_map, const LocalizerParams& params)
     : map(std::move(the_map)),
       field(*map, params.laser_likelihood_max_dist),
       free_space(map),
@@ -31,17 +31,17 @@ Place::Place(std::shared_ptr<const OccupancyGrid> the_map, const LocalizerParams
       wide(params.laser_z_hit, params.laser_z_rand, kWidening * params.laser_sigma_hit, field),
       rand_per_hit(params.laser_z_rand / params.laser_z_hit) {}
 
-double Place::mean_log(const Beams& beams, const Pose2& pose) const {
+double MapModel::mean_log(const Beams& beams, const Pose2& pose) const {
   if (beams.ends() == 0) return 0;
   double sum = 0;
   visit_ends(field, beams, pose, [&](std::uint8_t byte) { sum += exact.log_of(byte); });
   return sum / static_cast<double>(beams.ends());
 }
 
-double Place::agreement(const Beams& beams, const Pose2& pose) const {
+double MapModel::agreement(const Beams& beams, const Pose2& pose) const {
   constexpr std::size_t kRays = 90;
   constexpr double kThrough_m = 0.3;  // beyond an obstacle
-  constexpr double kShort = -1;       // log likelihood of something that the map does not hold
+  constexpr double kShort = -1;       // log likelihood of an object that the map does not contain
   if (beams.ends() == 0) return 0;
   const Pose2 sensor = compose(pose, {beams.sensor_x_m, beams.sensor_y_m, 0});
   const double impossible = std::log(rand_per_hit / (1 + rand_per_hit));
@@ -63,7 +63,7 @@ double Place::agreement(const Beams& beams, const Pose2& pose) const {
   return sum / static_cast<double>(count);
 }
 
-double Place::fit(const Beams& beams, const Pose2& pose) const {
+double MapModel::fit(const Beams& beams, const Pose2& pose) const {
   constexpr double kNear_m = 0.15;
   if (beams.ends() == 0) return 0;
   const double near = std::max(kNear_m, 1.5 * map->resolution_m);
