@@ -5,11 +5,11 @@
 
 #include "ros/localize/localizer_node.hpp"
 
-/// The program `localizer`: LocalizerNode in a process of its own, as amcl runs. Ends with 1 on bad
+/// The program `localizer`: LocalizerNode in a separate process, as amcl runs. Exit status 1 on bad
 /// parameters.
 namespace {
 
-constexpr double kLookS = 0.2;  // between looks whether to end
+constexpr double kLookS = 0.2;  // between checks for the signal
 
 volatile std::sig_atomic_t stop_asked = 0;
 

@@ -13,7 +13,7 @@ namespace extperfc::localizer {
 
 namespace {
 
-// No robot of ours moves so far between two scans: its odometry started anew.
+// Farther motion between two scans means that odometry restarted.
 constexpr double kJumpM = 1.0;
 constexpr double kJumpSpeedMS = 5.0;
 // Uncertainty added when the pose is carried over a gap in time or odometry: 0.1 m, 0.1 rad.
@@ -111,7 +111,7 @@ Result<void> LocalizerEngine::place(const Odometry& now) {
   return {};
 }
 
-/// The robot went on since the pose was given: rviz's arrow is as old as the map on its screen.
+/// Carries the given pose on by odometry since its stamp: rviz stamps it when the arrow is drawn.
 Result<void> LocalizerEngine::place(const GivenPose& given, const Odometry& now) {
   Pose2 pose = given.pose;
   if (!given.stamp.isZero() && tf_.canTransform(params_.odom_frame, params_.base_frame, given.stamp))
@@ -120,11 +120,11 @@ Result<void> LocalizerEngine::place(const GivenPose& given, const Odometry& now)
 }
 
 /// Time ran back: a recording starts again in the same odometry frame, so map -> odom still holds. Otherwise
-/// odometry started anew and the robot stands where it stood.
+/// odometry restarted and the robot stands where it stood.
 Result<void> LocalizerEngine::keep_pose(const Odometry& now) {
   const auto pose = compose(map_T_odom_, time_ran_back_ ? now.odom_T_base : last_->odom_T_base);
-  ROS_WARN(time_ran_back_ ? "time ran back: the pose is kept in the odometry's frame"
-                          : "odometry jumped: taken for its restart, the pose is kept");
+  ROS_WARN(time_ran_back_ ? "time ran back: keeping the transform from map to odometry"
+                          : "odometry jumped: assuming that it restarted, keeping the pose");
   return localizer_->set_pose(pose,
                               localizer_->estimate().covariance + kGapVariance * Eigen::Matrix3d::Identity());
 }
@@ -156,7 +156,7 @@ Result<Pose> LocalizerEngine::transform_at(const std::string& target, const std:
   } catch (const tf2::TransformException&) {
     return fail(ErrorCode::kNotFound,
                 "no transform from " + source + " to " + target +
-                    " at the scan's stamp; is tf published, and are the frames' names right?");
+                    " at the scan's stamp; check that tf is published and that the frame names are right");
   }
   return fail(ErrorCode::kCorrupt, "the transform from " + source + " to " + target + " is not finite");
 }

@@ -14,7 +14,7 @@
 
 namespace extperfc::localizer {
 
-/// What one scan led to.
+/// Result of one scan.
 struct Located {
   ros::Time stamp;                  ///< of the scan
   Pose2 map_T_odom;                 ///< holds until the next update
@@ -23,13 +23,12 @@ struct Located {
   localize::PoseEstimate estimate;  ///< of the last update
 };
 
-/// The localizer with its transforms: takes work, gives poses. One thread at a time; stop() from any.
+/// The localizer with its transforms: turns work into poses. One thread at a time; stop() from any.
 class LocalizerEngine {
  public:
   LocalizerEngine(const ros_params::LocalizerNodeParams& params, tf2_ros::Buffer& tf);
 
-  /// Nothing: no map yet, or no scan in the work. Errors: scans and transforms that cannot be used, each
-  /// named.
+  /// No value: no map yet, or no scan in the work. Errors: unusable scans and transforms, each named.
   [[nodiscard]] Result<std::optional<Located>> process(const Work& work);
 
   [[nodiscard]] bool has_map() const { return localizer_.has_value(); }

@@ -19,8 +19,8 @@ namespace {
 using diagnostic_msgs::DiagnosticStatus;
 
 constexpr double kReportTickS = 0.1;
-constexpr double kStampJumpS = 1.0;         // stamps of several scanners may be a little out of order
-constexpr double kSureClusterWeight = 0.5;  // below, more than half of the weight says: somewhere else
+constexpr double kStampJumpS = 1.0;         // stamps of several scanners may be slightly out of order
+constexpr double kSureClusterWeight = 0.5;  // below, most of the weight is in other clusters
 
 }  // namespace
 
@@ -114,14 +114,14 @@ Result<GivenPose> LocalizerNode::to_given_pose(const PoseMessage& message) const
   auto frame = message.header.frame_id;
   if (!frame.empty() && frame.front() == '/') frame.erase(0, 1);
   if (!frame.empty() && frame != params_.global_frame)
-    return fail(ErrorCode::kInvalidArgument, "the initial pose is in the frame " + frame +
-                                                 ", but must be in " + params_.global_frame +
-                                                 ": it is ignored");
+    return fail(ErrorCode::kInvalidArgument,
+                "ignoring initial pose: its frame is " + frame + ", must be " + params_.global_frame);
   const auto pose = convert::to_pose2(message.pose.pose);
-  if (!pose) return fail(ErrorCode::kInvalidArgument, "initial pose ignored: " + pose.error().message);
+  if (!pose) return fail(ErrorCode::kInvalidArgument, "ignoring initial pose: " + pose.error().message);
   const auto covariance = convert::to_covariance(message.pose.covariance);
   if (!covariance.allFinite() || covariance.diagonal().minCoeff() < 0)
-    return fail(ErrorCode::kInvalidArgument, "initial pose ignored: its covariance is none");
+    return fail(ErrorCode::kInvalidArgument,
+                "ignoring initial pose: covariance must be finite with a non-negative diagonal");
   return GivenPose{message.header.stamp, *pose, covariance};
 }
 
@@ -157,7 +157,7 @@ bool LocalizerNode::on_set_map(nav_msgs::SetMap::Request& request, nav_msgs::Set
   return true;
 }
 
-/// Nothing leaves this function: what was thrown is an error like any other.
+/// Catches exceptions and reports them like other errors.
 void LocalizerNode::work_off(const Work& work) {
   std::string error;
   try {
@@ -232,7 +232,7 @@ void LocalizerNode::store_pose() {
     ros_params::store_initial_pose(private_handle_, located->map_T_base, located->estimate.covariance);
 }
 
-/// By wall time: Updater::update() would wait for ros time to come back to where it was before it ran back.
+/// By wall time: after ros time ran back, Updater::update() would wait until it has caught up.
 void LocalizerNode::update_diagnostics() {
   const auto now = ros::WallTime::now();
   if ((now - last_report_).toSec() < updater_.getPeriod()) return;

@@ -34,12 +34,12 @@ namespace extperfc::localizer {
 ///   /tf, /tf_static
 /// Publishes:
 ///   amcl_pose      geometry_msgs/PoseWithCovarianceStamped, latched, after every update
-///   particlecloud  geometry_msgs/PoseArray, latched, made only while somebody listens
+///   particlecloud  geometry_msgs/PoseArray, latched, only while it has subscribers
 ///   /tf            global_frame_id -> odom_frame_id with every scan, dated transform_tolerance ahead of it
 ///   diagnostics    diagnostic_msgs/DiagnosticArray
 /// Services:
-///   global_localization     std_srvs/Empty: it may be anywhere on the map
-///   request_nomotion_update std_srvs/Empty: update with the next scan, though the robot stands
+///   global_localization     std_srvs/Empty: particles on the whole map
+///   request_nomotion_update std_srvs/Empty: update with the next scan, without motion
 ///   set_map                 nav_msgs/SetMap: another map and the pose in it
 /// Calls: static_map (nav_msgs/GetMap) until it answers, when use_map_topic is false and map_file empty
 /// Parameters (private; unknown keys are refused): amcl's, with units and ranges in config/localizer.yaml.
@@ -49,7 +49,7 @@ namespace extperfc::localizer {
 ///                          .gridmap.gz, loaded at the start                         "": none
 ///   tf_timeout_s           wait for a transform at the scan's stamp [s]             0.5, [0, 5]
 ///   idle_update_period_s   longest time between updates while standing; 0: none [s] 1, [0, 3600]
-///   lost_fit               share of fitting beams below which the robot is lost     0.4, [0, 1]
+///   lost_fit               fraction of fitting beams below which the robot is lost     0.4, [0, 1]
 ///   timeout_s              silence of the lidar after which diagnostics warn [s]    5, [0.1, 3600]
 ///   seed                   of the random numbers                                    1
 /// Frames: needs scan frame -> base_frame_id -> odom_frame_id at the scan's stamp.
@@ -63,7 +63,7 @@ class LocalizerNode {
   [[nodiscard]] static Result<std::unique_ptr<LocalizerNode>> make(const ros::NodeHandle& handle,
                                                                    const ros::NodeHandle& private_handle,
                                                                    const std::string& name);
-  /// Stores the last pose, if it shall be stored.
+  /// Stores the last pose, if save_pose_rate is positive.
   ~LocalizerNode();
   LocalizerNode(const LocalizerNode&) = delete;
   LocalizerNode& operator=(const LocalizerNode&) = delete;
@@ -108,7 +108,7 @@ class LocalizerNode {
 
   ros::Publisher pose_publisher_;
   ros::Publisher cloud_publisher_;
-  std::atomic<bool> cloud_wanted_{false};  ///< somebody began to listen
+  std::atomic<bool> cloud_wanted_{false};  ///< a subscriber connected
   ros::Time last_cloud_;                   ///< of the worker
   ros::Time last_now_;                     ///< of the scan callback
   ros::Time last_stamp_;                   ///< of the scan callback

@@ -81,7 +81,7 @@ void MapSource::accept(const nav_msgs::OccupancyGrid& message) {
     return say(map.error().message);
   }
   if (!message.header.frame_id.empty() && message.header.frame_id != global_frame_)
-    ROS_WARN("the map's frame is %s, but global_frame_id is %s: it is taken as a map of %s",
+    ROS_WARN("the map's frame is %s, but global_frame_id is %s: using the map in %s",
              message.header.frame_id.c_str(), global_frame_.c_str(), global_frame_.c_str());
   {
     const std::lock_guard lock(mutex_);

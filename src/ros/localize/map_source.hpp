@@ -16,9 +16,8 @@
 
 namespace extperfc::localizer {
 
-/// Where the map comes from: the file map_file, the topic `map`, or, as with amcl, the service `static_map`,
-/// which is asked again and again until it answers. `on_map` is called from a callback or a thread of this
-/// class.
+/// Source of the map: the file map_file, the topic `map`, or, as with amcl, the service `static_map`, which
+/// is called until it answers. `on_map` is called from a callback or a thread of this class.
 class MapSource {
  public:
   using OnMap = std::function<void(MapPtr)>;
@@ -27,11 +26,11 @@ class MapSource {
   MapSource(const MapSource&) = delete;
   MapSource& operator=(const MapSource&) = delete;
 
-  /// Begins. Errors: a map_file that cannot be read.
+  /// Starts. Errors: a map_file that cannot be read.
   [[nodiscard]] Result<void> start();
   void stop();
 
-  /// What is wrong with the last map, or what is being waited for; empty once a good map came.
+  /// Why there is no usable map: the last map's error, or the source it waits for; empty after a good map.
   [[nodiscard]] std::string problem() const;
 
  private:

@@ -61,8 +61,8 @@ std::optional<geometry_msgs::TransformStamped> FramePublisher::due_locked() {
   if (now < last_now_) last_stamp_ = ros::Time();        // time ran back: so do the stamps
   last_now_ = now;
   const auto stamp = now + ros::Duration(options_.delay_s);
-  const double least_s = ros::Time::isSystemTime() ? 0.0 : 0.99 * options_.period_s;
-  if (stamp <= last_stamp_ || stamp.toSec() - last_stamp_.toSec() < least_s) return std::nullopt;
+  const double min_period_s = ros::Time::isSystemTime() ? 0.0 : 0.99 * options_.period_s;
+  if (stamp <= last_stamp_ || stamp.toSec() - last_stamp_.toSec() < min_period_s) return std::nullopt;
   last_stamp_ = stamp;
   auto message = *transform_;
   message.header.stamp = stamp;

@@ -14,9 +14,8 @@
 
 namespace extperfc {
 
-/// Publishes map -> odom (or map -> base without odometry) again and again, whether scans come or not,
-/// stamped ahead by `delay_s`, so that whoever asks meanwhile finds it. The same stamp is never published
-/// twice.
+/// Publishes map -> odom (or map -> base without odometry) periodically, independent of scans, stamped ahead
+/// by `delay_s` so that lookups at the present time succeed. The same stamp is never published twice.
 class FramePublisher {
  public:
   struct Options {
@@ -31,7 +30,7 @@ class FramePublisher {
   FramePublisher& operator=(const FramePublisher&) = delete;
 
   void set(const std::string& child_frame, const Pose2& map_T_child);
-  /// Nothing is known: publishes nothing until the next set().
+  /// Stops publishing until the next set().
   void clear();
   /// Returns when no publishing is under way. Harmless twice.
   void stop();

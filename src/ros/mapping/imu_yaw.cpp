@@ -15,7 +15,7 @@ bool has_orientation(const sensor_msgs::Imu& message) {
   return message.orientation_covariance[0] >= 0;  // sensor_msgs/Imu: -1 says that there is none
 }
 
-/// Yaw of the base, or nothing when the orientation is none.
+/// Yaw of the base, or no value when the orientation is invalid.
 std::optional<double> yaw_of(const sensor_msgs::Imu& message, const Eigen::Matrix3d& base_R_imu) {
   const Eigen::Quaterniond q(message.orientation.w, message.orientation.x, message.orientation.y,
                              message.orientation.z);
@@ -67,8 +67,8 @@ std::optional<double> ImuYaw::interpolate(double stamp_s) const {
   const auto before = std::prev(after);
   const double gap_s = after->stamp_s - before->stamp_s;
   if (gap_s > kLongestGapS) return std::nullopt;
-  const double share = (stamp_s - before->stamp_s) / gap_s;
-  return before->yaw_rad + share * (after->yaw_rad - before->yaw_rad);
+  const double ratio = (stamp_s - before->stamp_s) / gap_s;
+  return before->yaw_rad + ratio * (after->yaw_rad - before->yaw_rad);
 }
 
 std::optional<double> ImuYaw::at(double stamp_s, double timeout_s) {

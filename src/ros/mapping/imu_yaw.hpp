@@ -14,20 +14,21 @@
 
 namespace extperfc {
 
-/// The base's yaw by an IMU: from its orientation, or from its turning rate when it gives no orientation
-/// (orientation_covariance[0] = -1). Only differences mean something. Thread-safe, bounded.
+/// The base's yaw by an IMU: from its orientation, or from its angular velocity when it gives no orientation
+/// (orientation_covariance[0] = -1). Only differences are meaningful. Thread-safe, bounded.
 class ImuYaw {
  public:
-  /// Keeps a sample. Samples from before start anew; those that are not finite are ignored and counted.
+  /// Keeps a sample. Older stamps than the last clear the buffer; samples that are not finite are ignored and
+  /// counted.
   void add(const sensor_msgs::Imu& message);
 
   /// Unwrapped yaw [rad] at a stamp, between its neighbours. Waits up to `timeout_s` of wall time for the
-  /// later one; nothing when it does not come, or when the stamp is older than what is kept.
+  /// later one; no value when it does not come, or when the stamp is older than the buffer.
   [[nodiscard]] std::optional<double> at(double stamp_s, double timeout_s);
 
   /// Frame of the samples that have no mount yet; empty: none.
   [[nodiscard]] std::string unknown_frame() const;
-  /// Where the IMU sits on the robot; level and upright until then. What was measured otherwise is forgotten.
+  /// Mounting pose of the IMU on the robot; level and upright until then. Clears the buffer when it changes.
   void set_mount(const std::string& frame, const Pose& base_T_imu);
 
   /// Ends all waiting.
@@ -37,7 +38,7 @@ class ImuYaw {
 
  private:
   static constexpr std::size_t kKept = 4000;   ///< samples: 10 s at 400 Hz
-  static constexpr double kLongestGapS = 0.5;  ///< farther neighbours say nothing of what was between them
+  static constexpr double kLongestGapS = 0.5;  ///< no interpolation between samples farther apart
 
   struct Sample {
     double stamp_s;

@@ -17,7 +17,7 @@ namespace {
 
 constexpr bool kLatched = true;
 constexpr double kSettlingPauseS = 0.05;  ///< between the steps of settling after a loop closure
-constexpr double kMostShare = 0.1;        ///< of a core
+constexpr double kMaxCpuLoad = 0.1;       ///< of a core
 constexpr double kLatestStampS = 4.29e9;  ///< ros::Time cannot hold later ones, and throws
 
 std::chrono::steady_clock::duration seconds(double value) {
@@ -116,7 +116,7 @@ std::shared_ptr<const OccupancyGrid> MapPublisher::take_map() {
   statistics_.longest_held_ms = std::max(statistics_.longest_held_ms, held_ms);
   if (!settled) {
     map_wanted_ = settling_wanted_ = true;
-    settling_due_ = Clock::now() + seconds(std::max(kSettlingPauseS, 1e-3 * held_ms / kMostShare));
+    settling_due_ = Clock::now() + seconds(std::max(kSettlingPauseS, 1e-3 * held_ms / kMaxCpuLoad));
   }
   return map && !map->empty() ? map : nullptr;
 }
@@ -143,7 +143,7 @@ void MapPublisher::publish_map(const ros::Time& stamp) {
   const std::lock_guard lock(mutex_);
   statistics_.build_ms = watch.milliseconds();
   const double cost_s = 1e-3 * (statistics_.build_ms + statistics_.held_ms);
-  map_due_ = Clock::now() + seconds(std::max(options_.interval_s, cost_s / kMostShare));
+  map_due_ = Clock::now() + seconds(std::max(options_.interval_s, cost_s / kMaxCpuLoad));
   ++statistics_.maps;
   statistics_.width = map->width;
   statistics_.height = map->height;
@@ -157,7 +157,7 @@ void MapPublisher::publish_trajectory(const ros::Time& stamp) {
   const auto message = boost::make_shared<nav_msgs::Path>();
   message->header.frame_id = options_.map_frame;
   message->header.stamp = stamp;
-  const std::size_t stride = 1 + trajectory.size() / kMostPoses;
+  const std::size_t stride = 1 + trajectory.size() / kMaxPoses;
   for (std::size_t i = trajectory.size() % stride; i < trajectory.size(); i += stride) {
     geometry_msgs::PoseStamped pose;
     pose.header.frame_id = options_.map_frame;
@@ -168,7 +168,7 @@ void MapPublisher::publish_trajectory(const ros::Time& stamp) {
   trajectory_publisher_.publish(message);
   const std::lock_guard lock(mutex_);
   trajectory_due_ =
-      Clock::now() + seconds(std::max(options_.trajectory_interval_s, watch.seconds() / kMostShare));
+      Clock::now() + seconds(std::max(options_.trajectory_interval_s, watch.seconds() / kMaxCpuLoad));
 }
 
 bool MapPublisher::current(nav_msgs::OccupancyGrid& message) {

@@ -15,11 +15,11 @@
 
 namespace extperfc {
 
-/// Publishes map, map_metadata (both latched) and trajectory in a thread of its own: the mapper is held only
-/// while it hands its map over, not while messages are built and sent.
+/// Publishes map, map_metadata (both latched) and trajectory in a separate thread: the mapper is locked only
+/// while its map is copied, not while messages are built and sent.
 ///
-/// A map leaves when it has changed and `interval_s` has passed since the last; what takes long leaves less
-/// often, so that this thread stays below a tenth of a core.
+/// A map is published when it has changed and `interval_s` has passed since the last; costly messages are
+/// published less often, so that this thread uses less than a tenth of a core.
 class MapPublisher {
  public:
   struct Options {
@@ -45,20 +45,20 @@ class MapPublisher {
 
   /// A scan changed the mapper.
   void changed(const ros::Time& stamp);
-  /// The map is another one: the next change is published at once.
+  /// The map was replaced: the next change is published at once.
   void restart();
   /// Ends the thread; harmless twice.
   void stop();
 
-  /// The map of now, for a service. False when there is none yet.
+  /// The current map, for a service. False without a map.
   [[nodiscard]] bool current(nav_msgs::OccupancyGrid& message);
-  /// The map after all that loop closures left to do, `patience_s` at most; null when there is none.
+  /// The map after all redraws of loop closures, waiting for `patience_s` at most; null without a map.
   [[nodiscard]] std::shared_ptr<const OccupancyGrid> settled_map(double patience_s);
   [[nodiscard]] Statistics statistics() const;
 
  private:
   using Clock = std::chrono::steady_clock;
-  static constexpr std::size_t kMostPoses = 10000;  ///< of a published trajectory
+  static constexpr std::size_t kMaxPoses = 10000;  ///< of a published trajectory
 
   void run();
   void publish_map(const ros::Time& stamp);

@@ -14,7 +14,7 @@ namespace extperfc {
 
 namespace {
 
-constexpr double kRanBackS = 0.5;         ///< smaller steps backwards are a recording's disorder
+constexpr double kRanBackS = 0.5;         ///< smaller steps backwards are out-of-order messages
 constexpr double kComplaintPeriodS = 10;  ///< of the log, while an error lasts
 
 const std_msgs::Header& header_of(const sensor_msgs::LaserScanConstPtr& scan,
@@ -68,7 +68,7 @@ void MapperNodelet::make_parts() {
   const auto handle = getNodeHandle();
   health_ = std::make_unique<MappingHealth>(params_.timeout_s);
   queue_ = std::make_unique<ScanQueue<Waiting>>(static_cast<std::size_t>(params_.queue_size));
-  chain_.emplace(OdometryChain::Limits{params_.odometry_max_speed_m_s, params_.odometry_max_turn_rad_s});
+  chain_.emplace(OdometryChain::Limits{params_.odometry_max_speed_m_s, params_.odometry_max_yaw_rate_rad_s});
   frames_ = std::make_unique<RobotFrames>(params_.base_frame, params_.odom_frame);
   frame_publisher_ = std::make_unique<FramePublisher>(
       FramePublisher::Options{params_.map_frame, params_.transform_publish_period, params_.tf_delay});
@@ -78,7 +78,7 @@ void MapperNodelet::make_parts() {
   poses_ = std::make_unique<PosePublisher>(handle, getPrivateNodeHandle(), params_.map_frame);
   services_ = std::make_unique<MapperServices>(
       getNodeHandle(), getPrivateNodeHandle(), params_.mapper, *mapper_, *maps_,
-      MapperServices::Hooks{[this](bool paused) { set_paused(paused); }, [this] { on_other_map(); }});
+      MapperServices::Callbacks{[this](bool paused) { set_paused(paused); }, [this] { on_other_map(); }});
 }
 
 /// By wall time: the updater's own clock stands still after time ran back.
@@ -132,7 +132,7 @@ void MapperNodelet::notice_time(const std_msgs::Header& header) {
   frames_->ran_back_to(header.stamp, header.frame_id);
   ++epoch_;
   health_->time_ran_back();
-  NODELET_WARN("time ran back to %.3f: mapping goes on from the present pose, odometry begins anew",
+  NODELET_WARN("time ran back to %.3f: mapping continues from the present pose, odometry restarts",
                header.stamp.toSec());
 }
 
@@ -172,17 +172,17 @@ Result<void> MapperNodelet::add(const sensor_msgs::LaserScan& message, double ti
   const auto& stamp = message.header.stamp;
   if (stamp.isZero() || message.header.frame_id.empty())
     return fail(ErrorCode::kInvalidArgument,
-                "a scan without stamp or frame_id cannot be mapped: its driver must set both");
+                "the scan has no stamp or no frame_id: its driver must set both");
   const auto base_T_scanner = frames_->base_T(message.header.frame_id, stamp, timeout_s);
   if (!base_T_scanner) return tl::unexpected(base_T_scanner.error());
-  const auto scan = convert::to_laser_scan(message, *base_T_scanner, params_.most_tilt_rad);
+  const auto scan = convert::to_laser_scan(message, *base_T_scanner, params_.max_tilt_rad);
   if (!scan) return tl::unexpected(scan.error());
   const auto odometry = odometry_at(stamp, timeout_s);
   if (!odometry) return tl::unexpected(odometry.error());
   const auto step = chain_->next(stamp.toSec(), *odometry, imu_yaw_at(stamp, timeout_s));
   if (step.jumped) {
     health_->jumped();
-    NODELET_WARN("odometry jumped before %.3f: the way since the scan before is found by matching",
+    NODELET_WARN("odometry jumped before %.3f: the motion since the previous scan comes from scan matching",
                  stamp.toSec());
   }
   const Stopwatch watch;
@@ -222,12 +222,12 @@ std::optional<double> MapperNodelet::imu_yaw_at(const ros::Time& stamp, double t
     if (const auto mount = frames_->base_T(frame, stamp, 0.0))
       imu_.set_mount(frame, *mount);
     else
-      problem = "the IMU is taken for level: " + mount.error().message;
+      problem = "the IMU is assumed to be level: " + mount.error().message;
   }
   const auto yaw = imu_.at(stamp.toSec(), timeout_s);
   if (!yaw)
     problem = "no IMU reading at the scan's stamp on " + getNodeHandle().resolveName(kImuTopic) +
-              ": turns are odometry's";
+              ": rotation comes from odometry";
   health_->imu_missing(problem);
   return yaw;
 }

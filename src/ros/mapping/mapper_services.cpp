@@ -24,7 +24,7 @@ void answer(const Result<std::string>& result, Response& response) {
   response.message = result ? *result : result.error().message;
 }
 
-/// Moves a finished file to its place, so that nobody ever meets half of one.
+/// Renames a finished file, so that no reader sees an incomplete one.
 Result<void> put_in_place(const fs::path& from, const fs::path& to) {
   std::error_code error;
   fs::rename(from, to, error);
@@ -38,8 +38,8 @@ Result<void> put_in_place(const fs::path& from, const fs::path& to) {
 
 MapperServices::MapperServices(ros::NodeHandle handle, ros::NodeHandle private_handle,
                                const mapping::MapperParams& params, SharedMapper& mapper, MapPublisher& maps,
-                               Hooks hooks)
-    : params_(params), mapper_(mapper), maps_(maps), hooks_(std::move(hooks)) {
+                               Callbacks callbacks)
+    : params_(params), mapper_(mapper), maps_(maps), callbacks_(std::move(callbacks)) {
   handle.setCallbackQueue(&queue_);
   private_handle.setCallbackQueue(&queue_);
   servers_.push_back(handle.advertiseService("dynamic_map", &MapperServices::dynamic_map, this));
@@ -59,7 +59,7 @@ void MapperServices::stop() {
 bool MapperServices::dynamic_map(nav_msgs::GetMap::Request& /*request*/,
                                  nav_msgs::GetMap::Response& response) {
   if (maps_.current(response.map)) return true;
-  ROS_WARN("dynamic_map was called before there is a map: no scan was used yet");
+  ROS_WARN("dynamic_map: there is no map yet: no scan was used");
   return false;
 }
 
@@ -100,19 +100,19 @@ bool MapperServices::load_session(LoadSession::Request& request, LoadSession::Re
     return true;
   }
   mapper_.replace(std::move(*loaded));
-  hooks_.restarted();
-  answer("goes on with " + request.path, response);
+  callbacks_.restarted();
+  answer("resumed from " + request.path, response);
   return true;
 }
 
 bool MapperServices::pause(Trigger::Request& /*request*/, Trigger::Response& response) {
-  hooks_.pause(true);
+  callbacks_.pause(true);
   answer(std::string("paused: scans are skipped"), response);
   return true;
 }
 
 bool MapperServices::resume(Trigger::Request& /*request*/, Trigger::Response& response) {
-  hooks_.pause(false);
+  callbacks_.pause(false);
   answer(std::string("mapping"), response);
   return true;
 }
@@ -124,8 +124,8 @@ bool MapperServices::reset(Trigger::Request& /*request*/, Trigger::Response& res
     return true;
   }
   mapper_.replace(std::move(*fresh));
-  hooks_.restarted();
-  answer(std::string("a new map begins with the next scan"), response);
+  callbacks_.restarted();
+  answer(std::string("the next scan starts a new map"), response);
   return true;
 }
 

@@ -21,7 +21,7 @@ namespace extperfc {
 /// dynamic_map, ~save_map, ~load_session, ~pause, ~resume and ~reset. Their answers name what was wrong.
 class MapperServices {
  public:
-  struct Hooks {
+  struct Callbacks {
     std::function<void(bool)> pause;
     std::function<void()> restarted;  ///< the mapper is another one
   };
@@ -29,7 +29,7 @@ class MapperServices {
   /// Calls run in a thread of their own: saving takes its time. Not in the nodelet manager's, whose second
   /// queue may be gone before a nodelet that is unloaded while one of its callbacks runs.
   MapperServices(ros::NodeHandle handle, ros::NodeHandle private_handle, const mapping::MapperParams& params,
-                 SharedMapper& mapper, MapPublisher& maps, Hooks hooks);
+                 SharedMapper& mapper, MapPublisher& maps, Callbacks callbacks);
   ~MapperServices() { stop(); }
   MapperServices(const MapperServices&) = delete;
   MapperServices& operator=(const MapperServices&) = delete;
@@ -51,7 +51,7 @@ class MapperServices {
   const mapping::MapperParams params_;
   SharedMapper& mapper_;
   MapPublisher& maps_;
-  const Hooks hooks_;
+  const Callbacks callbacks_;
   ros::CallbackQueue queue_;
   std::vector<ros::ServiceServer> servers_;
   ros::AsyncSpinner spinner_{1, &queue_};

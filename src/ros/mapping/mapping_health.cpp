@@ -120,17 +120,18 @@ void MappingHealth::report_warnings(DiagnosticStatusWrapper& status) const {
   if (paused_)
     status.mergeSummary(DiagnosticStatus::WARN, "paused: scans are skipped until ~resume is called");
   if (last_ && last_->status == mapping::ScanStatus::kUnusable)
-    status.mergeSummary(DiagnosticStatus::WARN,
-                        "the last scan has too few returns to be matched: the pose follows odometry alone");
+    status.mergeSummary(
+        DiagnosticStatus::WARN,
+        "the last scan has too few returns for scan matching: the pose follows odometry alone");
   else if (last_ && statistics_.key_frames > 1 && !last_->matched)
     status.mergeSummary(DiagnosticStatus::WARN,
                         "the last scan does not fit the map: the pose follows odometry alone");
   if (!odometry_missing_.empty())
     status.mergeSummary(DiagnosticStatus::WARN, "no odometry, scan matching alone: " + odometry_missing_);
   if (!imu_missing_.empty()) status.mergeSummary(DiagnosticStatus::WARN, imu_missing_);
-  warn_of(status, jumps_, "odometry jumped: the way since the scan before is found by matching");
+  warn_of(status, jumps_, "odometry jumped: the motion since the previous scan comes from scan matching");
   warn_of(status, contradictions_, "scans contradict odometry: do the wheels slip?");
-  warn_of(status, backward_, "time ran back: mapping goes on from the present pose");
+  warn_of(status, backward_, "time ran back: mapping continues from the present pose");
   warn_of(status, queue_full_, "scans come faster than they are used: see throttle_scans and particles");
 }
 

@@ -12,7 +12,7 @@
 
 namespace extperfc {
 
-/// What became of the scans, for diagnostics. Thread-safe.
+/// Counts of scans by their result, for diagnostics. Thread-safe.
 class MappingHealth {
  public:
   /// Diagnostics warn of what happened for `recent_s` of wall time.
@@ -20,7 +20,7 @@ class MappingHealth {
 
   void used(const mapping::MapperUpdate& update, const mapping::MapperStatistics& statistics,
             double mapper_ms);
-  /// `why`: what tf said; empty: there is odometry, or none is wanted.
+  /// `why_missing`: tf's error; empty: odometry is available or not used.
   void odometry(const std::string& why_missing);
   void imu_missing(const std::string& why);
   void without_transform();
@@ -31,13 +31,13 @@ class MappingHealth {
   void skipped_while_paused();
   void throttled();
   void paused(bool yes);
-  /// The map is another one; counters of the nodelet stay.
+  /// The map was replaced; counters of the nodelet stay.
   void restarted();
 
   void report(diagnostic_updater::DiagnosticStatusWrapper& status) const;
 
  private:
-  /// Something that happens now and then.
+  /// An event that diagnostics count.
   struct Event {
     std::uint64_t count{0};
     ros::WallTime last;

@@ -6,21 +6,20 @@
 
 namespace extperfc {
 
-/// Odometry as the mapper shall see it: without the jumps of an odometry that began anew, and with the turns
-/// of an IMU where there is one. Its poses are those of odometry up to a rigid motion that changes at jumps
-/// only.
+/// Odometry for the mapper: without the jumps of a restarted odometry, and with the rotation of an IMU where
+/// there is one. Its poses are those of odometry up to a rigid motion that changes at jumps only.
 class OdometryChain {
  public:
   /// A motion that would need more speed is a jump. Both have a slack of 0.3 m and 0.3 rad, for late stamps.
   struct Limits {
     double max_speed_m_s{5.0};
-    double max_turn_rad_s{10.0};
+    double max_yaw_rate_rad_s{10.0};
   };
 
   struct Step {
-    std::optional<Pose2> odom_T_base;  ///< nothing: the motion since the last step is not known
+    std::optional<Pose2> odom_T_base;  ///< no value: the motion since the last step is unknown
     bool jumped{false};
-    bool turn_of_imu{false};  ///< the turn since the last step is the IMU's
+    bool yaw_from_imu{false};  ///< the rotation since the last step is the IMU's
   };
 
   explicit OdometryChain(const Limits& limits) : limits_(limits) {}
@@ -29,7 +28,7 @@ class OdometryChain {
   [[nodiscard]] Step next(double stamp_s, const std::optional<Pose2>& odometry,
                           std::optional<double> imu_yaw_rad);
 
-  /// The next pose has nothing to do with those before.
+  /// Restarts: the next pose is unrelated to earlier ones.
   void forget() { last_.reset(); }
 
  private:

@@ -8,7 +8,7 @@
 
 namespace extperfc {
 
-/// Publishes what one scan brought: pose, and after key frames particlecloud and ~entropy. The worker's.
+/// Publishes the results of one scan: pose, and after key frames particlecloud and ~entropy. Worker thread.
 class PosePublisher {
  public:
   PosePublisher(ros::NodeHandle handle, ros::NodeHandle private_handle, std::string map_frame);

@@ -12,9 +12,9 @@ namespace extperfc {
 
 namespace {
 
-constexpr double kAliveS = 1.0;    ///< odometry that is older does not come any more
+constexpr double kAliveS = 1.0;    ///< older odometry counts as stopped
 constexpr double kRanBackS = 0.5;  ///< transforms so much later than a scan are from before time ran back
-constexpr int kHopefulMisses = 3;  ///< scans that wait for an odometry that nobody has seen
+constexpr int kHopefulMisses = 3;  ///< scans that wait for an odometry that never came
 constexpr double kPollS = 0.002;
 
 std::string text_of(const ros::Time& stamp) {
@@ -79,13 +79,15 @@ std::optional<ros::Time> RobotFrames::newest(const std::string& target, const st
 std::string RobotFrames::why_missing(const std::string& target, const std::string& source,
                                      const ros::Time& stamp) const {
   for (const auto& frame : {source, target})
-    if (!buffer_._frameExists(frame)) return "tf does not know the frame " + frame + "; who publishes it?";
+    if (!buffer_._frameExists(frame))
+      return "tf does not know the frame " + frame + "; is its publisher running?";
   const auto latest = newest(target, source);
-  if (!latest) return "tf does not join these frames; who publishes what lies between them?";
+  if (!latest)
+    return "tf has no connection between these frames; is the publisher of the missing transform running?";
   const double late_s = stamp.toSec() - latest->toSec();
   if (late_s > 0)
     return "the newest is " + text_of(late_s) + " older; is its publisher running, and are the clocks equal?";
-  return "the newest is " + text_of(-late_s) + " later, and tf does not reach so far back";
+  return "the newest is " + text_of(-late_s) + " later; the stamp is older than tf's buffer";
 }
 
 void RobotFrames::ran_back_to(const ros::Time& stamp, const std::string& sensor_frame) {

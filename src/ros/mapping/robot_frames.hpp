@@ -13,14 +13,14 @@
 
 namespace extperfc {
 
-/// What tf knows about the robot at a stamp. Waits in wall time, because simulated time may stand still.
-/// Every error names the frames, the stamp, and why there is no transform.
+/// Transforms of the robot at a stamp. Waits in wall time, because simulated time may stand still. Every
+/// error names the frames, the stamp, and why there is no transform.
 class RobotFrames {
  public:
   RobotFrames(std::string base_frame, std::string odom_frame)
       : base_frame_(std::move(base_frame)), odom_frame_(std::move(odom_frame)) {}
 
-  /// Where a sensor sits on the robot.
+  /// Mounting pose of a sensor on the robot.
   [[nodiscard]] Result<Pose> base_T(const std::string& sensor_frame, const ros::Time& stamp,
                                     double timeout_s);
   /// Does not wait for an odometry that has been silent for some scans. One thread at a time.
@@ -34,7 +34,7 @@ class RobotFrames {
  private:
   [[nodiscard]] Result<Pose> lookup(const std::string& target, const std::string& source,
                                     const ros::Time& stamp, double timeout_s);
-  /// Stamp of the newest transform; nothing when the frames are not connected.
+  /// Stamp of the newest transform; no value when the frames are not connected.
   [[nodiscard]] std::optional<ros::Time> newest(const std::string& target, const std::string& source) const;
   [[nodiscard]] std::string why_missing(const std::string& target, const std::string& source,
                                         const ros::Time& stamp) const;

@@ -10,19 +10,19 @@
 
 namespace extperfc {
 
-/// Hands items from callbacks to one worker, in order. When it is full the oldest gives way and is counted.
+/// Queue from callbacks to one worker. When it is full the oldest item is dropped and counted.
 template <typename T>
 class ScanQueue {
  public:
-  explicit ScanQueue(std::size_t most) : most_(most) {}
+  explicit ScanQueue(std::size_t capacity) : capacity_(capacity) {}
 
-  /// Returns true when an older item gave way. Does nothing after close().
+  /// Returns true when an older item was dropped. No effect after close().
   bool put(T item) {
     std::optional<T> displaced;  // destroyed after the lock is released
     {
       const std::lock_guard lock(mutex_);
       if (closed_) return false;
-      if (items_.size() >= most_) {
+      if (items_.size() >= capacity_) {
         displaced = std::move(items_.front());
         items_.pop_front();
         ++dropped_;
@@ -33,7 +33,7 @@ class ScanQueue {
     return displaced.has_value();
   }
 
-  /// Waits for an item. Nothing means: closed.
+  /// Waits for an item. No value: closed.
   [[nodiscard]] std::optional<T> take() {
     std::unique_lock lock(mutex_);
     ready_.wait(lock, [this] { return closed_ || !items_.empty(); });
@@ -65,7 +65,7 @@ class ScanQueue {
   mutable std::mutex mutex_;
   std::condition_variable ready_;
   std::deque<T> items_;
-  const std::size_t most_;
+  const std::size_t capacity_;
   std::uint64_t dropped_{0};
   bool closed_{false};
 };

@@ -7,12 +7,12 @@
 
 namespace extperfc {
 
-/// The mapper, for the worker that adds scans and for those who want its results meanwhile.
+/// The mapper with a mutex, for the worker that adds scans and for threads that read its results.
 class SharedMapper {
  public:
   explicit SharedMapper(mapping::Mapper mapper) : mapper_(std::move(mapper)) {}
 
-  /// `use(mapper)` while nobody else does. Keep it short: scans wait.
+  /// Calls `use(mapper)` with the mutex locked. Keep it short: scans wait.
   template <typename Use>
   auto with(Use&& use) {
     const std::lock_guard lock(mutex_);

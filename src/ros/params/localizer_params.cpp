@@ -11,9 +11,9 @@ using localize::OdometryModel;
 using localize::SensorModel;
 
 constexpr double kFar = 1e6;
-constexpr int kMost = 1'000'000;
+constexpr int kMaxParticles = 1'000'000;
 
-/// Parameters of amcl that have no work to do here.
+/// Parameters of amcl without effect here.
 constexpr const char* kWithoutMeaning[] = {"do_beamskip",
                                            "beam_skip_distance",
                                            "beam_skip_threshold",
@@ -27,8 +27,8 @@ constexpr const char* kWithoutMeaning[] = {"do_beamskip",
 
 void read_filter(ParamReader& reader, LocalizerParams& filter) {
   int seed = static_cast<int>(filter.seed);
-  reader.read("min_particles", filter.min_particles, {1, kMost});
-  reader.read("max_particles", filter.max_particles, {1, kMost});
+  reader.read("min_particles", filter.min_particles, {1, kMaxParticles});
+  reader.read("max_particles", filter.max_particles, {1, kMaxParticles});
   reader.read("kld_err", filter.kld_err, {1e-6, 1.0});
   reader.read("kld_z", filter.kld_z, {0.0, 1.0});
   reader.read("update_min_d", filter.update_min_d, {0.0, kFar});
@@ -99,8 +99,8 @@ void read_start(ParamReader& reader, LocalizerNodeParams& params) {
 
 void read_frame(ParamReader& reader, const std::string& key, std::string& frame) {
   reader.read(key, frame);
-  if (!frame.empty() && frame.front() == '/') frame.erase(0, 1);  // tf2 wants none; old files have one
-  if (frame.empty()) reader.complain(key + " is empty: it names a frame");
+  if (!frame.empty() && frame.front() == '/') frame.erase(0, 1);  // tf1 style; tf2 refuses a leading slash
+  if (frame.empty()) reader.complain(key + " must be the name of a frame, not empty");
 }
 
 void read_node(ParamReader& reader, LocalizerNodeParams& params) {
@@ -130,7 +130,7 @@ void read_rest(ParamReader& reader, const ros::NodeHandle& handle, std::vector<s
     reader.accept(key);
     if (handle.hasParam(key)) set += (set.empty() ? "" : ", ") + std::string(key);
   }
-  if (!set.empty()) notes.push_back("parameters of amcl without meaning here: " + set);
+  if (!set.empty()) notes.push_back("parameters of amcl without effect here: " + set);
 }
 
 }  // namespace
@@ -146,8 +146,9 @@ Result<LocalizerNodeParams> load_localizer_params(const ros::NodeHandle& private
   read_rest(reader, private_handle, params.notes);
   if (params.base_frame == params.odom_frame || params.odom_frame == params.global_frame ||
       params.base_frame == params.global_frame)
-    reader.complain("odom_frame_id, base_frame_id and global_frame_id must be three frames, but are " +
-                    params.odom_frame + ", " + params.base_frame + ", " + params.global_frame);
+    reader.complain(
+        "odom_frame_id, base_frame_id and global_frame_id must be three different frames, but are " +
+        params.odom_frame + ", " + params.base_frame + ", " + params.global_frame);
   if (const auto fits = localize::validate(params.filter); !fits) reader.complain(fits.error().message);
   if (auto finished = reader.finish(); !finished) return tl::unexpected(finished.error());
   return params;

@@ -33,15 +33,15 @@ struct LocalizerNodeParams {
   Pose2 initial_pose;               ///< of the base in the map
   Eigen::Vector3d initial_variance{0.25, 0.25,
                                    0.0685389};  ///< of x, y, yaw [m^2, m^2, rad^2]: 0.5 m, 15 degrees
-  double gui_publish_rate{-1};                  ///< most particle clouds per second [Hz]; -1: one an update
+  double gui_publish_rate{-1};                  ///< maximum rate of particle clouds [Hz]; -1: one per update
   double save_pose_rate{0.5};  ///< how often the pose goes to the parameter server [Hz]; -1: never
   double idle_update_period_s{
       1.0};              ///< longest time between updates while the robot stands [s]; 0: no such updates
-  double lost_fit{0.4};  ///< share of fitting beams below which the robot counts as lost [0, 1]
+  double lost_fit{0.4};  ///< fraction of fitting beams below which the robot counts as lost [0, 1]
   WarnLevels warn;
   double timeout_s{5.0};  ///< silence of the lidar after which diagnostics warn [s]
   std::vector<std::string>
-      notes;  ///< what of the parameters means something else here than in amcl; one line each
+      notes;  ///< differences from amcl in the meaning of given parameters; one line each
 };
 
 /// Reads `private_handle`; every problem is reported at once.

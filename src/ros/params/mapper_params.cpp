@@ -16,9 +16,9 @@ namespace {
 
 constexpr double kFarM = 1000.0;
 constexpr double kLongS = 3600.0;
-constexpr double kMostScore = 1e6;
+constexpr double kMaxScore = 1e6;
 
-/// What GMapping's matcher and its map of fixed size need.
+/// Parameters of GMapping's matcher and of its map of fixed size.
 constexpr const char* kWithoutEffect[] = {
     "sigma",         "kernelSize",   "lstep",         "astep",        "iterations",    "lsigma",
     "ogain",         "lskip",        "xmin",          "ymin",         "xmax",          "ymax",
@@ -48,9 +48,9 @@ void read_inputs(ParamReader& reader, const ros::NodeHandle& handle, MapperNodel
   reader.read("throttle_scans", params.throttle_scans, {1, 1000});
   reader.read("queue_size", params.queue_size, {1, 1000});
   reader.read("transform_timeout_s", params.transform_timeout_s, {0.0, 60.0});
-  reader.read("most_tilt_rad", params.most_tilt_rad, {0.0, 0.8});
+  reader.read("max_tilt_rad", params.max_tilt_rad, {0.0, 0.8});
   reader.read("odometry_max_speed_m_s", params.odometry_max_speed_m_s, {0.1, 100.0});
-  reader.read("odometry_max_turn_rad_s", params.odometry_max_turn_rad_s, {0.1, 100.0});
+  reader.read("odometry_max_yaw_rate_rad_s", params.odometry_max_yaw_rate_rad_s, {0.1, 100.0});
   reader.read("timeout_s", params.timeout_s, {0.1, kLongS});
   reader.read("session", params.session);
 }
@@ -78,7 +78,7 @@ Range<double> range_of(std::string_view name) {
                                                                     {"str", {0, 10}},
                                                                     {"stt", {0, 10}},
                                                                     {"occ_thresh", {0.01, 0.99}},
-                                                                    {"minimumScore", {0, kMostScore}},
+                                                                    {"minimumScore", {0, kMaxScore}},
                                                                     {"seed", {0, 2147483647}}};
   const auto found = kRanges.find(name);
   return found == kRanges.end() ? Range<double>{0, 1} : found->second;
@@ -103,22 +103,24 @@ void read_mapper(ParamReader& reader, mapping::MapperParams& mapper) {
     std::visit([&](auto field) { read_field(reader, name, mapper, field); }, name.field);
 }
 
-/// GMapping's minimumScore is a sum over the rays, 50 for instance; a share cannot be told from it. Returns
-/// false when it was one, and then takes the default.
+/// GMapping's minimumScore is a sum over the rays, e.g. 50, and cannot be converted to a fraction. Replaces
+/// values above 1 by the default and returns false.
 bool mend_minimum_score(mapping::MapperParams& mapper) {
   if (mapper.minimum_score <= 1.0) return true;
   mapper.minimum_score = mapping::MapperParams().minimum_score;
   return false;
 }
 
-std::string notice_about(const std::vector<std::string>& names, bool score_is_a_share, double default_score) {
+std::string notice_about(const std::vector<std::string>& names, bool score_is_a_fraction,
+                         double default_score) {
   std::string notice;
   for (const auto& name : names) notice += (notice.empty() ? "" : ", ") + name;
   if (!notice.empty()) notice = "parameters of GMapping that have no meaning here and no effect: " + notice;
-  if (!score_is_a_share)
-    notice +=
-        joined({notice.empty() ? "" : "; ", "minimumScore is the share of a scan that must fit, [0, 1]: ",
-                std::to_string(default_score).substr(0, 4), " is taken for the value above 1"});
+  if (!score_is_a_fraction)
+    notice += joined(
+        {notice.empty() ? "" : "; ",
+         "minimumScore is the fraction of a scan that must fit, [0, 1]: the value above 1 is replaced by ",
+         std::to_string(default_score).substr(0, 4)});
   return notice;
 }
 
@@ -131,13 +133,13 @@ Result<MapperNodeletParams> load_mapper_params(const ros::NodeHandle& private_ha
   read_inputs(reader, private_handle, params);
   read_outputs(reader, params);
   read_mapper(reader, params.mapper);
-  const bool share = mend_minimum_score(params.mapper);
+  const bool is_fraction = mend_minimum_score(params.mapper);
   std::vector<std::string> idle;
   for (const auto* name : kWithoutEffect) {
     reader.accept(name);
     if (private_handle.hasParam(name)) idle.emplace_back(name);
   }
-  params.notice = notice_about(idle, share, params.mapper.minimum_score);
+  params.notice = notice_about(idle, is_fraction, params.mapper.minimum_score);
   if (const auto fits = mapping::validate(params.mapper); !fits) reader.complain(fits.error().message);
   if (auto finished = reader.finish(); !finished) return tl::unexpected(finished.error());
   return params;

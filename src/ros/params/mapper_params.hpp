@@ -9,9 +9,9 @@
 
 namespace extperfc::ros_params {
 
-/// Where a first guess of the robot's motion comes from.
+/// Source of the motion prior of scan matching.
 enum class OdometrySource {
-  kAuto,  ///< tf where it knows odom_frame -> base_frame at a scan's stamp, otherwise none
+  kAuto,  ///< tf where it has odom_frame -> base_frame at a scan's stamp, otherwise none
   kTf,    ///< tf; a scan without is dropped
   kNone,  ///< scan matching alone; map -> base_frame is published
 };
@@ -23,22 +23,22 @@ struct MapperNodeletParams {
   std::string odom_frame{"odom"};
   std::string map_frame{"map"};
   OdometrySource odometry{OdometrySource::kAuto};
-  bool use_imu{false};                    ///< the turn comes from the IMU, odometry gives the way only
-  bool multi_echo{false};                 ///< scan is a sensor_msgs/MultiEchoLaserScan
-  int throttle_scans{1};                  ///< one of so many scans is used
-  int queue_size{10};                     ///< scans that may wait for the worker
-  double map_update_interval{5.0};        ///< from map to map, at least [s of wall time]
-  double trajectory_interval_s{1.0};      ///< from trajectory to trajectory, at least [s of wall time]
-  double transform_publish_period{0.05};  ///< 0: no tf [s]
-  double tf_delay{0.05};                  ///< how far ahead tf is stamped [s]
-  double transform_timeout_s{0.5};        ///< wait for what is known later than the scan [s of wall time]
-  double most_tilt_rad{0.1};              ///< of the scanner against the floor
-  double odometry_max_speed_m_s{5.0};     ///< faster: odometry has jumped
-  double odometry_max_turn_rad_s{10.0};   ///< faster: odometry has jumped
-  double timeout_s{5.0};                  ///< silence after which diagnostics warn [s]
-  double diagnostic_period{1.0};          ///< [s of wall time]
-  std::string session;                    ///< file to go on from; empty: a new map
-  std::string notice;                     ///< one line about keys of GMapping without effect; empty: none
+  bool use_imu{false};                       ///< rotation comes from the IMU, translation from odometry
+  bool multi_echo{false};                    ///< scan is a sensor_msgs/MultiEchoLaserScan
+  int throttle_scans{1};                     ///< use every n-th scan
+  int queue_size{10};                        ///< scans that may wait for the worker
+  double map_update_interval{5.0};           ///< from map to map, at least [s of wall time]
+  double trajectory_interval_s{1.0};         ///< from trajectory to trajectory, at least [s of wall time]
+  double transform_publish_period{0.05};     ///< 0: no tf [s]
+  double tf_delay{0.05};                     ///< how far ahead tf is stamped [s]
+  double transform_timeout_s{0.5};           ///< wait for transforms at the scan's stamp [s of wall time]
+  double max_tilt_rad{0.1};                  ///< of the scanner against the floor
+  double odometry_max_speed_m_s{5.0};        ///< faster: odometry has jumped
+  double odometry_max_yaw_rate_rad_s{10.0};  ///< faster: odometry has jumped
+  double timeout_s{5.0};                     ///< silence after which diagnostics warn [s]
+  double diagnostic_period{1.0};             ///< [s of wall time]
+  std::string session;                       ///< file to resume from; empty: a new map
+  std::string notice;                        ///< one line about keys of GMapping without effect; empty: none
 };
 
 /// Reads `private_handle`; every problem is reported at once.

@@ -103,7 +103,7 @@ double distance_m(const Pose2& a, const Pose2& b) {
   return std::hypot(a.x - b.x, a.y - b.y);
 }
 
-double turn_rad(const Pose2& a, const Pose2& b) {
+double yaw_difference_rad(const Pose2& a, const Pose2& b) {
   return std::abs(wrap_angle(a.yaw - b.yaw));
 }
 
@@ -148,7 +148,7 @@ void LocalizerTest::publish_map(const OccupancyGrid& map) {
 
 void LocalizerTest::publish_mount(const std::string& frame, const Pose2& base_T_scanner, bool upside_down) {
   auto mount = transform("base_link", frame, base_T_scanner, now_);
-  if (upside_down) {  // half a turn about x before the yaw
+  if (upside_down) {  // rotation by pi about x before the yaw
     const auto q = mount.transform.rotation;
     mount.transform.rotation.x = q.w;
     mount.transform.rotation.y = q.z;
@@ -185,10 +185,10 @@ std::optional<Pose2> LocalizerTest::locate() {
   return compose(map_T_odom.value(), compose(inverse(map_T_odom_), map_T_base_));
 }
 
-std::optional<Pose2> LocalizerTest::drive(double way_m, double turn_rad, int steps) {
+std::optional<Pose2> LocalizerTest::drive(double distance_m, double rotation_rad, int steps) {
   std::optional<Pose2> pose;
   for (int i = 0; i < steps; ++i) {
-    map_T_base_ = compose(map_T_base_, {way_m / steps, 0, turn_rad / steps});
+    map_T_base_ = compose(map_T_base_, {distance_m / steps, 0, rotation_rad / steps});
     pose = locate();
     if (!pose) return pose;
   }
@@ -226,7 +226,8 @@ bool LocalizerTest::tick_until(const std::function<bool()>& condition) {
 void LocalizerTest::expect_near(const Pose2& estimate, double error_m, double error_rad) const {
   EXPECT_LT(distance_m(estimate, map_T_base_), error_m)
       << estimate.x << " " << estimate.y << " instead of " << map_T_base_.x << " " << map_T_base_.y;
-  EXPECT_LT(turn_rad(estimate, map_T_base_), error_rad) << estimate.yaw << " instead of " << map_T_base_.yaw;
+  EXPECT_LT(yaw_difference_rad(estimate, map_T_base_), error_rad)
+      << estimate.yaw << " instead of " << map_T_base_.yaw;
 }
 
 }  // namespace extperfc::ros_test

@@ -32,7 +32,7 @@ namespace extperfc::ros_test {
                                           const std::string& frame, const ros::Time& stamp);
 
 [[nodiscard]] double distance_m(const Pose2& a, const Pose2& b);
-[[nodiscard]] double turn_rad(const Pose2& a, const Pose2& b);
+[[nodiscard]] double yaw_difference_rad(const Pose2& a, const Pose2& b);
 
 /// The nodelet, a map, and a robot with exact odometry in a frame of its own and a scanner, in simulated
 /// time.
@@ -55,10 +55,10 @@ class LocalizerTest : public testing::Test {
   void broadcast_odometry();
   /// 0.1 s later: tf, then the scan of where the robot is now. Does not wait.
   void tick();
-  /// As tick(), and waits for the transform map -> odom that the scan leads to. Nothing when none comes.
+  /// As tick(), and waits for the transform map -> odom that the scan leads to. No value when none comes.
   std::optional<Pose2> locate();
-  /// Drives straight ahead and turns, in steps of 0.1 s; located at every step. The last pose in the map.
-  std::optional<Pose2> drive(double way_m, double turn_rad, int steps);
+  /// Drives and rotates, in steps of 0.1 s; located at every step. The last pose in the map.
+  std::optional<Pose2> drive(double distance_m, double rotation_rad, int steps);
   /// Around the room and back to the start.
   std::optional<Pose2> drive_around();
   void give_pose(const Pose2& pose, double sigma_m = 0.3, double sigma_rad = 0.2,

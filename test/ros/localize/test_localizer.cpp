@@ -15,13 +15,13 @@ bool call(const std::string& service) {
 }
 
 double spread_m(const geometry_msgs::PoseArray& cloud) {
-  double least = 1e9;
-  double most = -1e9;
+  double min_x = 1e9;
+  double max_x = -1e9;
   for (const auto& pose : cloud.poses) {
-    least = std::min(least, pose.position.x);
-    most = std::max(most, pose.position.x);
+    min_x = std::min(min_x, pose.position.x);
+    max_x = std::max(max_x, pose.position.x);
   }
-  return most - least;
+  return max_x - min_x;
 }
 
 TEST_F(LocalizerTest, CorrectsAnInitialPoseThatIsALittleOff) {
@@ -41,7 +41,7 @@ TEST_F(LocalizerTest, ThePoseOfAmclPoseIsThatOfTheTransform) {
   EXPECT_EQ(message.header.frame_id, "map");
   const auto said = convert::to_pose2(message.pose.pose);
   EXPECT_LT(distance_m(*said, *pose), 1e-6);
-  EXPECT_LT(turn_rad(*said, *pose), 1e-6);
+  EXPECT_LT(yaw_difference_rad(*said, *pose), 1e-6);
   const auto covariance = convert::to_covariance(message.pose.covariance);
   EXPECT_GT(covariance.diagonal().minCoeff(), 0);
   EXPECT_LT(std::sqrt(covariance.diagonal().maxCoeff()), 0.3);
@@ -124,7 +124,7 @@ TEST_F(LocalizerTest, InitialposeInAnotherFrameIsIgnored) {
   give_pose({2, 2, 0}, 0.1, 0.1, "odom");
   ASSERT_TRUE(log_.wait("the initial pose is in the frame odom, but must be in map"));
   give_pose({std::nan(""), 2, 0});
-  ASSERT_TRUE(log_.wait("initial pose ignored: the pose has values that are not finite"));
+  ASSERT_TRUE(log_.wait("ignoring initial pose: the pose has values that are not finite"));
   ASSERT_TRUE(locate());
   EXPECT_EQ(poses_.count(), poses);
 }

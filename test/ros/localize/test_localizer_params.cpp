@@ -178,7 +178,7 @@ TEST(LocalizerParams, EverythingThatIsWrongIsSaidAtOnce) {
   ASSERT_FALSE(params);
   for (const char* text : {"min_particles = 0 is out of its range", "kld_err must be a number",
                            "unknown odom_model_type 'steered'", "unknown laser_model_type 'sonar'",
-                           "must be three frames", "laser_sigma_hit = -1 is out of its range",
+                           "must be three different frames", "laser_sigma_hit = -1 is out of its range",
                            "initial_pose_z is not a parameter", "use_map_topic must be true or false"})
     EXPECT_NE(params.error().message.find(text), std::string::npos) << text << "\n" << params.error().message;
 }

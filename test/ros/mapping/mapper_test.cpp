@@ -11,12 +11,12 @@
 
 namespace extperfc::ros_test {
 
-std::vector<Pose2> way(const Pose2& from, const Pose2& to, int steps) {
+std::vector<Pose2> straight_path(const Pose2& from, const Pose2& to, int steps) {
   std::vector<Pose2> poses;
   for (int i = 1; i <= steps; ++i) {
-    const double share = static_cast<double>(i) / steps;
-    poses.push_back({from.x + share * (to.x - from.x), from.y + share * (to.y - from.y),
-                     wrap_angle(from.yaw + share * wrap_angle(to.yaw - from.yaw))});
+    const double ratio = static_cast<double>(i) / steps;
+    poses.push_back({from.x + ratio * (to.x - from.x), from.y + ratio * (to.y - from.y),
+                     wrap_angle(from.yaw + ratio * wrap_angle(to.yaw - from.yaw))});
   }
   return poses;
 }
@@ -26,7 +26,7 @@ std::vector<Pose2> MapperTest::round_trip() {
                                    {0, 1, -2.8}, {-3, 0.5, -1.5}, {0, 0, 0}};
   std::vector<Pose2> poses{corners.front()};
   for (std::size_t i = 1; i < corners.size(); ++i) {
-    const auto leg = way(corners[i - 1], corners[i], 25);
+    const auto leg = straight_path(corners[i - 1], corners[i], 25);
     poses.insert(poses.end(), leg.begin(), leg.end());
   }
   return poses;

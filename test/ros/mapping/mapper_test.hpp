@@ -21,8 +21,8 @@
 
 namespace extperfc::ros_test {
 
-/// The way from one pose to another in equal steps, without the first and with the last.
-[[nodiscard]] std::vector<Pose2> way(const Pose2& from, const Pose2& to, int steps);
+/// The straight path from one pose to another in equal steps, without the first and with the last.
+[[nodiscard]] std::vector<Pose2> straight_path(const Pose2& from, const Pose2& to, int steps);
 
 /// A robot in the room of room.hpp: the test publishes its scans, and where odometry believes it to be.
 class MapperTest : public testing::Test {
@@ -54,8 +54,8 @@ class MapperTest : public testing::Test {
   [[nodiscard]] nav_msgs::OccupancyGridConstPtr map() const;
   /// What dynamic_map answers; empty when there is none.
   [[nodiscard]] static nav_msgs::OccupancyGrid map_now();
-  /// Share of the occupied cells within `tolerance_m` of a wall, and share of the visited places that are
-  /// free.
+  /// Fraction of the occupied cells within `tolerance_m` of a wall, and fraction of the visited poses that
+  /// are free.
   void expect_map_of_the_room(const nav_msgs::OccupancyGrid& map, double tolerance_m = 0.12) const;
   [[nodiscard]] std::optional<geometry_msgs::TransformStamped> last_transform(const std::string& child) const;
 

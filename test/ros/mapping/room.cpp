@@ -36,8 +36,8 @@ double hit(const Wall& wall, double x, double y, double dx, double dy) {
   const double ox = wall.x1 - x;
   const double oy = wall.y1 - y;
   const double range = (ox * wy - oy * wx) / determinant;
-  const double share = (ox * dy - oy * dx) / determinant;
-  return range > 0 && share >= -1e-9 && share <= 1 + 1e-9 ? range : std::numeric_limits<double>::infinity();
+  const double ratio = (ox * dy - oy * dx) / determinant;
+  return range > 0 && ratio >= -1e-9 && ratio <= 1 + 1e-9 ? range : std::numeric_limits<double>::infinity();
 }
 
 }  // namespace
@@ -75,9 +75,9 @@ double distance_to_wall(double x_m, double y_m) {
   for (const auto& wall : walls()) {
     const double wx = wall.x2 - wall.x1;
     const double wy = wall.y2 - wall.y1;
-    const double share =
+    const double ratio =
         std::clamp(((x_m - wall.x1) * wx + (y_m - wall.y1) * wy) / (wx * wx + wy * wy), 0.0, 1.0);
-    nearest = std::min(nearest, std::hypot(x_m - wall.x1 - share * wx, y_m - wall.y1 - share * wy));
+    nearest = std::min(nearest, std::hypot(x_m - wall.x1 - ratio * wx, y_m - wall.y1 - ratio * wy));
   }
   return nearest;
 }

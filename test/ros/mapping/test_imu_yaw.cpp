@@ -46,7 +46,7 @@ TEST(ImuYaw, LiesBetweenItsNeighbours) {
   EXPECT_FALSE(imu.at(1.2, 0.0)) << "not measured yet";
 }
 
-TEST(ImuYaw, UnwrapsTurns) {
+TEST(ImuYaw, UnwrapsYaw) {
   ImuYaw imu;
   for (int i = 0; i <= 100; ++i) imu.add(level(0.1 * i, wrap_angle(0.2 * i)));
   EXPECT_NEAR(imu.at(10.0, 0.0).value() - imu.at(0.0, 0.0).value(), 20.0, 1e-6);

@@ -42,7 +42,7 @@ TEST_F(MapperTest, DriftingOdometryIsCorrected) {
   mount_lidar();
   load();
   for (const auto& pose : round_trip()) {
-    odom_T_room_ = compose(odom_T_room_, {0.002, 0.001, 0.002});  // 0.25 m and 14 degrees over the whole way
+    odom_T_room_ = compose(odom_T_room_, {0.002, 0.001, 0.002});  // 0.25 m and 14 degrees over the whole path
     const auto found = feed(pose);
     ASSERT_TRUE(found);
     EXPECT_LT(error_m(*found, pose), 0.08);
@@ -53,7 +53,7 @@ TEST_F(MapperTest, DriftingOdometryIsCorrected) {
 TEST_F(MapperTest, TheMapFrameJoinsMapAndOdometry) {
   mount_lidar();
   load();
-  ASSERT_TRUE(drive(way({0, 0, 0}, {1, 0.2, 0.3}, 10)));
+  ASSERT_TRUE(drive(straight_path({0, 0, 0}, {1, 0.2, 0.3}, 10)));
   const Pose2 here{1.1, 0.2, 0.4};
   const auto pose = feed(here);
   ASSERT_TRUE(pose);
@@ -105,7 +105,7 @@ TEST_F(MapperTest, FramesAreParameters) {
 TEST_F(MapperTest, TheMapIsLatchedWithItsMetadata) {
   mount_lidar();
   load();
-  ASSERT_TRUE(drive(way({0, 0, 0}, {1, 0, 0}, 10)));
+  ASSERT_TRUE(drive(straight_path({0, 0, 0}, {1, 0, 0}, 10)));
   ASSERT_TRUE(wait_for([this] { return map()->header.stamp == now_; }) || map());
   const Inbox<nav_msgs::OccupancyGrid> late_map("map");
   const Inbox<nav_msgs::MapMetaData> late_metadata("map_metadata");
@@ -119,7 +119,7 @@ TEST_F(MapperTest, TheMapIsLatchedWithItsMetadata) {
 TEST_F(MapperTest, AMapLeavesOnlyWhenItHasChanged) {
   mount_lidar();
   load();
-  ASSERT_TRUE(drive(way({0, 0, 0}, {1, 0, 0}, 10)));
+  ASSERT_TRUE(drive(straight_path({0, 0, 0}, {1, 0, 0}, 10)));
   ASSERT_TRUE(map());
   std::size_t settled = 0;
   ASSERT_TRUE(wait_for([&] {
@@ -147,7 +147,7 @@ TEST_F(MapperTest, ParticlesAndEntropy) {
   const Inbox<std_msgs::Float64> entropies("mapper/entropy");
   load({{"particles", 7}});
   ASSERT_TRUE(wait_for([&] { return clouds.connected() && entropies.connected(); }));
-  ASSERT_TRUE(drive(way({0, 0, 0}, {1.5, 0, 0}, 15)));
+  ASSERT_TRUE(drive(straight_path({0, 0, 0}, {1.5, 0, 0}, 15)));
   ASSERT_TRUE(clouds.wait_for_count(1));
   EXPECT_EQ(clouds.all().back()->poses.size(), 7U);
   EXPECT_EQ(clouds.all().back()->header.frame_id, "map");
@@ -159,7 +159,7 @@ TEST_F(MapperTest, ParticlesAndEntropy) {
 TEST_F(MapperTest, TheTrajectoryHasEveryScan) {
   mount_lidar();
   load({{"trajectory_interval_s", 0.05}});
-  ASSERT_TRUE(drive(way({0, 0, 0}, {1, 0, 0}, 10)));
+  ASSERT_TRUE(drive(straight_path({0, 0, 0}, {1, 0, 0}, 10)));
   const Inbox<nav_msgs::Path> paths("trajectory");
   ASSERT_TRUE(wait_for([&] { return paths.count() > 0 && paths.all().back()->poses.size() == 10; }));
   const auto last = *paths.all().back();
@@ -170,7 +170,7 @@ TEST_F(MapperTest, TheTrajectoryHasEveryScan) {
 TEST_F(MapperTest, ThePoseHasACovariance) {
   mount_lidar();
   load();
-  ASSERT_TRUE(drive(way({0, 0, 0}, {1, 0, 0}, 10)));
+  ASSERT_TRUE(drive(straight_path({0, 0, 0}, {1, 0, 0}, 10)));
   const auto& covariance = poses_.all().back()->pose.covariance;
   for (const std::size_t diagonal : {0U, 7U, 35U}) {
     EXPECT_GT(covariance[diagonal], 0.0);
@@ -244,7 +244,7 @@ TEST_F(MapperTest, MultiEchoScans) {
   EXPECT_GT(occupied, 100U);
 }
 
-TEST_F(MapperTest, TurnsByTheImu) {
+TEST_F(MapperTest, RotationByTheImu) {
   mount_lidar();
   auto imu = handle_.advertise<sensor_msgs::Imu>("imu", 100);
   load({{"use_imu", true}, {"transform_timeout_s", 1.0}});

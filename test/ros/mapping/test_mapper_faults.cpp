@@ -107,7 +107,7 @@ TEST_F(MapperFaultsTest, WithoutOdometryScansAreMatchedAlone) {
   mount_lidar();
   load({{"odometry", "auto"}, {"transform_timeout_s", 0.01}});
   first_in_room_ = Pose2{};
-  for (const auto& pose : way({0, 0, 0}, {1.5, -0.5, 0.5}, 40)) {
+  for (const auto& pose : straight_path({0, 0, 0}, {1.5, -0.5, 0.5}, 40)) {
     const auto found = answer_at(send_scan(pose));
     ASSERT_TRUE(found);
     if (!first_in_map_) {
@@ -136,7 +136,7 @@ TEST_F(MapperFaultsTest, OdometryThatAppearsIsUsed) {
   mount_lidar();
   load({{"transform_timeout_s", 0.01}});
   ASSERT_TRUE(answer_at(send_scan({0, 0, 0})));
-  ASSERT_TRUE(drive(way({0, 0, 0}, {0.5, 0, 0}, 5)));
+  ASSERT_TRUE(drive(straight_path({0, 0, 0}, {0.5, 0, 0}, 5)));
   EXPECT_TRUE(wait_for([this] { return last_transform("odom").has_value(); }));
   EXPECT_TRUE(diagnostics_.wait_latest([](const Report& r) { return r.level() == 0; }));
 }
@@ -144,14 +144,15 @@ TEST_F(MapperFaultsTest, OdometryThatAppearsIsUsed) {
 TEST_F(MapperFaultsTest, OdometryThatBeginsAnewDoesNotMoveTheRobot) {
   mount_lidar();
   load();
-  ASSERT_TRUE(drive(way({0, 0, 0}, {1, 0, 0}, 10)));
+  ASSERT_TRUE(drive(straight_path({0, 0, 0}, {1, 0, 0}, 10)));
   odom_T_room_ = {-20, 30, -2};
   const auto found = feed({1.05, 0, 0});
   ASSERT_TRUE(found);
   EXPECT_LT(error_m(*found, {1.05, 0, 0}), 0.1);
   expect_warning("odometry jumped");
   EXPECT_EQ(diagnostics_.latest().number("odometry jumps"), 1);
-  for (const auto& leg : {way({1.05, 0, 0}, {2, 0.5, 1}, 10), way({2, 0.5, 1}, {0, 0, 0}, 20), round_trip()})
+  for (const auto& leg : {straight_path({1.05, 0, 0}, {2, 0.5, 1}, 10),
+                          straight_path({2, 0.5, 1}, {0, 0, 0}, 20), round_trip()})
     for (const auto& pose : leg) {
       const auto next = feed(pose);
       ASSERT_TRUE(next);
@@ -160,22 +161,22 @@ TEST_F(MapperFaultsTest, OdometryThatBeginsAnewDoesNotMoveTheRobot) {
   expect_map_of_the_room(map_now());
 }
 
-TEST_F(MapperFaultsTest, RangesThatSayNothing) {
+TEST_F(MapperFaultsTest, RangesWithoutMeasurement) {
   mount_lidar();
   load();
-  ASSERT_TRUE(drive(way({0, 0, 0}, {1, 0, 0}, 10)));
+  ASSERT_TRUE(drive(straight_path({0, 0, 0}, {1, 0, 0}, 10)));
   for (const float value : {kNan, kInf, -kInf, 0.0F, -1.0F, 1e30F})
     EXPECT_TRUE(feed_spoilt({1, 0, 0}, [&](auto& scan) { scan.ranges.assign(scan.ranges.size(), value); }))
         << value;
   EXPECT_TRUE(diagnostics_.wait([](const Report& r) { return r.is_warning_about("too few returns"); }));
-  for (const auto& pose : way({1, 0, 0}, {2, 0, 0}, 10)) {
+  for (const auto& pose : straight_path({1, 0, 0}, {2, 0, 0}, 10)) {
     const auto found = feed_spoilt(pose, [&](auto& scan) {
       for (std::size_t i = 0; i < scan.ranges.size(); i += 5) scan.ranges[i] = i % 2 == 0 ? kNan : 0.0F;
     });
     ASSERT_TRUE(found);
     EXPECT_LT(error_m(*found, pose), 0.06);
   }
-  ASSERT_TRUE(drive(way({2, 0, 0}, {0, 0, 0}, 20)) && drive(round_trip()));
+  ASSERT_TRUE(drive(straight_path({2, 0, 0}, {0, 0, 0}, 20)) && drive(round_trip()));
   expect_map_of_the_room(map_now());
 }
 
@@ -188,7 +189,7 @@ TEST_F(MapperFaultsTest, ScansOfOtherSizes) {
                           {270, 3 * M_PI / 4, -M_PI / 180, 20.0, 0.01},
                           {3000, -M_PI, 2 * M_PI / 3000, 20.0, 0.01}};
   int i = 0;
-  for (const auto& pose : way({0, 0, 0}, {2, 0.5, 1}, 20)) {
+  for (const auto& pose : straight_path({0, 0, 0}, {2, 0.5, 1}, 20)) {
     const auto stamp = tick();
     publish_odometry(compose(odom_T_room_, pose), stamp);
     scans_.publish(scan_message(compose(pose, base_T_laser_), stamp, lidars[i++ % 4], seed_++));
@@ -229,7 +230,7 @@ TEST_F(MapperFaultsTest, ALidarThatStops) {
   EXPECT_TRUE(diagnostics_.wait([](const Report& r) { return r.level() == 0; }));
 }
 
-TEST_F(MapperFaultsTest, TheOldestScansGiveWay) {
+TEST_F(MapperFaultsTest, TheOldestScansAreDropped) {
   mount_lidar();
   load({{"odometry", "tf"}, {"transform_timeout_s", 20.0}, {"queue_size", 3}});
   const auto first = send_scan({0, 0, 0});  // the worker waits for its odometry

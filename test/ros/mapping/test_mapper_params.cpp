@@ -62,9 +62,9 @@ TEST_F(MapperParamsTest, TheShippedConfigurationHasTheDefaults) {
   EXPECT_EQ(defaults->transform_publish_period, shipped->transform_publish_period);
   EXPECT_EQ(defaults->tf_delay, shipped->tf_delay);
   EXPECT_EQ(defaults->transform_timeout_s, shipped->transform_timeout_s);
-  EXPECT_EQ(defaults->most_tilt_rad, shipped->most_tilt_rad);
+  EXPECT_EQ(defaults->max_tilt_rad, shipped->max_tilt_rad);
   EXPECT_EQ(defaults->odometry_max_speed_m_s, shipped->odometry_max_speed_m_s);
-  EXPECT_EQ(defaults->odometry_max_turn_rad_s, shipped->odometry_max_turn_rad_s);
+  EXPECT_EQ(defaults->odometry_max_yaw_rate_rad_s, shipped->odometry_max_yaw_rate_rad_s);
   EXPECT_EQ(defaults->timeout_s, shipped->timeout_s);
   EXPECT_EQ(defaults->diagnostic_period, shipped->diagnostic_period);
   EXPECT_EQ(shipped->notice, "");

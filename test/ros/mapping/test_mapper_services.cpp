@@ -1,4 +1,4 @@
-// Saving, continuing, pausing, beginning anew.
+// Saving, resuming, pausing, restarting.
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
@@ -42,7 +42,7 @@ LoadSession::Response load_session(const fs::path& path) {
   return call.response;
 }
 
-/// Share of the cells of `a` that are equal in `b`, where both are known.
+/// Fraction of the cells of `a` that are equal in `b`, where both are known.
 double agreement(const nav_msgs::OccupancyGrid& a, const OccupancyGrid& b) {
   const double side = static_cast<double>(a.info.resolution);
   std::size_t both = 0;
@@ -67,7 +67,7 @@ class MapperServicesTest : public MapperTest {
   void load_and_drive(const Params& more = {}) {
     mount_lidar();
     load(more);
-    ASSERT_TRUE(drive(way({0, 0, 0}, {2, -0.5, 0.5}, 20)));
+    ASSERT_TRUE(drive(straight_path({0, 0, 0}, {2, -0.5, 0.5}, 20)));
   }
 
   TemporaryFolder folder_;
@@ -123,7 +123,7 @@ TEST_F(MapperServicesTest, GoesOnWithASavedSession) {
   ASSERT_TRUE(answer.success) << answer.message;
   ASSERT_TRUE(maps_.wait_for_count(1)) << "the map is there at once";
   odom_T_room_ = {10, 10, -1};  // a robot that was switched off meanwhile
-  for (const auto& pose : way({2, -0.5, 0.5}, {3, 1.5, 1.5}, 20)) {
+  for (const auto& pose : straight_path({2, -0.5, 0.5}, {3, 1.5, 1.5}, 20)) {
     const auto found = feed(pose);
     ASSERT_TRUE(found) << diagnostics_.latest().message();
     EXPECT_LT(error_m(*found, pose), 0.1);
@@ -163,7 +163,7 @@ TEST_F(MapperServicesTest, PausesAndResumes) {
   ASSERT_TRUE(trigger("pause").success);
   const auto used = poses_.count();
   const auto before = map_now();
-  for (const auto& pose : way({2, -0.5, 0.5}, {2.2, -0.5, 0.5}, 4)) {
+  for (const auto& pose : straight_path({2, -0.5, 0.5}, {2.2, -0.5, 0.5}, 4)) {
     publish_odometry(compose(odom_T_room_, pose), now_ + ros::Duration(kPeriodS));
     send_scan(pose);
   }

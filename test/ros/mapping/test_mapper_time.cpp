@@ -13,13 +13,13 @@ TEST_F(MapperTimeTest, ARecordingThatBeginsAgain) {
   const auto begin = now_;
   ASSERT_TRUE(drive(round_trip()));
   const auto key_frames = diagnostics_.latest().number("key frames");
-  now_ = begin;  // the way ended where it began, so the robot stands where the recording begins
+  now_ = begin;  // the path ended where it began, so the robot stands where the recording begins
   // The first scan comes before tf has odometry of the new time: it may be dropped.
   publish_odometry(odom_T_room_, now_ + ros::Duration(kPeriodS));
   send_scan({0, 0, 0});
   EXPECT_TRUE(log_.wait("time ran back"));
   poses_.clear();  // the stamps come again
-  for (const auto& pose : way({0, 0, 0}, {2, -0.5, 0.5}, 20)) {
+  for (const auto& pose : straight_path({0, 0, 0}, {2, -0.5, 0.5}, 20)) {
     const auto found = feed(pose);
     ASSERT_TRUE(found) << diagnostics_.latest().message();
     EXPECT_LT(error_m(*found, pose), 0.1)
@@ -34,9 +34,9 @@ TEST_F(MapperTimeTest, ARecordingThatBeginsAgain) {
 TEST_F(MapperTimeTest, SmallStepsBackAreDisorderOnly) {
   mount_lidar();
   load();
-  ASSERT_TRUE(drive(way({0, 0, 0}, {0.5, 0, 0}, 5)));
+  ASSERT_TRUE(drive(straight_path({0, 0, 0}, {0.5, 0, 0}, 5)));
   now_ -= ros::Duration(0.25);
-  ASSERT_TRUE(drive(way({0.5, 0, 0}, {1, 0, 0}, 5)));
+  ASSERT_TRUE(drive(straight_path({0.5, 0, 0}, {1, 0, 0}, 5)));
   EXPECT_TRUE(diagnostics_.wait_latest([](const Report& r) { return r.number("scans used") == 10; }));
   EXPECT_EQ(diagnostics_.latest().number("time ran back"), 0);
 }
@@ -77,11 +77,12 @@ TEST_F(MapperTimeTest, NoStampTwiceWhileTimeStandsStill) {
   }));
   const auto count = [this] {
     std::map<ros::Time, int> stamps;
-    int most = 0;
+    int max_count = 0;
     for (const auto& message : transforms_.all())
       for (const auto& transform : message->transforms)
-        if (transform.header.frame_id == "map") most = std::max(most, ++stamps[transform.header.stamp]);
-    return most;
+        if (transform.header.frame_id == "map")
+          max_count = std::max(max_count, ++stamps[transform.header.stamp]);
+    return max_count;
   };
   EXPECT_TRUE(never([&] { return count() > 1; }, 0.3));
 }

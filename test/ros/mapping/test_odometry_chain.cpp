@@ -37,7 +37,7 @@ TEST(OdometryChain, AJumpIsNoMotion) {
   expect_same(*after.odom_T_base, {0.2, 0, 0});
 }
 
-TEST(OdometryChain, TurnsJumpToo) {
+TEST(OdometryChain, RotationsJumpToo) {
   OdometryChain chain({5.0, 10.0});
   (void)chain.next(0, Pose2{}, std::nullopt);
   EXPECT_TRUE(chain.next(0.1, Pose2{0, 0, 2.5}, std::nullopt).jumped);
@@ -74,7 +74,7 @@ TEST(OdometryChain, ANewBeginningIsUnknownMotion) {
   expect_same(*second.odom_T_base, {1.1, 0, 0});
 }
 
-TEST(OdometryChain, TurnsAreTheImus) {
+TEST(OdometryChain, RotationIsTheImus) {
   OdometryChain chain({});
   const Pose2 true_step{0.1, 0, 0.2};
   Pose2 truth{};
@@ -83,22 +83,22 @@ TEST(OdometryChain, TurnsAreTheImus) {
   (void)chain.next(0, odometry, yaw);
   for (int i = 1; i <= 20; ++i) {
     truth = compose(truth, advance({}, {0.1, 0, 0.2}, 1.0));
-    odometry = compose(odometry, advance({}, {0.1, 0, 0.1}, 1.0));  // odometry sees half of the turn
+    odometry = compose(odometry, advance({}, {0.1, 0, 0.1}, 1.0));  // odometry sees half of the rotation
     yaw += true_step.yaw;
     const auto step = chain.next(i, odometry, yaw);
     ASSERT_TRUE(step.odom_T_base);
-    EXPECT_TRUE(step.turn_of_imu);
-    expect_same(*step.odom_T_base, truth, 2e-3);  // an arc's chord shortens by turn^2 / 24
+    EXPECT_TRUE(step.yaw_from_imu);
+    expect_same(*step.odom_T_base, truth, 2e-3);  // an arc's chord shortens by rotation^2 / 24
   }
 }
 
-TEST(OdometryChain, AnImuThatIsMissingForOneStepCostsTwoTurns) {
+TEST(OdometryChain, AnImuThatIsMissingForOneStepCostsTwoRotations) {
   OdometryChain chain({});
   (void)chain.next(0, Pose2{}, 0.0);
-  EXPECT_FALSE(chain.next(1, Pose2{}, std::nullopt).turn_of_imu);
-  EXPECT_FALSE(chain.next(2, Pose2{}, 0.5).turn_of_imu);
+  EXPECT_FALSE(chain.next(1, Pose2{}, std::nullopt).yaw_from_imu);
+  EXPECT_FALSE(chain.next(2, Pose2{}, 0.5).yaw_from_imu);
   const auto step = chain.next(3, Pose2{}, 0.7);
-  EXPECT_TRUE(step.turn_of_imu);
+  EXPECT_TRUE(step.yaw_from_imu);
   EXPECT_NEAR(step.odom_T_base->yaw, 0.2, 1e-12);
 }
 

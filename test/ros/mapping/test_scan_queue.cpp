@@ -15,7 +15,7 @@ TEST(ScanQueue, KeepsTheOrder) {
   EXPECT_EQ(queue.dropped(), 0U);
 }
 
-TEST(ScanQueue, TheOldestGivesWay) {
+TEST(ScanQueue, TheOldestIsDropped) {
   ScanQueue<int> queue(3);
   for (int i = 0; i < 10; ++i) EXPECT_EQ(queue.put(i), i >= 3);
   EXPECT_EQ(queue.dropped(), 7U);
