@@ -3,7 +3,7 @@
 #include <cmath>
 #include <limits>
 
-#include "extperfc/offline/picture.hpp"
+#include "extperfc/offline/image.hpp"
 
 namespace extperfc::offline {
 
@@ -33,15 +33,15 @@ struct Pixel {
   double y{0};
 };
 
-/// A picture of a piece of the floor; north (y) is up.
+/// An image of a part of the floor; north (y) is up.
 struct Canvas {
-  Picture picture;
+  Image image;
   Bounds bounds;
   double metres_per_pixel{0.05};
 
   [[nodiscard]] Pixel pixel(double x_m, double y_m) const {
     return {(x_m - bounds.x0) / metres_per_pixel,
-            static_cast<double>(picture.height()) - 1 - (y_m - bounds.y0) / metres_per_pixel};
+            static_cast<double>(image.height()) - 1 - (y_m - bounds.y0) / metres_per_pixel};
   }
 };
 
@@ -62,17 +62,17 @@ Bounds bounds_of(const OccupancyGrid& map, const std::vector<Pose2>& poses) {
   return bounds;
 }
 
-Canvas make_canvas(const OccupancyGrid& map, const std::vector<Pose2>& poses, std::size_t most_pixels) {
+Canvas make_canvas(const OccupancyGrid& map, const std::vector<Pose2>& poses, std::size_t max_pixels) {
   const Bounds bounds = bounds_of(map, poses);
   const double cell_m = map.empty() ? 0.05 : map.resolution_m;
   const double longest_m = std::max(bounds.x1 - bounds.x0, bounds.y1 - bounds.y0);
   const double cells_per_pixel =
-      std::max(1.0, std::ceil(longest_m / cell_m / static_cast<double>(most_pixels)));
+      std::max(1.0, std::ceil(longest_m / cell_m / static_cast<double>(max_pixels)));
   const double metres_per_pixel = cell_m * cells_per_pixel;
   const auto pixels = [&](double length_m) {
     return static_cast<std::size_t>(std::ceil(length_m / metres_per_pixel)) + 1;
   };
-  return {Picture(pixels(bounds.x1 - bounds.x0), pixels(bounds.y1 - bounds.y0), kUnknownColor), bounds,
+  return {Image(pixels(bounds.x1 - bounds.x0), pixels(bounds.y1 - bounds.y0), kUnknownColor), bounds,
           metres_per_pixel};
 }
 
@@ -86,29 +86,29 @@ void draw_cells(const OccupancyGrid& map, Canvas& canvas) {
         if (cell == OccupancyGrid::kUnknown || (cell >= kRatherOccupied) != occupied) continue;
         const Pose2 middle = map.middle_of({column, row});
         const Pixel at = canvas.pixel(middle.x, middle.y);
-        canvas.picture.set(std::lround(at.x), std::lround(at.y), occupied ? kOccupiedColor : kFreeColor);
+        canvas.image.set(std::lround(at.x), std::lround(at.y), occupied ? kOccupiedColor : kFreeColor);
       }
     }
   }
 }
 
-/// Between two colours, share in [0, 1].
-Color mixed(Color from, Color to, double share) {
+/// Between two colours, ratio in [0, 1].
+Color mixed(Color from, Color to, double ratio) {
   Color color{};
   for (std::size_t i = 0; i < color.size(); ++i)
-    color[i] = static_cast<std::uint8_t>(std::lround(from[i] + share * (to[i] - from[i])));
+    color[i] = static_cast<std::uint8_t>(std::lround(from[i] + ratio * (to[i] - from[i])));
   return color;
 }
 
 void draw_step(Canvas& canvas, const Pose2& from, const Pose2& to, Color color) {
   const Pixel a = canvas.pixel(from.x, from.y);
   const Pixel b = canvas.pixel(to.x, to.y);
-  canvas.picture.line(a.x, a.y, b.x, b.y, color);
+  canvas.image.line(a.x, a.y, b.x, b.y, color);
 }
 
-/// The longest of 1, 2, 5, 10, ... m that takes at most a third of the picture.
+/// The longest of 1, 2, 5, 10, ... m that takes at most a third of the image.
 void draw_scale(Canvas& canvas) {
-  const double room_m = static_cast<double>(canvas.picture.width()) * canvas.metres_per_pixel / 3;
+  const double room_m = static_cast<double>(canvas.image.width()) * canvas.metres_per_pixel / 3;
   double length_m = 0.01;
   for (double decade = 0.01; decade <= room_m; decade *= 10)
     for (const double step : {1.0, 2.0, 5.0})
@@ -116,57 +116,57 @@ void draw_scale(Canvas& canvas) {
   constexpr long kMargin = 8;
   constexpr long kThick = 4;
   const long length = std::lround(length_m / canvas.metres_per_pixel);
-  const long y = static_cast<long>(canvas.picture.height()) - 1 - kMargin;
-  canvas.picture.rectangle(kMargin - 1, y - kThick - 1, kMargin + length + 1, y + 1, kFreeColor);
+  const long y = static_cast<long>(canvas.image.height()) - 1 - kMargin;
+  canvas.image.rectangle(kMargin - 1, y - kThick - 1, kMargin + length + 1, y + 1, kFreeColor);
   constexpr long kParts = 5;
   for (long part = 0; part < kParts; ++part)
     if (part % 2 == 0)
-      canvas.picture.rectangle(kMargin + part * length / kParts, y - kThick,
-                               kMargin + (part + 1) * length / kParts, y, kOccupiedColor);
+      canvas.image.rectangle(kMargin + part * length / kParts, y - kThick,
+                             kMargin + (part + 1) * length / kParts, y, kOccupiedColor);
 }
 
 void draw_ends(Canvas& canvas, const Pose2& start, const Pose2& end) {
   const Pixel first = canvas.pixel(start.x, start.y);
   const Pixel last = canvas.pixel(end.x, end.y);
-  canvas.picture.disc(first.x, first.y, kMarkPixels, kStartColor);
-  canvas.picture.disc(last.x, last.y, kMarkPixels, kEndColor);
+  canvas.image.disc(first.x, first.y, kMarkPixels, kStartColor);
+  canvas.image.disc(last.x, last.y, kMarkPixels, kEndColor);
 }
 
 /// Green over yellow to red.
-Color error_color(double share) {
+Color error_color(double ratio) {
   constexpr Color kGood = {0, 170, 0};
   constexpr Color kMiddling = {240, 190, 0};
   constexpr Color kBad = {230, 0, 0};
-  const double bounded = std::clamp(share, 0.0, 1.0);
+  const double bounded = std::clamp(ratio, 0.0, 1.0);
   return bounded < 0.5 ? mixed(kGood, kMiddling, 2 * bounded) : mixed(kMiddling, kBad, 2 * bounded - 1);
 }
 
 }  // namespace
 
-Picture draw_map(const OccupancyGrid& map, const Trajectory& trajectory, std::size_t most_pixels) {
+Image draw_map(const OccupancyGrid& map, const Trajectory& trajectory, std::size_t max_pixels) {
   constexpr Color kFirst = {30, 80, 255};
   constexpr Color kLast = {255, 60, 30};
   std::vector<Pose2> poses;
   poses.reserve(trajectory.size());
   for (const auto& stamped : trajectory) poses.push_back(stamped.pose);
-  Canvas canvas = make_canvas(map, poses, most_pixels);
+  Canvas canvas = make_canvas(map, poses, max_pixels);
   draw_cells(map, canvas);
   for (std::size_t i = 1; i < poses.size(); ++i)
     draw_step(canvas, poses[i - 1], poses[i],
               mixed(kFirst, kLast, static_cast<double>(i) / static_cast<double>(poses.size())));
   if (!poses.empty()) draw_ends(canvas, poses.front(), poses.back());
   draw_scale(canvas);
-  return std::move(canvas.picture);
+  return std::move(canvas.image);
 }
 
-Picture draw_relations(const OccupancyGrid& map, const std::vector<std::optional<Pose2>>& poses,
-                       const std::vector<Relation>& relations, const RelationsScore& score, double bad_m,
-                       std::size_t most_pixels) {
+Image draw_relations(const OccupancyGrid& map, const std::vector<std::optional<Pose2>>& poses,
+                     const std::vector<Relation>& relations, const RelationsScore& score, double bad_m,
+                     std::size_t max_pixels) {
   constexpr Color kPath = {120, 120, 160};
   std::vector<Pose2> known;
   for (const auto& pose : poses)
     if (pose) known.push_back(*pose);
-  Canvas canvas = make_canvas(map, known, most_pixels);
+  Canvas canvas = make_canvas(map, known, max_pixels);
   draw_cells(map, canvas);
   for (std::size_t i = 1; i < known.size(); ++i) draw_step(canvas, known[i - 1], known[i], kPath);
   auto errors = score.errors;
@@ -178,10 +178,10 @@ Picture draw_relations(const OccupancyGrid& map, const std::vector<std::optional
     const Color color = error_color(error.translation_m / bad_m);
     draw_step(canvas, from, to, color);
     const Pixel at = canvas.pixel(to.x, to.y);
-    canvas.picture.disc(at.x, at.y, error.translation_m >= bad_m ? kMarkPixels : 1, color);
+    canvas.image.disc(at.x, at.y, error.translation_m >= bad_m ? kMarkPixels : 1, color);
   }
   draw_scale(canvas);
-  return std::move(canvas.picture);
+  return std::move(canvas.image);
 }
 
 }  // namespace extperfc::offline

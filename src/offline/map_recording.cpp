@@ -14,14 +14,14 @@ namespace extperfc::offline {
 
 namespace {
 
-constexpr std::size_t kMostComplaints = 10;
+constexpr std::size_t kMaxComplaints = 10;
 
 /// What must be known of a scan to give it a pose in the end.
 struct Passed {
   double stamp_s{0};
   std::size_t index{0};
   bool taken{false};
-  std::optional<Pose2> since_taken;  // way since the last taken scan, for those that were refused
+  std::optional<Pose2> since_taken;  // motion since the last accepted scan, for refused ones
 };
 
 class Run {
@@ -51,8 +51,8 @@ class Run {
 };
 
 bool Run::step() {
-  if (passed_.size() >= options_.most_scans) return false;
-  if (options_.go_on && !options_.go_on({log_.progress(), passed_.size()})) {
+  if (passed_.size() >= options_.max_scans) return false;
+  if (options_.should_continue && !options_.should_continue({log_.progress(), passed_.size()})) {
     result_.interrupted = true;
     return false;
   }
@@ -79,7 +79,7 @@ void Run::add(sources::ScanRecord record) {
     ++result_.refused;
     if (taken_odometry_ && record.odom_T_base)
       passed.since_taken = between(*taken_odometry_, *record.odom_T_base);
-    if (result_.complaints.size() < kMostComplaints)
+    if (result_.complaints.size() < kMaxComplaints)
       result_.complaints.push_back("scan " + std::to_string(record.index) + ": " + update.error().message);
   }
   passed_.push_back(passed);
@@ -120,7 +120,7 @@ void Run::complete() {
       std::accumulate(cpu_ms_.begin(), cpu_ms_.end(), 0.0) / static_cast<double>(cpu_ms_.size());
   result_.cpu_ms.p50 = percentile(cpu_ms_, 0.5);
   result_.cpu_ms.p99 = percentile(cpu_ms_, 0.99);
-  result_.cpu_ms.most = percentile(cpu_ms_, 1.0);
+  result_.cpu_ms.max = percentile(cpu_ms_, 1.0);
 }
 
 MappingResult Run::result() {
@@ -145,9 +145,9 @@ MappingResult map_recording(sources::ScanLog& log, mapping::Mapper& mapper, cons
 double peak_memory_mb() {
   // Not getrusage(): its figure begins with that of the program that started this one.
   std::ifstream status("/proc/self/status");
-  for (std::string word; status >> word;) {
+  for (std::string token; status >> token;) {
     double kib = 0;
-    if (word == "VmHWM:" && status >> kib) return kib * 1024 / 1e6;
+    if (token == "VmHWM:" && status >> kib) return kib * 1024 / 1e6;
   }
   return 0;
 }

@@ -9,7 +9,7 @@ namespace {
 
 bool is_far(const Pose2& from, const Pose2& to, const ScanSpacing& spacing) {
   const auto step = between(from, to);
-  return std::hypot(step.x, step.y) >= spacing.way_m || std::abs(step.yaw) >= spacing.turn_rad;
+  return std::hypot(step.x, step.y) >= spacing.distance_m || std::abs(step.yaw) >= spacing.rotation_rad;
 }
 
 }  // namespace

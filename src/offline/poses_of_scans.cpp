@@ -13,9 +13,9 @@ using ScanPoses = std::vector<std::optional<Pose2>>;
 constexpr double kSameStampS = 1e-4;
 
 std::size_t count_of(const std::vector<ScanMoment>& scans) {
-  std::size_t most = 0;
-  for (const auto& scan : scans) most = std::max(most, scan.index + 1);
-  return most;
+  std::size_t max_index = 0;
+  for (const auto& scan : scans) max_index = std::max(max_index, scan.index + 1);
+  return max_index;
 }
 
 /// For each pose the place of its scan, both in their order.
@@ -48,10 +48,10 @@ void interpolate(const std::vector<ScanMoment>& scans, std::size_t first, std::s
   const Pose2 missed{end.x - reckoned.x, end.y - reckoned.y, wrap_angle(end.yaw - reckoned.yaw)};
   for (std::size_t i = first + 1; i < last; ++i) {
     if (!scans[i].odom_T_base) continue;
-    const double share = static_cast<double>(i - first) / static_cast<double>(last - first);
+    const double ratio = static_cast<double>(i - first) / static_cast<double>(last - first);
     const Pose2 there = compose(start, between(*scans[first].odom_T_base, *scans[i].odom_T_base));
-    poses[scans[i].index] = Pose2{there.x + share * missed.x, there.y + share * missed.y,
-                                  wrap_angle(there.yaw + share * missed.yaw)};
+    poses[scans[i].index] = Pose2{there.x + ratio * missed.x, there.y + ratio * missed.y,
+                                  wrap_angle(there.yaw + ratio * missed.yaw)};
   }
 }
 

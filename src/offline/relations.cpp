@@ -14,7 +14,7 @@ namespace extperfc::offline {
 namespace {
 
 constexpr double kDegrees = 180 / M_PI;
-constexpr double kMostScans = 1e8;
+constexpr double kMaxScans = 1e8;
 
 Result<Relation> parse_relation(const std::string& line) {
   std::istringstream in(line);
@@ -26,7 +26,7 @@ Result<Relation> parse_relation(const std::string& line) {
       return fail(ErrorCode::kCorrupt,
                   "expected 'i j x y z roll pitch yaw', found '" + line.substr(0, 80) + "'");
   const auto is_scan = [](double number) {
-    return number >= 0 && number < kMostScans && number == std::floor(number);
+    return number >= 0 && number < kMaxScans && number == std::floor(number);
   };
   if (!is_scan(value[0]) || !is_scan(value[1]))
     return fail(ErrorCode::kCorrupt,

@@ -267,22 +267,22 @@ class MapTool(unittest.TestCase):
         made = subprocess.run(["observations2map", config, simple, self.folder / "mrpt"], capture_output=True, text=True,
                               stdin=subprocess.DEVNULL, timeout=120)
         self.assertEqual(0, made.returncode, made.stdout + made.stderr)
-        picture = cv2.imread(str(next(self.folder.glob("mrpt_*OccupancyGridMap2D_00.png"))), cv2.IMREAD_GRAYSCALE)
+        image = cv2.imread(str(next(self.folder.glob("mrpt_*OccupancyGridMap2D_00.png"))), cv2.IMREAD_GRAYSCALE)
         limits = next(self.folder.glob("mrpt_*_limits.txt")).read_text().replace("%", "#")
         x_min, _, y_min, _ = numpy.loadtxt(io.StringIO(limits)).ravel()[:4]
-        self.assertGreater(self.walls_found_by_mrpt(picture, x_min, y_min), 0.95)
+        self.assertGreater(self.walls_found_by_mrpt(image, x_min, y_min), 0.95)
 
-    def walls_found_by_mrpt(self, picture, x_min, y_min):
-        """Share of our map's occupied cells that have an occupied one of MRPT's picture within a cell (0.05 m)."""
+    def walls_found_by_mrpt(self, image, x_min, y_min):
+        """Fraction of our map's occupied cells that have an occupied one of MRPT's image within a cell (0.05 m)."""
         grid = read_pgm(self.folder / "out" / "map.pgm")[::-1]
         origin = re.search(r"origin: \[(.*)\]", (self.folder / "out" / "map.yaml").read_text()).group(1).split(",")
         rows, columns = numpy.nonzero(grid == 0)
-        near_walls = cv2.dilate((picture[::-1] < 100).astype(numpy.uint8), numpy.ones((3, 3), numpy.uint8))
+        near_walls = cv2.dilate((image[::-1] < 100).astype(numpy.uint8), numpy.ones((3, 3), numpy.uint8))
         columns = columns + round((float(origin[0]) - x_min) / 0.05)
         rows = rows + round((float(origin[1]) - y_min) / 0.05)
         inside = (rows >= 0) & (columns >= 0) & (rows < near_walls.shape[0]) & (columns < near_walls.shape[1])
         found = near_walls[rows[inside], columns[inside]].sum() / len(rows)
-        # A picture that is dark everywhere would have every wall.
+        # An image that is dark everywhere would have every wall.
         self.assertLess(near_walls.mean(), 0.1)
         return found
 
@@ -363,14 +363,14 @@ class RelationsTool(unittest.TestCase):
 
     def test_prints_and_draws(self):
         path = self.write_path(range(len(DRIVE.truth)), DRIVE.odometry)
-        picture = self.folder / "relations.png"
-        done = call(RELATIONS, path, self.relations, "--picture", picture, "--worst", 2, "--loop-span", 200)
+        image = self.folder / "relations.png"
+        done = call(RELATIONS, path, self.relations, "--image", image, "--worst", 2, "--loop-span", 200)
         self.assertEqual(0, done.returncode, done.stderr)
         self.assertRegex(done.stdout, r"relations: (\d+) of \1 scored")
         self.assertEqual(2, done.stdout.count("    scans "))
         for group in ("all", "neighbours", "loops"):
             self.assertRegex(done.stdout, rf"  {group} +\d+ +\d\.\d{{4}}")
-        self.assertTrue(picture.read_bytes().startswith(b"\x89PNG"))
+        self.assertTrue(image.read_bytes().startswith(b"\x89PNG"))
 
     def test_errors(self):
         path = self.write_path(range(len(DRIVE.truth)), DRIVE.truth)
@@ -381,7 +381,7 @@ class RelationsTool(unittest.TestCase):
                 (1, (path, self.folder / "none"), "cannot read the relations"),
                 (1, (self.relations, self.relations), "line 2"),
                 (1, (path, self.relations, "--odometry", self.folder / "none.clf"), "cannot read"),
-                (1, (path, self.relations, "--picture", self.folder / "a.png", "--map", self.folder / "none.yaml"),
+                (1, (path, self.relations, "--image", self.folder / "a.png", "--map", self.folder / "none.yaml"),
                  "none.yaml")):
             with self.subTest(what=what):
                 done = call(RELATIONS, *arguments)

@@ -13,15 +13,15 @@
 namespace extperfc::offline {
 
 struct MappingProgress {
-  double share{0};       ///< of the file, [0, 1]
+  double fraction{0};    ///< of the file, [0, 1]
   std::size_t scans{0};  ///< so far
 };
 
 struct MappingOptions {
   bool use_odometry{true};
-  std::size_t most_scans{std::numeric_limits<std::size_t>::max()};
-  /// Called before each scan; false ends the mapping tidily with what there is.
-  std::function<bool(const MappingProgress&)> go_on;
+  std::size_t max_scans{std::numeric_limits<std::size_t>::max()};
+  /// Called before each scan; false ends the mapping with the scans so far.
+  std::function<bool(const MappingProgress&)> should_continue;
 };
 
 /// Cost of one scan [ms of CPU, all threads].
@@ -29,7 +29,7 @@ struct CpuPerScan {
   double mean{0};
   double p50{0};
   double p99{0};
-  double most{0};
+  double max{0};
 };
 
 struct MappingResult {
@@ -41,8 +41,8 @@ struct MappingResult {
   double cpu_s{0};       ///< reading and mapping
   double wall_s{0};
   CpuPerScan cpu_ms;
-  double odometry_m{0};                 ///< length of the way as odometry has it
-  bool interrupted{false};              ///< go_on said so
+  double odometry_m{0};                 ///< distance travelled by odometry
+  bool interrupted{false};              ///< should_continue returned false
   std::string broken;                   ///< why the recording ended early; empty: it did not
   std::vector<std::string> complaints;  ///< the first of what was damaged or refused
   /// One pose for each scan that was read, in their order; a refused one follows odometry from the last
@@ -55,7 +55,7 @@ struct MappingResult {
 [[nodiscard]] MappingResult map_recording(sources::ScanLog& log, mapping::Mapper& mapper,
                                           const MappingOptions& options = {});
 
-/// The process's largest resident memory so far [MB = 10^6 bytes]; 0 where the system does not tell.
+/// The process's largest resident memory so far [MB = 10^6 bytes]; 0 where the system does not report it.
 [[nodiscard]] double peak_memory_mb();
 
 }  // namespace extperfc::offline

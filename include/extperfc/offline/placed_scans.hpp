@@ -9,15 +9,15 @@
 
 namespace extperfc::offline {
 
-/// From one scan that is kept to the next: as far as this, or turned as far.
+/// Minimum translation or rotation between scans that are kept.
 struct ScanSpacing {
-  double way_m{0.3};
-  double turn_rad{0.25};
+  double distance_m{0.3};
+  double rotation_rad{0.25};
 };
 
-/// Scans of a recording with the poses that mapping it gave them; `log` is the recording, opened anew. The
-/// first scan and every one that is far enough from the last that is kept. Scans that cannot be are left out.
-/// A recording that breaks off gives what came before. Memory grows with the scans that are kept.
+/// Scans of a recording with the poses of its mapping result; `log` is the recording, opened again. Keeps the
+/// first scan and every one that is far enough from the last kept one. Invalid scans are left out. A
+/// recording that breaks off gives the scans before. Memory grows with the scans that are kept.
 [[nodiscard]] std::vector<sources::PlacedScan> placed_scans(sources::ScanLog& log,
                                                             const MappingResult& result,
                                                             const ScanSpacing& spacing);

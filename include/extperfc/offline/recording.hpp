@@ -9,7 +9,7 @@
 
 namespace extperfc::offline {
 
-/// How a recording of planar scans is read, of whatever format.
+/// How a recording of planar scans is read, for all formats.
 struct RecordingOptions {
   sources::ScanLogOptions log;
   // ROS bags only:
@@ -19,15 +19,15 @@ struct RecordingOptions {
   std::string odom_frame{"odom"};
 };
 
-/// Opens a CARMEN log, an MRPT rawlog or a ROS bag, told apart by their first bytes. Errors name the file and
+/// Opens a CARMEN log, an MRPT rawlog or a ROS bag, recognised by the first bytes. Errors name the file and
 /// what is wrong: missing, of none of these formats, or of one that this build cannot read.
 [[nodiscard]] Result<std::unique_ptr<sources::ScanLog>> open_recording(const std::filesystem::path& file,
                                                                        const RecordingOptions& options = {});
 
 }  // namespace extperfc::offline
 
-/// Entry of the library extperfc_scan_bag, which is loaded only when a bag is opened: everything of ROS is in
-/// there.
+/// Entry of the library extperfc_scan_bag, which is loaded only when a bag is opened: only this library uses
+/// ROS.
 extern "C" void extperfc_open_scan_bag(const std::filesystem::path& file,
                                        const extperfc::offline::RecordingOptions& options,
                                        extperfc::Result<std::unique_ptr<extperfc::sources::ScanLog>>& opened);

@@ -11,7 +11,7 @@
 
 namespace extperfc::offline {
 
-/// Where scan `to` was seen from scan `from`, by other means than the mapper under test.
+/// Pose of scan `to` in the frame of scan `from`, known independently of the mapper under test.
 struct Relation {
   std::size_t from{0};  ///< scans are numbered from 0 in the order of their recording
   std::size_t to{0};
@@ -58,7 +58,7 @@ struct RelationsScore {
 /// Relations that span more than this many scans close a loop.
 constexpr std::size_t kLoopSpan = 100;
 
-/// `poses` by the scan's number; nothing where the trajectory knows none.
+/// `poses` by the scan's number; no value where the trajectory has none.
 [[nodiscard]] RelationsScore score_relations(const std::vector<Relation>& relations,
                                              const std::vector<std::optional<Pose2>>& poses,
                                              std::size_t loop_span = kLoopSpan);
@@ -75,8 +75,8 @@ struct ScanMoment {
 
 /// A pose for each scan number. With as many poses as scans they belong together one by one. Else they are
 /// matched by stamps, both in their order (stamps may run backwards), and scans between two poses get
-/// odometry's way from the pose before, bent so that it ends at the pose behind. Errors: a pose whose stamp
-/// no scan has.
+/// odometry's path from the pose before, deformed so that it ends at the pose behind. Errors: a pose whose
+/// stamp no scan has.
 [[nodiscard]] Result<std::vector<std::optional<Pose2>>> poses_of_scans(const Trajectory& trajectory,
                                                                        const std::vector<ScanMoment>& scans);
 

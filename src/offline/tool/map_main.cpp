@@ -5,8 +5,8 @@
 #include <utility>
 
 #include "extperfc/base/atomic_file.hpp"
+#include "extperfc/offline/image.hpp"
 #include "extperfc/offline/map_recording.hpp"
-#include "extperfc/offline/picture.hpp"
 #include "extperfc/offline/placed_scans.hpp"
 #include "extperfc/sources/mrpt_map.hpp"
 #include "extperfc/world/map_file.hpp"
@@ -40,8 +40,8 @@ MappingResult run(const MapOptions& options, sources::ScanLog& log, mapping::Map
   ProgressLine line;
   MappingOptions mapping;
   mapping.use_odometry = options.use_odometry;
-  mapping.most_scans = options.most_scans;
-  mapping.go_on = [&](const MappingProgress& progress) {
+  mapping.max_scans = options.max_scans;
+  mapping.should_continue = [&](const MappingProgress& progress) {
     if (!options.quiet) line.show(progress);
     return stop_wanted == 0;
   };
@@ -50,7 +50,7 @@ MappingResult run(const MapOptions& options, sources::ScanLog& log, mapping::Map
   return result;
 }
 
-/// The recording is read once more for a simple map, whose scans nobody else needs.
+/// Reads the recording again for a simple map, as only this output needs the scans.
 Result<void> write_mrpt_files(const MapOptions& options, const MappingResult& result,
                               const OccupancyGrid& map) {
   if (options.gridmap)
@@ -128,8 +128,8 @@ Result<int> map(const MapOptions& options) {
   return write_reports(report);
 }
 
-int run_tool(const std::vector<std::string>& words) {
-  const auto options = read_map_options(words);
+int run_tool(const std::vector<std::string>& tokens) {
+  const auto options = read_map_options(tokens);
   if (!options) return complain(kProgram, options.error().message, kUsage);
   if (options->help) {
     std::cout << map_help();

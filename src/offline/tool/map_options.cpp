@@ -16,16 +16,16 @@ constexpr const char* kHelp = R"(Makes a map of a recording of planar laser scan
   extperfc-map RECORDING [OPTION ...]
 
 RECORDING is a CARMEN log (FLASER or ROBOTLASER1 lines; plain, .gz or .bz2), a ROS bag with sensor_msgs/LaserScan (and
-tf or nav_msgs/Odometry), or an MRPT rawlog. Its content tells which. Scans are taken in the order of the file.
+tf or nav_msgs/Odometry), or an MRPT rawlog. The format is recognised by content. Scans are taken in the order of the file.
 
 Writes into a folder:
   map.pgm, map.yaml   the map, as map_server, the localizer and amcl read it
-  map.png             the same as a picture with the path in it: from blue (green disc) to red (red disc)
+  map.png             the same as an image with the path: from blue (green disc) to red (red disc)
   trajectory.tum      a line `stamp x y z qx qy qz qw` for every scan, in the recording's order
-  map.session         all that mapping needs to go on from here: --continue, or the nodelet's load service
+  map.session         state to resume mapping: --continue, or the nodelet's service load_session
   report.txt, .json   scans, key frames, loops, CPU time, memory, and the score of --relations
 
-Ctrl-C ends early and writes what there is; a second one ends at once.
+Ctrl-C ends early and writes the results so far; a second one ends at once.
 
 Options:
   --out DIR              the folder, made if it is not there; NAME-map in the present folder by default
@@ -34,13 +34,13 @@ Options:
   --resolution M         side of a map's cell [m]
   --set NAME=VALUE       any parameter of the table below; may be given several times
   --relations FILE       scores the trajectory, see extperfc-relations
-  --continue SESSION     goes on with the map of an earlier run; the recording must begin where that one ended
+  --continue SESSION     resumes the map of an earlier run; the recording must begin where that one ended
   --gridmap FILE         the map as MRPT's COccupancyGridMap2D, too; packed when the name ends with .gz
   --simplemap FILE       poses and scans as MRPT's CSimpleMap, too; a scan for every key frame's distance
   --scans N              only the first N scans
   --no-odometry          by scan matching alone
-  --laser-pose X,Y,YAW   where the scanner sits on the robot [m, m, rad]; overrules the recording
-  --sensor-max M         ranges from here on met nothing [m]; by default what the recording says, 81.8 for FLASER
+  --laser-pose X,Y,YAW   pose of the scanner on the robot [m, m, rad]; overrides the recording
+  --sensor-max M         ranges from here on are no return [m]; default: of the recording, 81.8 for FLASER
   --sensor LABEL         rawlogs: the scanner, when there are several; the first one seen by default
   --scan-topic TOPIC     bags: the only topic with laser scans by default
   --odom-topic TOPIC     bags: nav_msgs/Odometry; by default tf, else the only topic with odometry
@@ -49,14 +49,14 @@ Options:
   --json                 the report as JSON on standard output
   --quiet                no progress on standard error
 
-Parameters for --set, the same as the nodelet's (GMapping's names where they mean the same):
+Parameters for --set, the same as the nodelet's (GMapping's names where the meaning is the same):
 )";
 
 constexpr const char* kHelpEnd = R"(
 Example:
   extperfc-map intel.clf.bz2 --out intel --particles 30 --relations intel.relations
 
-Exit status: 0 done, 1 failed (standard error says why), 2 wrong usage.
+Exit status: 0 done, 1 failed (reason on standard error), 2 wrong usage.
 )";
 
 Result<void> read_pose(const Arguments& arguments, RecordingOptions& reading) {
@@ -86,14 +86,14 @@ Result<void> read_params(const Arguments& arguments, mapping::MapperParams& para
 }
 
 Result<void> read_limits(const Arguments& arguments, MapOptions& options) {
-  constexpr double kMostScans = 1e9;
-  const auto scans = arguments.number("--scans", 1, kMostScans);
+  constexpr double kMaxScans = 1e9;
+  const auto scans = arguments.number("--scans", 1, kMaxScans);
   if (!scans) return tl::unexpected(scans.error());
-  if (*scans) options.most_scans = static_cast<std::size_t>(**scans);
-  constexpr double kMostRangeM = 1e4;
-  const auto most_m = arguments.number("--sensor-max", 0.1, kMostRangeM);
-  if (!most_m) return tl::unexpected(most_m.error());
-  options.reading.log.max_range_m = most_m->value_or(0);
+  if (*scans) options.max_scans = static_cast<std::size_t>(**scans);
+  constexpr double kMaxRangeM = 1e4;
+  const auto max_m = arguments.number("--sensor-max", 0.1, kMaxRangeM);
+  if (!max_m) return tl::unexpected(max_m.error());
+  options.reading.log.max_range_m = max_m->value_or(0);
   return {};
 }
 
@@ -118,14 +118,14 @@ void read_names(const Arguments& arguments, MapOptions& options) {
 
 }  // namespace
 
-Result<MapOptions> read_map_options(const std::vector<std::string>& words) {
+Result<MapOptions> read_map_options(const std::vector<std::string>& tokens) {
   const auto arguments = Arguments::read(
-      words, {0,
-              1,
-              with_recording_options({"--out", "--particles", "--seed", "--resolution", "--set",
-                                      "--relations", "--continue", "--gridmap", "--simplemap", "--scans",
-                                      "--laser-pose", "--sensor-max"}),
-              {"--no-odometry", "--json", "--quiet", "--help"}});
+      tokens, {0,
+               1,
+               with_recording_options({"--out", "--particles", "--seed", "--resolution", "--set",
+                                       "--relations", "--continue", "--gridmap", "--simplemap", "--scans",
+                                       "--laser-pose", "--sensor-max"}),
+               {"--no-odometry", "--json", "--quiet", "--help"}});
   if (!arguments) return tl::unexpected(arguments.error());
   MapOptions options;
   options.help = arguments->has("--help");

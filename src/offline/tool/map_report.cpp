@@ -35,8 +35,8 @@ void print_cost(std::ostream& out, const MapReport& report) {
       << std::setprecision(3) << report.options.params.resolution_m << " m\n"
       << "CPU          " << std::setprecision(2) << result.cpu_s << " s in all (" << result.wall_s
       << " s on the clock); each scan " << cpu.mean << " ms in the mean, " << cpu.p50 << " median, "
-      << cpu.p99 << " for 99 %, " << cpu.most << " at most\n"
-      << "memory       " << std::setprecision(1) << report.peak_memory_mb << " MB at most\n";
+      << cpu.p99 << " for 99 %, " << cpu.max << " maximum\n"
+      << "memory       " << std::setprecision(1) << report.peak_memory_mb << " MB peak\n";
 }
 
 void write_result(JsonWriter& json, const MappingResult& result) {
@@ -54,7 +54,7 @@ void write_result(JsonWriter& json, const MappingResult& result) {
   json.number("mean", result.cpu_ms.mean);
   json.number("p50", result.cpu_ms.p50);
   json.number("p99", result.cpu_ms.p99);
-  json.number("max", result.cpu_ms.most);
+  json.number("max", result.cpu_ms.max);
   json.end_object();
   json.begin_array("complaints");
   for (const auto& complaint : result.complaints) json.text({}, complaint);

@@ -12,7 +12,7 @@
 
 namespace extperfc::offline::tool {
 
-/// Everything that a report tells of a run.
+/// The contents of a report.
 struct MapReport {
   const MapOptions& options;
   MappingResult result;

@@ -11,7 +11,7 @@ int complain(const std::string& program, const std::string& what, int status) {
 }
 
 int run_program(const char* program, int argc, char** argv,
-                int (*run)(const std::vector<std::string>& words)) {
+                int (*run)(const std::vector<std::string>& tokens)) {
   try {
     return run({argv + 1, argv + argc});
   } catch (const std::exception& problem) {

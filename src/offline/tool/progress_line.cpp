@@ -24,23 +24,23 @@ void ProgressLine::show_bar(const MappingProgress& progress) {
   constexpr double kPeriodS = 0.1;
   next_s_ = now_s + kPeriodS;
   constexpr double kWidth = 30;
-  const auto filled = static_cast<std::size_t>(kWidth * progress.share);
+  const auto filled = static_cast<std::size_t>(kWidth * progress.fraction);
   std::string bar(filled, '#');
   bar.resize(static_cast<std::size_t>(kWidth), '.');
-  std::cerr << "\r[" << bar << "] " << std::lround(100 * progress.share) << " %  " << progress.scans
+  std::cerr << "\r[" << bar << "] " << std::lround(100 * progress.fraction) << " %  " << progress.scans
             << " scans";
-  constexpr double kEnoughToTell = 0.02;
-  if (progress.share > kEnoughToTell)
-    std::cerr << "  " << std::lround(now_s / progress.share * (1 - progress.share)) << " s to go";
+  constexpr double kMinFractionForEstimate = 0.02;
+  if (progress.fraction > kMinFractionForEstimate)
+    std::cerr << "  " << std::lround(now_s / progress.fraction * (1 - progress.fraction)) << " s to go";
   std::cerr << "\033[K" << std::flush;
   bar_shown_ = true;
 }
 
 void ProgressLine::show_line(const MappingProgress& progress) {
-  if (progress.share < next_share_) return;
+  if (progress.fraction < next_fraction_) return;
   constexpr double kStep = 0.1;
-  next_share_ = (std::floor(progress.share / kStep) + 1) * kStep;
-  std::cerr << std::lround(100 * progress.share) << " %, " << progress.scans << " scans, "
+  next_fraction_ = (std::floor(progress.fraction / kStep) + 1) * kStep;
+  std::cerr << std::lround(100 * progress.fraction) << " %, " << progress.scans << " scans, "
             << std::lround(since_start_.seconds()) << " s\n";
 }
 

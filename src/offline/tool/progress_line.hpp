@@ -7,7 +7,7 @@
 
 namespace extperfc::offline::tool {
 
-/// Tells on standard error how far a recording is mapped: a bar that moves on a terminal, a line for every
+/// Prints the progress of mapping on standard error: a bar that moves on a terminal, a line for every
 /// tenth of the recording elsewhere.
 class ProgressLine {
  public:
@@ -23,8 +23,8 @@ class ProgressLine {
   Stopwatch since_start_;
   bool terminal_;
   bool bar_shown_{false};
-  double next_s_{0};        // the bar moves ten times a second at most
-  double next_share_{0.1};  // of the next line
+  double next_s_{0};           // the bar moves ten times a second at most
+  double next_fraction_{0.1};  // of the next line
 };
 
 }  // namespace extperfc::offline::tool

@@ -4,7 +4,7 @@
 #include <utility>
 
 #include "extperfc/base/arguments.hpp"
-#include "extperfc/offline/picture.hpp"
+#include "extperfc/offline/image.hpp"
 #include "extperfc/offline/recording.hpp"
 #include "extperfc/offline/relations.hpp"
 #include "extperfc/world/map_file.hpp"
@@ -18,37 +18,37 @@ namespace {
 
 constexpr const char* kProgram = "extperfc-relations";
 
-constexpr const char* kHelp = R"(How well a trajectory keeps known relations between places.
+constexpr const char* kHelp = R"(Scores a trajectory against known relations between poses.
 
   extperfc-relations TRAJECTORY RELATIONS [OPTION ...]
 
 TRAJECTORY: TUM format, a line `stamp x y z qx qy qz qw` a pose.
-RELATIONS:  a line `i j x y z roll pitch yaw` a relation: where scan j lies, seen from scan i [m, rad]. Scans are
+RELATIONS:  a line `i j x y z roll pitch yaw` a relation: pose of scan j in the frame of scan i [m, rad]. Scans are
             numbered from 0 in the order of their recording.
 
 Prints the metric of Kuemmerle et al. 2009: mean and standard deviation of the translational and the rotational error,
 absolute and squared, for all relations, for neighbours, and for loops (scans that are more than 100 apart).
 
 A trajectory that holds every scan needs no more. One that holds only some of them (as most mappers write) needs the
-recording: poses and scans are then matched by their stamps, and what lies between two poses is filled in by odometry.
+recording: poses and scans are then matched by their stamps, and odometry fills the gaps between two poses.
 
 Options:
   --odometry RECORDING   the recording: CARMEN log, ROS bag or MRPT rawlog, as extperfc-map reads them
-  --loop-span N          scans that a loop spans at least, 101 by default
+  --loop-span N          minimum number of scans that a loop spans, 101 by default
   --worst N              relations to list, 10 by default
-  --picture FILE.png     draws the trajectory, and each relation from green over yellow to red (0.15 m off or more)
-  --map MAP.yaml         below that picture
+  --image FILE.png       draws the trajectory, and each relation from green over yellow to red (0.15 m off or more)
+  --map MAP.yaml         background of that image
   --json                 for programs
   --scan-topic TOPIC, --odom-topic TOPIC, --base-frame FRAME, --odom-frame FRAME, --sensor LABEL
                          how to read the recording, see extperfc-map --help
 
 Example:
-  extperfc-relations intel/trajectory.tum intel.relations --map intel/map.yaml --picture relations.png
+  extperfc-relations intel/trajectory.tum intel.relations --map intel/map.yaml --image relations.png
 
-Exit status: 0 done, 1 failed (standard error says why), 2 wrong usage.
+Exit status: 0 done, 1 failed (reason on standard error), 2 wrong usage.
 )";
 
-constexpr double kMostCount = 1e8;
+constexpr double kMaxCount = 1e8;
 
 Result<std::vector<ScanMoment>> read_moments(const std::string& file, RecordingOptions reading) {
   reading.log.base_T_sensor = Pose2{};  // of no account here
@@ -66,12 +66,12 @@ Result<std::vector<ScanMoment>> read_moments(const std::string& file, RecordingO
 /// Without a recording the trajectory must hold every scan.
 Result<std::vector<std::optional<Pose2>>> poses_one_by_one(const Trajectory& trajectory,
                                                            const std::vector<Relation>& relations) {
-  std::size_t most = 0;
-  for (const auto& relation : relations) most = std::max({most, relation.from, relation.to});
-  if (most >= trajectory.size())
+  std::size_t max_index = 0;
+  for (const auto& relation : relations) max_index = std::max({max_index, relation.from, relation.to});
+  if (max_index >= trajectory.size())
     return fail(ErrorCode::kInvalidArgument,
                 "the trajectory holds " + std::to_string(trajectory.size()) +
-                    " poses and a relation names scan " + std::to_string(most) +
+                    " poses and a relation names scan " + std::to_string(max_index) +
                     ": give the recording (--odometry RECORDING), so that poses can be "
                     "matched by their stamps");
   std::vector<std::optional<Pose2>> poses;
@@ -91,15 +91,15 @@ Result<std::vector<std::optional<Pose2>>> find_poses(const Arguments& arguments,
 
 Result<void> draw(const Arguments& arguments, const std::vector<std::optional<Pose2>>& poses,
                   const std::vector<Relation>& relations, const RelationsScore& score) {
-  const auto picture = arguments.last("--picture");
-  if (!picture) return {};
+  const auto image = arguments.last("--image");
+  if (!image) return {};
   OccupancyGrid map;
   if (const auto file = arguments.last("--map")) {
     auto loaded = load_map(*file);
     if (!loaded) return tl::unexpected(loaded.error());
     map = *std::move(loaded);
   }
-  return write_png(draw_relations(map, poses, relations, score), *picture);
+  return write_png(draw_relations(map, poses, relations, score), *image);
 }
 
 struct Limits {
@@ -109,9 +109,9 @@ struct Limits {
 
 Result<Limits> read_limits(const Arguments& arguments) {
   Limits limits;
-  const auto span = arguments.number("--loop-span", 1, kMostCount);
+  const auto span = arguments.number("--loop-span", 1, kMaxCount);
   if (!span) return tl::unexpected(span.error());
-  const auto worst = arguments.number("--worst", 0, kMostCount);
+  const auto worst = arguments.number("--worst", 0, kMaxCount);
   if (!worst) return tl::unexpected(worst.error());
   if (*span) limits.loop_span = static_cast<std::size_t>(**span) - 1;
   if (*worst) limits.worst = static_cast<std::size_t>(**worst);
@@ -143,12 +143,12 @@ Result<void> score(const Arguments& arguments, const Limits& limits) {
   return {};
 }
 
-int run_tool(const std::vector<std::string>& words) {
+int run_tool(const std::vector<std::string>& tokens) {
   const auto arguments = Arguments::read(
-      words, {2,
-              2,
-              with_recording_options({"--odometry", "--loop-span", "--worst", "--picture", "--map"}),
-              {"--json", "--help"}});
+      tokens, {2,
+               2,
+               with_recording_options({"--odometry", "--loop-span", "--worst", "--image", "--map"}),
+               {"--json", "--help"}});
   const auto limits = arguments ? read_limits(*arguments) : Result<Limits>(tl::unexpected(arguments.error()));
   if (!limits) return complain(kProgram, limits.error().message, kUsage);
   if (arguments->has("--help")) {

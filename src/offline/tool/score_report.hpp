@@ -8,7 +8,7 @@
 
 namespace extperfc::offline::tool {
 
-/// Table of the groups, and the `worst` relations that are off the most.
+/// Table of the groups, and the `worst` relations with the largest errors.
 void print_score(std::ostream& out, const std::vector<Relation>& relations, const RelationsScore& score,
                  std::size_t worst);
 

@@ -29,7 +29,7 @@ namespace fs = std::filesystem;
 using offline::RecordingOptions;
 using sources::ScanRecord;
 
-constexpr std::size_t kMostComplaints = 10;
+constexpr std::size_t kMaxComplaints = 10;
 
 Pose2 planar(const Pose& pose) {
   return {pose.translation().x(), pose.translation().y(),
@@ -210,17 +210,17 @@ void ScanBag::use_scan(const sensor_msgs::LaserScan& message) {
   const std::size_t index = scans_++;
   auto scan = convert::to_laser_scan(message, base_T_scanner_);
   if (!scan) return complain(topics_.scan + ": " + scan.error().message);
-  if (const double most_m = options_.log.max_range_m; most_m > 0) {
+  if (const double max_m = options_.log.max_range_m; max_m > 0) {
     for (auto& range : scan->ranges)
-      if (range >= static_cast<float>(most_m)) range = std::numeric_limits<float>::infinity();
-    scan->range_max = most_m;
+      if (range >= static_cast<float>(max_m)) range = std::numeric_limits<float>::infinity();
+    scan->range_max = max_m;
   }
   pairing_.add_scan({*std::move(scan), std::nullopt, index});
 }
 
 void ScanBag::complain(const std::string& what) {
   ++damaged_;
-  if (complaints_.size() < kMostComplaints)
+  if (complaints_.size() < kMaxComplaints)
     complaints_.push_back(file_.filename().string() + " message " + std::to_string(read_) + ", " + what);
 }
 

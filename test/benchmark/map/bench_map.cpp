@@ -30,7 +30,7 @@ constexpr char kExplanation[] =
     "a process of its own.\n";
 
 constexpr char kWorldsExplanation[] =
-    "errors: mean over pairs of poses that truly stand within 1 m of each other, 15 m of way or more apart, "
+    "errors: mean over pairs of poses that truly stand within 1 m of each other, 15 m of path or more apart, "
     "when the\n"
     "drive is over. CPU: Mapper::add alone. Each drive is a process of its own.\n";
 
@@ -97,13 +97,13 @@ int run(const MapOptions& options) {
 
 int main(int argc, char** argv) {
   using namespace extperfc::benchmark;  // NOLINT
-  const std::vector<std::string> words(argv + 1, argv + argc);
+  const std::vector<std::string> tokens(argv + 1, argv + argc);
   try {
-    if (words.size() > 2 && words[0] == "--part" && words[1] == "log")
-      return run_log_part({words.begin() + 2, words.end()});
-    if (words.size() > 2 && words[0] == "--part" && words[1] == "world")
-      return run_world_part({words.begin() + 2, words.end()});
-    const auto options = parse_map_options(words);
+    if (tokens.size() > 2 && tokens[0] == "--part" && tokens[1] == "log")
+      return run_log_part({tokens.begin() + 2, tokens.end()});
+    if (tokens.size() > 2 && tokens[0] == "--part" && tokens[1] == "world")
+      return run_world_part({tokens.begin() + 2, tokens.end()});
+    const auto options = parse_map_options(tokens);
     if (!options) return complain(options.error().message, 2);
     if (options->help) {
       print_map_help(std::cout);

@@ -20,7 +20,7 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr double kKibInMb = 1024 / 1e6;
-constexpr std::size_t kMostComplaint = 400;
+constexpr std::size_t kMaxErrorText = 400;
 constexpr int kNotStarted = 127;
 
 std::string text_of(const fs::path& file) {
@@ -45,42 +45,43 @@ double seconds_of(const timeval& time) {
   _exit(kNotStarted);
 }
 
-std::string complaint(const std::vector<std::string>& words, int status, const fs::path& output) {
+std::string complaint(const std::vector<std::string>& tokens, int status, const fs::path& output) {
   const std::string how = WIFSIGNALED(status) ? "was ended by signal " + std::to_string(WTERMSIG(status))
                                               : "ended with " + std::to_string(WEXITSTATUS(status));
   const std::string said = text_of(output);
-  return words.front() + " " + how + ": " +
-         said.substr(said.size() > kMostComplaint ? said.size() - kMostComplaint : 0);
+  return tokens.front() + " " + how + ": " +
+         said.substr(said.size() > kMaxErrorText ? said.size() - kMaxErrorText : 0);
 }
 
 }  // namespace
 
-Result<ChildRun> run_program(const std::vector<std::string>& words, const fs::path& output) {
+Result<ChildRun> run_program(const std::vector<std::string>& tokens, const fs::path& output) {
   const int file = open(output.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0644);
   if (file < 0) return fail(ErrorCode::kFailed, output.string() + ": " + std::strerror(errno));
   std::vector<char*> arguments;
-  for (const auto& word : words) arguments.push_back(const_cast<char*>(word.c_str()));  // NOLINT: exec's type
+  for (const auto& token : tokens)
+    arguments.push_back(const_cast<char*>(token.c_str()));  // NOLINT: exec's type
   arguments.push_back(nullptr);
   const pid_t pid = fork();
   if (pid == 0) become(arguments, file);
   close(file);
-  if (pid < 0) return fail(ErrorCode::kFailed, "starting " + words.front() + ": " + std::strerror(errno));
+  if (pid < 0) return fail(ErrorCode::kFailed, "starting " + tokens.front() + ": " + std::strerror(errno));
   int status = 0;
   rusage used{};
   while (wait4(pid, &status, 0, &used) < 0)
-    if (errno != EINTR) return fail(ErrorCode::kFailed, words.front() + ": " + std::strerror(errno));
+    if (errno != EINTR) return fail(ErrorCode::kFailed, tokens.front() + ": " + std::strerror(errno));
   if (WIFEXITED(status) && WEXITSTATUS(status) == kNotStarted)
-    return fail(ErrorCode::kNotFound, words.front() + " cannot be started; is it installed?");
+    return fail(ErrorCode::kNotFound, tokens.front() + " cannot be started; is it installed?");
   if (!WIFEXITED(status) || WEXITSTATUS(status) != 0)
-    return fail(ErrorCode::kFailed, complaint(words, status, output));
+    return fail(ErrorCode::kFailed, complaint(tokens, status, output));
   return ChildRun{seconds_of(used.ru_utime) + seconds_of(used.ru_stime),
                   kKibInMb * static_cast<double>(used.ru_maxrss)};
 }
 
-Result<Figures> run_part(const std::vector<std::string>& words) {
+Result<Figures> run_part(const std::vector<std::string>& tokens) {
   const TemporaryFolder folder;
   std::vector<std::string> all{fs::read_symlink("/proc/self/exe").string(), "--part"};
-  all.insert(all.end(), words.begin(), words.end());
+  all.insert(all.end(), tokens.begin(), tokens.end());
   const auto run = run_program(all, folder.path() / "output");
   if (!run) return tl::unexpected(run.error());
   std::ifstream in(folder.path() / "output");

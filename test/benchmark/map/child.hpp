@@ -20,11 +20,11 @@ struct ChildRun {
 
 /// Runs a program to its end; both its outputs go to a file. Errors: it cannot be started, or it failed: then
 /// with the end of what it said.
-[[nodiscard]] Result<ChildRun> run_program(const std::vector<std::string>& words,
+[[nodiscard]] Result<ChildRun> run_program(const std::vector<std::string>& tokens,
                                            const std::filesystem::path& output);
 
-/// Runs this program again as `--part words...`, alone in a process of its own, and reads its figures.
-[[nodiscard]] Result<Figures> run_part(const std::vector<std::string>& words);
+/// Runs this program again as `--part tokens...`, alone in a separate process, and reads its figures.
+[[nodiscard]] Result<Figures> run_part(const std::vector<std::string>& tokens);
 
 /// The file of a program that was built beside this one.
 [[nodiscard]] std::filesystem::path beside_this_program(const std::string& name);

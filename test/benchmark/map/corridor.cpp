@@ -41,11 +41,11 @@ class CorridorBuilder {
     while (at + look_.door_m + kFreeEndM < to_) {
       const double width = look_.door_m * (look_.regular ? 1.0 : rng_.uniform(0.7, 1.4));
       const double depth = look_.depth_m * (look_.regular ? 1.0 : rng_.uniform(0.6, 1.8));
-      if (rng_.chance(look_.room_share))
+      if (rng_.chance(look_.room_fraction))
         add_room(at, width, wall, outwards);
       else
         floor_.add_floor(place(at, wall - outwards * kOverlapM), place(at + width, wall + outwards * depth));
-      if (rng_.chance(look_.pillar_share)) add_pillar(at + width, wall, outwards);
+      if (rng_.chance(look_.pillar_fraction)) add_pillar(at + width, wall, outwards);
       at += look_.spacing_m * (1 + (look_.jitter > 0 ? rng_.uniform(-look_.jitter, look_.jitter) : 0.0));
     }
   }
@@ -86,11 +86,11 @@ CorridorLook random_look(CorridorKind kind, double width_m, Rng& rng) {
   if (kind == CorridorKind::kSparse) {
     look.spacing_m = rng.uniform(15, 30);
     look.regular = rng.chance(0.5);
-    look.pillar_share = 0;
+    look.pillar_fraction = 0;
   } else if (kind == CorridorKind::kAlike) {
     look.spacing_m = rng.uniform(2.5, 5);
     look.regular = true;
-    look.pillar_share = 0.03;
+    look.pillar_fraction = 0.03;
   }
   if (look.regular) look.jitter = 0;
   return look;

@@ -11,14 +11,14 @@ namespace extperfc::benchmark {
 /// What the sides of a corridor look like: recesses, as closed doors leave them, rooms behind open ones, and
 /// pillars at the wall.
 struct CorridorLook {
-  double width_m{2.2};       ///< of the corridor
-  double spacing_m{8};       ///< between recesses
-  double jitter{0.35};       ///< of the spacing, as a share of it
-  double depth_m{0.2};       ///< of a recess
-  double door_m{1.1};        ///< width of a recess
-  bool regular{false};       ///< all recesses are alike and evenly spaced
-  double room_share{0};      ///< of the recesses, which are open doors
-  double pillar_share{0.1};  ///< of the recesses, which have a pillar beside them
+  double width_m{2.2};          ///< of the corridor
+  double spacing_m{8};          ///< between recesses
+  double jitter{0.35};          ///< of the spacing, as a fraction of it
+  double depth_m{0.2};          ///< of a recess
+  double door_m{1.1};           ///< width of a recess
+  bool regular{false};          ///< all recesses are alike and evenly spaced
+  double room_fraction{0};      ///< of the recesses, which are open doors
+  double pillar_fraction{0.1};  ///< of the recesses, which have a pillar beside them
 };
 
 enum class CorridorKind {

@@ -39,7 +39,7 @@ class OfficeBuilder {
   }
 
   Office office_;
-  std::vector<Point> doors_;     // on the corridor's middle, in the order of the way round
+  std::vector<Point> doors_;     // on the corridor's middle, in the order of the loop
   std::vector<Point> in_rooms_;  // behind each
   Rng rng_{7};
 };
@@ -115,7 +115,7 @@ Office OfficeBuilder::build() {
   return std::move(office_);
 }
 
-/// One line of a CARMEN log: a full turn of rays, no remissions, the scanner in the robot's middle.
+/// One line of a CARMEN log: a full revolution of rays, no remissions, the scanner in the robot's middle.
 class CarmenWriter {
  public:
   explicit CarmenWriter(const fs::path& file) : out_(file) {}

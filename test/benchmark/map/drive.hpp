@@ -9,7 +9,7 @@ namespace extperfc::benchmark {
 
 /// How a generated drive is recorded.
 struct DriveParams {
-  std::size_t rays{360};  ///< in a full turn, from -180 degrees on
+  std::size_t rays{360};  ///< in a full revolution, from -180 degrees on
   double rate_hz{10};     ///< of the scans
   double longest_s{400};  ///< the recording ends then [s]
 };

@@ -35,15 +35,15 @@ void FloorWorld::add_wall(const Wall& wall) {
   if (wall.to - wall.from > kTinyM) walls_.push_back(wall);
 }
 
-void FloorWorld::close(double glass_share, Rng& rng) {
+void FloorWorld::close(double glass_fraction, Rng& rng) {
   for (const auto& area : floor_)
     for (const int along : {1, 0})
-      for (const bool high : {false, true}) wall_in(area, {along, high}, glass_share, rng);
+      for (const bool high : {false, true}) wall_in(area, {along, high}, glass_fraction, rng);
   build_grid();
 }
 
 /// Walls along one side, except where another rectangle lies right behind it.
-void FloorWorld::wall_in(const Eigen::AlignedBox2d& area, Side side, double glass_share, Rng& rng) {
+void FloorWorld::wall_in(const Eigen::AlignedBox2d& area, Side side, double glass_fraction, Rng& rng) {
   const int across = 1 - side.along;
   const double at = side.high ? area.max()[across] : area.min()[across];
   const double behind = side.high ? at + kTinyM : at - kTinyM;
@@ -57,20 +57,20 @@ void FloorWorld::wall_in(const Eigen::AlignedBox2d& area, Side side, double glas
   double from = area.min()[side.along];
   for (const auto& [first, last] : open) {
     if (from >= end) break;
-    if (first > from) add_stretch({side.along, at, from, std::min(first, end), false}, glass_share, rng);
+    if (first > from) add_stretch({side.along, at, from, std::min(first, end), false}, glass_fraction, rng);
     from = std::max(from, last);
   }
 }
 
-void FloorWorld::add_stretch(Wall wall, double glass_share, Rng& rng) {
-  if (glass_share <= 0) {
+void FloorWorld::add_stretch(Wall wall, double glass_fraction, Rng& rng) {
+  if (glass_fraction <= 0) {
     add_wall(wall);
     return;
   }
   const double end = wall.to;
   while (end - wall.from > kTinyM) {
     wall.to = std::min(end, wall.from + rng.uniform(kShortestGlassM, kLongestGlassM));
-    wall.glass = rng.chance(glass_share);
+    wall.glass = rng.chance(glass_fraction);
     add_wall(wall);
     wall.from = wall.to;
   }
@@ -109,34 +109,35 @@ std::size_t FloorWorld::index(const Eigen::Vector2i& cell) const {
          static_cast<std::size_t>(cell.x());
 }
 
-void FloorWorld::meet(const std::vector<Wall>& walls, const Eigen::Vector2d& from, const Eigen::Vector2d& way,
-                      Hit& nearest) const {
+void FloorWorld::meet(const std::vector<Wall>& walls, const Eigen::Vector2d& from,
+                      const Eigen::Vector2d& direction, Hit& nearest) const {
   for (const Wall& wall : walls) {
     const int across = 1 - wall.along;
-    const double range = (wall.at - from[across]) / way[across];  // not finite: the ray is parallel to it
+    const double range =
+        (wall.at - from[across]) / direction[across];  // not finite: the ray is parallel to it
     if (!(range > kTinyM && range < nearest.range_m)) continue;
-    const double along = from[wall.along] + range * way[wall.along];
+    const double along = from[wall.along] + range * direction[wall.along];
     if (along >= wall.from - kTinyM && along <= wall.to + kTinyM) nearest = {range, wall.glass};
   }
 }
 
 /// From cell to cell, as Amanatides and Woo (1987) do.
-FloorWorld::Hit FloorWorld::cast(const Eigen::Vector2d& from, double angle_rad, double most_m) const {
-  const Eigen::Vector2d way(std::cos(angle_rad), std::sin(angle_rad));
+FloorWorld::Hit FloorWorld::cast(const Eigen::Vector2d& from, double angle_rad, double max_range_m) const {
+  const Eigen::Vector2d direction(std::cos(angle_rad), std::sin(angle_rad));
   Eigen::Vector2i cell = cell_of(from);
   Eigen::Vector2i step(0, 0);
-  Eigen::Vector2d next(kInfinity, kInfinity);  // way to the next border across each axis
-  Eigen::Vector2d each(kInfinity, kInfinity);  // way between two borders
+  Eigen::Vector2d next(kInfinity, kInfinity);  // distance to the next border across each axis
+  Eigen::Vector2d each(kInfinity, kInfinity);  // distance between two borders
   for (const int axis : {0, 1}) {
-    if (way[axis] == 0) continue;
-    step[axis] = way[axis] > 0 ? 1 : -1;
-    each[axis] = kCellM / std::abs(way[axis]);
-    const double border = low_[axis] + kCellM * (cell[axis] + (way[axis] > 0 ? 1 : 0));
-    next[axis] = (border - from[axis]) / way[axis];
+    if (direction[axis] == 0) continue;
+    step[axis] = direction[axis] > 0 ? 1 : -1;
+    each[axis] = kCellM / std::abs(direction[axis]);
+    const double border = low_[axis] + kCellM * (cell[axis] + (direction[axis] > 0 ? 1 : 0));
+    next[axis] = (border - from[axis]) / direction[axis];
   }
   Hit nearest;
-  for (double entered = 0; entered < std::min(most_m, nearest.range_m) && has_cell(cell);) {
-    meet(cells_[index(cell)], from, way, nearest);
+  for (double entered = 0; entered < std::min(max_range_m, nearest.range_m) && has_cell(cell);) {
+    meet(cells_[index(cell)], from, direction, nearest);
     const int axis = next.x() < next.y() ? 0 : 1;
     entered = next[axis];
     next[axis] += each[axis];

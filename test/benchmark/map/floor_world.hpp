@@ -20,16 +20,16 @@ class FloorWorld {
   /// Four walls on the floor; corners in any order.
   void add_box(const Eigen::Vector2d& corner, const Eigen::Vector2d& opposite);
   /// Walls around the union of the floor, and the grid: once, after everything was added. Of the walls, this
-  /// share in [0, 1] is glass, in pieces of 1 to 3 m.
-  void close(double glass_share, Rng& rng);
+  /// fraction in [0, 1] is glass, in pieces of 1 to 3 m.
+  void close(double glass_fraction, Rng& rng);
 
   struct Hit {
     double range_m{std::numeric_limits<double>::infinity()};  ///< infinity: no wall
     bool glass{false};
   };
-  /// The nearest wall, looked for up to `most_m` and a cell farther. From a place outside of the building:
-  /// none. O(cells and their walls on the way).
-  [[nodiscard]] Hit cast(const Eigen::Vector2d& from, double angle_rad, double most_m) const;
+  /// The nearest wall, looked for up to `max_range_m` and a cell farther. From a place outside of the
+  /// building: none. O(cells and their walls on the ray).
+  [[nodiscard]] Hit cast(const Eigen::Vector2d& from, double angle_rad, double max_range_m) const;
 
   /// Whether a rectangle of the floor holds the point, this far from the rectangle's sides.
   [[nodiscard]] bool is_floor(const Eigen::Vector2d& point, double margin_m) const;
@@ -48,10 +48,10 @@ class FloorWorld {
   };
 
   void add_wall(const Wall& wall);
-  void wall_in(const Eigen::AlignedBox2d& area, Side side, double glass_share, Rng& rng);
-  void add_stretch(Wall wall, double glass_share, Rng& rng);
+  void wall_in(const Eigen::AlignedBox2d& area, Side side, double glass_fraction, Rng& rng);
+  void add_stretch(Wall wall, double glass_fraction, Rng& rng);
   void build_grid();
-  void meet(const std::vector<Wall>& walls, const Eigen::Vector2d& from, const Eigen::Vector2d& way,
+  void meet(const std::vector<Wall>& walls, const Eigen::Vector2d& from, const Eigen::Vector2d& direction,
             Hit& nearest) const;
   [[nodiscard]] Eigen::Vector2i cell_of(const Eigen::Vector2d& point) const;
   [[nodiscard]] bool has_cell(const Eigen::Vector2i& cell) const;

@@ -31,17 +31,17 @@ std::vector<std::string> words_of(const LogRun& run) {
           run.rotation_counts ? "1" : "0"};
 }
 
-constexpr std::size_t kWords = 8;  // behind "log"
+constexpr std::size_t kTokens = 8;  // behind "log"
 
-LogRun run_of(const std::vector<std::string>& words) {
+LogRun run_of(const std::vector<std::string>& tokens) {
   LogRun run;
-  run.recording = {words[0], words[1]};
-  run.particles = std::atoi(words[2].c_str());
-  run.seed = std::strtoull(words[3].c_str(), nullptr, 10);
-  run.scans = std::strtoull(words[4].c_str(), nullptr, 10);
-  run.map_every_s = std::strtod(words[5].c_str(), nullptr);
-  run.linear_update_m = std::strtod(words[6].c_str(), nullptr);
-  run.rotation_counts = words[7] == "1";
+  run.recording = {tokens[0], tokens[1]};
+  run.particles = std::atoi(tokens[2].c_str());
+  run.seed = std::strtoull(tokens[3].c_str(), nullptr, 10);
+  run.scans = std::strtoull(tokens[4].c_str(), nullptr, 10);
+  run.map_every_s = std::strtod(tokens[5].c_str(), nullptr);
+  run.linear_update_m = std::strtod(tokens[6].c_str(), nullptr);
+  run.rotation_counts = tokens[7] == "1";
   return run;
 }
 
@@ -192,9 +192,9 @@ Result<Figures> run_log(const LogRun& run) {
   return run_part(words_of(run));
 }
 
-int run_log_part(const std::vector<std::string>& words) {
-  if (words.size() != kWords) return 2;
-  const auto figures = watch(run_of(words));
+int run_log_part(const std::vector<std::string>& tokens) {
+  if (tokens.size() != kTokens) return 2;
+  const auto figures = watch(run_of(tokens));
   if (!figures) {
     std::cerr << figures.error().message << "\n";
     return EXIT_FAILURE;

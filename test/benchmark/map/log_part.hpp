@@ -21,7 +21,7 @@ struct LogRun {
   std::size_t scans{0};        ///< at most
   double map_every_s{0};       ///< of the recording, map() is called; 0: only at the end
   double linear_update_m{0};   ///< 0: the mapper's own
-  bool rotation_counts{true};  ///< turns make key frames too
+  bool rotation_counts{true};  ///< rotations make key frames too
 };
 
 /// The run in a process of its own. Figures:
@@ -34,6 +34,6 @@ struct LogRun {
 [[nodiscard]] Result<Figures> run_log(const LogRun& run);
 
 /// The other side of run_log(), in the new process; an exit code.
-int run_log_part(const std::vector<std::string>& words);
+int run_log_part(const std::vector<std::string>& tokens);
 
 }  // namespace extperfc::benchmark

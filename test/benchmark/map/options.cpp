@@ -8,8 +8,8 @@ namespace extperfc::benchmark {
 namespace {
 
 const std::set<std::string> kParts{"log", "peer", "rates", "hall", kWorldsPart};
-constexpr int kMostSeeds = 100;
-constexpr int kMostWorlds = 1000;
+constexpr int kMaxSeeds = 100;
+constexpr int kMaxWorlds = 1000;
 
 MapOptions quick_options() {
   MapOptions options;
@@ -23,8 +23,8 @@ MapOptions quick_options() {
 }
 
 /// From 1 on; an option that is not given leaves `count` as it is.
-Result<void> read_count(const Arguments& arguments, const std::string& option, int most, int& count) {
-  const auto given = arguments.number(option, 1, most);
+Result<void> read_count(const Arguments& arguments, const std::string& option, int max_count, int& count) {
+  const auto given = arguments.number(option, 1, max_count);
   if (!given) return tl::unexpected(given.error());
   if (*given) count = static_cast<int>(**given);
   return {};
@@ -32,9 +32,9 @@ Result<void> read_count(const Arguments& arguments, const std::string& option, i
 
 }  // namespace
 
-Result<MapOptions> parse_map_options(const std::vector<std::string>& words) {
+Result<MapOptions> parse_map_options(const std::vector<std::string>& tokens) {
   const auto arguments = Arguments::read(
-      words, {0, 0, {"--json", "--seeds", "--peer-scans", "--only", "--worlds"}, {"--quick", "--help"}});
+      tokens, {0, 0, {"--json", "--seeds", "--peer-scans", "--only", "--worlds"}, {"--quick", "--help"}});
   if (!arguments) return tl::unexpected(arguments.error());
   MapOptions options = arguments->has("--quick") ? quick_options() : MapOptions{};
   options.help = arguments->has("--help");
@@ -43,7 +43,7 @@ Result<MapOptions> parse_map_options(const std::vector<std::string>& words) {
   if (!options.only.empty() && kParts.count(options.only) == 0)
     return fail(ErrorCode::kInvalidArgument,
                 "--only needs log, peer, rates, hall or worlds, not '" + options.only + "'");
-  if (auto read = read_count(*arguments, "--seeds", kMostSeeds, options.seeds); !read)
+  if (auto read = read_count(*arguments, "--seeds", kMaxSeeds, options.seeds); !read)
     return tl::unexpected(read.error());
   const auto peer_scans = arguments->number("--peer-scans", 0, static_cast<double>(kWholeLog));
   if (!peer_scans) return tl::unexpected(peer_scans.error());
@@ -51,7 +51,7 @@ Result<MapOptions> parse_map_options(const std::vector<std::string>& words) {
     options.peer_scans = **peer_scans == 0 ? kWholeLog : static_cast<std::size_t>(**peer_scans);
   if (arguments->has("--worlds") && options.only != kWorldsPart)
     return fail(ErrorCode::kInvalidArgument, "--worlds goes with --only worlds");
-  if (auto read = read_count(*arguments, "--worlds", kMostWorlds, options.worlds); !read)
+  if (auto read = read_count(*arguments, "--worlds", kMaxWorlds, options.worlds); !read)
     return tl::unexpected(read.error());
   return options;
 }

@@ -24,8 +24,8 @@ struct MapOptions {
   bool help{false};
 };
 
-/// The options of `words`, which do not hold the program's name.
-[[nodiscard]] Result<MapOptions> parse_map_options(const std::vector<std::string>& words);
+/// The options of `tokens`, which do not hold the program's name.
+[[nodiscard]] Result<MapOptions> parse_map_options(const std::vector<std::string>& tokens);
 void print_map_help(std::ostream& out);
 
 }  // namespace extperfc::benchmark

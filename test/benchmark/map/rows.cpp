@@ -15,7 +15,7 @@ namespace extperfc::benchmark {
 namespace {
 
 constexpr int kParticles = 30;  // of the goals
-constexpr int kMostOtherSeeds = 3;
+constexpr int kMaxOtherSeeds = 3;
 constexpr double kMapEveryS = 5;  // the nodelet's map_update_interval
 
 // Goals for 30 particles; those of accuracy, CPU time and memory are of the whole Intel log.
@@ -138,7 +138,7 @@ Result<std::vector<Row>> log_rows(const Subject& subject, const MapOptions& opti
   std::map<int, Figures> first;
   for (const int particles : {kParticles, 1, 10, 100}) {
     const bool goals = particles == kParticles;
-    const int seeds = goals ? options.seeds : std::min(options.seeds, kMostOtherSeeds);
+    const int seeds = goals ? options.seeds : std::min(options.seeds, kMaxOtherSeeds);
     const auto runs = run_seeds(subject, particles, seeds, options.scans);
     if (!runs) return tl::unexpected(runs.error());
     first[particles] = runs->front();
@@ -199,9 +199,9 @@ Result<std::vector<Row>> rate_rows(const MapOptions& options) {
     if (!runs) return tl::unexpected(runs.error());
     const Figures& run = runs->front();
     // CPU seconds of mapping per second of the drive
-    const Row share{name, "CPU, share of a core", "%", 0.1 * run.at("scan_mean_ms") * one.rate_hz};
+    const Row load{name, "CPU, load of a core", "%", 0.1 * run.at("scan_mean_ms") * one.rate_hz};
     const bool has_goal = one.rays == 360 && one.rate_hz == 10;
-    rows.push_back(has_goal ? at_most(share, kGoalPercent) : share);
+    rows.push_back(has_goal ? at_most(load, kGoalPercent) : load);
     rows.push_back({name, "CPU per scan, p99", "ms", run.at("scan_p99_ms")});
     rows.push_back({name, "translational error", "m", run.at("translation_m")});
     rows.push_back({name, "worst loop relation", "m", figure(run, "worst_loop_m")});

@@ -9,20 +9,20 @@ namespace {
 using Point = Eigen::Vector2d;
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
-constexpr std::size_t kMostScans = 30'000;
+constexpr std::size_t kMaxScans = 30'000;
 constexpr double kScanEveryS = 0.1;
 constexpr double kFirstStampS = 100;
 constexpr double kRangeMinM = 0.05;
 constexpr double kRangeStepsPerM = 100;
-constexpr double kThroughGlass = 0.75;  // share of the rays
+constexpr double kThroughGlass = 0.75;  // fraction of the rays
 
 constexpr double kPathStepM = 0.05;
 constexpr double kSlopeM = 0.006;     // the wandering path leaves the straight line by this per step at most
 constexpr double kStraightenM = 1.0;  // near corners it comes back to the line
 constexpr double kLookAheadM = 0.5;
 constexpr double kArrivedM = 0.3;
-constexpr double kTurnOnSpotRad = 0.7;
-constexpr double kSteerOverM = 0.35;  // the robot turns towards its path within this way
+constexpr double kRotateOnSpotRad = 0.7;
+constexpr double kSteerOverM = 0.35;  // the robot rotates towards its path within this distance
 
 constexpr double kWalkerRadiusM = 0.2;
 constexpr double kNearestWalkerM = 0.4;
@@ -41,16 +41,16 @@ std::vector<Point> wandering_path(const WorldCase& world, Rng& rng) {
   std::vector<Point> path;
   double offset = 0;
   double wanted = 0;
-  double way = 0;
+  double path_m = 0;
   double next_change = 0;
   for (std::size_t i = 1; i < world.route.size(); ++i) {
     const Point leg = world.route[i] - world.route[i - 1];
     const Point ahead = leg.normalized();
     const Point left(-ahead.y(), ahead.x());
-    for (double along = 0; along < leg.norm(); along += kPathStepM, way += kPathStepM) {
-      if (way > next_change) {
+    for (double along = 0; along < leg.norm(); along += kPathStepM, path_m += kPathStepM) {
+      if (path_m > next_change) {
         wanted = rng.uniform(-world.wander_m, world.wander_m);
-        next_change = way + rng.uniform(2, 8);
+        next_change = path_m + rng.uniform(2, 8);
       }
       offset += std::clamp(wanted - offset, -kSlopeM, kSlopeM);
       const double to_corner = std::min(along, leg.norm() - along);
@@ -64,20 +64,20 @@ std::vector<Point> wandering_path(const WorldCase& world, Rng& rng) {
 
 /// A pose per scan of a robot that steers for a point half a metre ahead on its path.
 std::vector<Pose2> follow(const std::vector<Point>& path, double step_m) {
-  const double most_turn = std::clamp(1.2 * step_m, 0.03, 0.15);
-  const auto yaw_to = [](const Point& way) { return std::atan2(way.y(), way.x()); };
+  const double max_rotation = std::clamp(1.2 * step_m, 0.03, 0.15);
+  const auto yaw_to = [](const Point& direction) { return std::atan2(direction.y(), direction.x()); };
   const std::size_t first = std::min<std::size_t>(10, path.size() - 1);
   Pose2 pose{path[0].x(), path[0].y(), yaw_to(path[first] - path[0])};
   std::vector<Pose2> poses{pose};
   std::size_t goal = 0;
   const auto is_last = [&] { return goal + 1 == path.size(); };
-  while (poses.size() < kMostScans && !(is_last() && (path[goal] - position(pose)).norm() <= kArrivedM)) {
+  while (poses.size() < kMaxScans && !(is_last() && (path[goal] - position(pose)).norm() <= kArrivedM)) {
     while (!is_last() && (path[goal] - position(pose)).norm() < kLookAheadM) ++goal;
     const double off = wrap_angle(yaw_to(path[goal] - position(pose)) - pose.yaw);
-    if (std::abs(off) > kTurnOnSpotRad) {
-      pose.yaw = wrap_angle(pose.yaw + std::clamp(off, -most_turn, most_turn));
+    if (std::abs(off) > kRotateOnSpotRad) {
+      pose.yaw = wrap_angle(pose.yaw + std::clamp(off, -max_rotation, max_rotation));
     } else {
-      pose.yaw = wrap_angle(pose.yaw + std::clamp(off * step_m / kSteerOverM, -most_turn, most_turn));
+      pose.yaw = wrap_angle(pose.yaw + std::clamp(off * step_m / kSteerOverM, -max_rotation, max_rotation));
       pose.x += step_m * std::cos(pose.yaw);
       pose.y += step_m * std::sin(pose.yaw);
     }
@@ -86,17 +86,17 @@ std::vector<Pose2> follow(const std::vector<Point>& path, double step_m) {
   return poses;
 }
 
-/// What the wheels say of a step.
+/// Wheel odometry of a step.
 Pose2 measured(const Pose2& step, const WorldOdometry& odometry, Rng& rng) {
-  const double way = std::hypot(step.x, step.y);
-  const double length =
-      way * (1 + odometry.scale) + rng.normal(0, 1) * odometry.sigma_m_per_sqrt_m * std::sqrt(way);
-  const double sigma_rad = odometry.sigma_rad_per_sqrt_m * std::sqrt(way) +
+  const double distance_m = std::hypot(step.x, step.y);
+  const double length = distance_m * (1 + odometry.scale) +
+                        rng.normal(0, 1) * odometry.sigma_m_per_sqrt_m * std::sqrt(distance_m);
+  const double sigma_rad = odometry.sigma_rad_per_sqrt_m * std::sqrt(distance_m) +
                            odometry.sigma_rad_per_sqrt_rad * std::sqrt(std::abs(step.yaw));
-  const double turn =
-      step.yaw * (1 + odometry.turn_scale) + odometry.veer_rad_per_m * way + rng.normal(0, 1) * sigma_rad;
-  const double stretch = way > 1e-9 ? length / way : 0.0;
-  return {step.x * stretch, step.y * stretch, turn};
+  const double rotation_rad = step.yaw * (1 + odometry.rotation_scale) +
+                              odometry.veer_rad_per_m * distance_m + rng.normal(0, 1) * sigma_rad;
+  const double stretch = distance_m > 1e-9 ? length / distance_m : 0.0;
+  return {step.x * stretch, step.y * stretch, rotation_rad};
 }
 
 }  // namespace
@@ -149,14 +149,14 @@ std::optional<WorldRecorder::Step> WorldRecorder::next() {
   if (now_ == poses_.size()) return std::nullopt;
   if (now_ > 0) drive_on();
   walkers_.move(world_, poses_, now_, rng_);
-  Step step{scan(), odom_T_base_, poses_[now_], way_m_};
+  Step step{scan(), odom_T_base_, poses_[now_], path_m_};
   ++now_;
   return step;
 }
 
 void WorldRecorder::drive_on() {
   const Pose2 step = between(poses_[now_ - 1], poses_[now_]);
-  way_m_ += std::hypot(step.x, step.y);
+  path_m_ += std::hypot(step.x, step.y);
   odom_T_base_ = compose(odom_T_base_, measured(step, world_.odometry, rng_));
 }
 
@@ -182,7 +182,7 @@ float WorldRecorder::range(const Pose2& sensor, double angle_rad) {
   double range = hit.glass && rng_.chance(kThroughGlass) ? kInfinity : hit.range_m;
   range = std::min(range, walkers_.range(position(sensor), angle_rad));
   range += rng_.normal(0, scanner.sigma_m);
-  if (scanner.outlier_share > 0 && rng_.chance(scanner.outlier_share))
+  if (scanner.outlier_fraction > 0 && rng_.chance(scanner.outlier_fraction))
     range = rng_.uniform(0.3, scanner.range_max_m);
   range = std::round(range * kRangeStepsPerM) / kRangeStepsPerM;
   return range <= scanner.range_max_m ? static_cast<float>(range) : std::numeric_limits<float>::infinity();

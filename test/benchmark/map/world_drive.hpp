@@ -23,17 +23,17 @@ struct WorldScanner {
   double angle_min{-M_PI / 2};         ///< [rad]
   double angle_increment{M_PI / 180};  ///< [rad]
   double range_max_m{30};
-  double sigma_m{0.015};    ///< of a range
-  double outlier_share{0};  ///< of the rays, anywhere in the range
+  double sigma_m{0.015};       ///< of a range
+  double outlier_fraction{0};  ///< of the rays, anywhere in the range
   Pose2 base_T_sensor;
 };
 
-/// Wheels that are off by constant shares and by random walks.
+/// Wheels that are with constant relative errors and random walks.
 struct WorldOdometry {
   bool there{true};    ///< false: the mapper gets scans alone
-  double scale{0.01};  ///< too long by this share
+  double scale{0.01};  ///< relative error of lengths
   double veer_rad_per_m{0.002};
-  double turn_scale{0.01};  ///< turns are too large by this share
+  double rotation_scale{0.01};  ///< relative error of rotations
   double sigma_m_per_sqrt_m{0.01};
   double sigma_rad_per_sqrt_m{0.005};
   double sigma_rad_per_sqrt_rad{0.01};
@@ -43,28 +43,28 @@ struct WorldOdometry {
 struct WorldCase {
   FloorWorld floor;
   std::vector<Eigen::Vector2d> route;  ///< corners, on the floor [m]
-  double step_m{0.12};                 ///< way between two scans
+  double step_m{0.12};                 ///< distance between two scans
   double wander_m{0.2};                ///< off the route's straight lines, at most
   int walkers{0};                      ///< people near the robot
   WorldScanner scanner;
   WorldOdometry odometry;
 };
 
-/// People of 0.4 m who come up near the robot's way, walk along it or against it, and go again.
+/// People of 0.4 m who appear near the robot's path, walk along it or against it, and go again.
 class Walkers {
  public:
   explicit Walkers(int count) : all_(static_cast<std::size_t>(count)) {}
 
   /// One scan later; the robot is at `poses[now]`.
   void move(const WorldCase& world, const std::vector<Pose2>& poses, std::size_t now, Rng& rng);
-  /// Way to the nearest [m]; infinity when the ray meets nobody.
+  /// Distance to the nearest [m]; infinity when the ray meets none.
   [[nodiscard]] double range(const Eigen::Vector2d& from, double angle_rad) const;
 
  private:
   struct Walker {
     Eigen::Vector2d at{0, 0};
-    Eigen::Vector2d velocity{0, 0};  // per metre of the robot's way
-    double left_m{0};                // of the robot's way, until the walker goes; 0: not there
+    Eigen::Vector2d velocity{0, 0};  // per metre of the robot's path
+    double left_m{0};                // of the robot's path, until the pedestrian leaves; 0: not there
   };
   static Walker appear(const WorldCase& world, const std::vector<Pose2>& poses, std::size_t now, Rng& rng);
 
@@ -81,9 +81,9 @@ class WorldRecorder {
     LaserScan scan;
     Pose2 odom_T_base;
     Pose2 world_T_base;  ///< the truth
-    double way_m{0};     ///< driven so far
+    double path_m{0};    ///< driven so far
   };
-  /// Nothing at the end.
+  /// No value at the end.
   [[nodiscard]] std::optional<Step> next();
 
  private:
@@ -96,7 +96,7 @@ class WorldRecorder {
   std::vector<Pose2> poses_;
   Walkers walkers_;
   Pose2 odom_T_base_;
-  double way_m_{0};
+  double path_m_{0};
   std::size_t now_{0};
 };
 

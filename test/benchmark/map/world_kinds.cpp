@@ -11,23 +11,23 @@ namespace {
 
 using Point = Eigen::Vector2d;
 
-constexpr double kGridWayM = 600;
-constexpr double kNoOdometryShare = 0.12;  // of the drives, where the kind allows it
-constexpr double kGlassShare = 0.15;       // of the walls, where there is glass
+constexpr double kGridPathM = 600;
+constexpr double kNoOdometryFraction = 0.12;  // of the drives, where the kind allows it
+constexpr double kGlassFraction = 0.15;       // of the walls, where there is glass
 constexpr std::uint64_t kSeedStep = 1'000'003;
 constexpr std::uint64_t kKindStep = 7'777;
 
 WorldScanner random_scanner(Rng& rng) {
-  constexpr double kTurn = 2 * M_PI;
+  constexpr double kRevolution = 2 * M_PI;
   struct Model {
     int rays;
     double angle_min;
     double angle_increment;
   };
-  constexpr std::array<Model, 4> kModels{{{180, -kTurn / 4, kTurn / 360},
-                                          {361, -kTurn / 4, kTurn / 720},
-                                          {541, -3 * kTurn / 8, kTurn / 720},
-                                          {360, -kTurn / 2, kTurn / 360}}};
+  constexpr std::array<Model, 4> kModels{{{180, -kRevolution / 4, kRevolution / 360},
+                                          {361, -kRevolution / 4, kRevolution / 720},
+                                          {541, -3 * kRevolution / 8, kRevolution / 720},
+                                          {360, -kRevolution / 2, kRevolution / 360}}};
   constexpr std::array<double, 3> kRangesM{8, 30, 80};
   const Model& model = kModels[static_cast<std::size_t>(rng.integer(0, 3))];
   WorldScanner scanner;
@@ -36,15 +36,15 @@ WorldScanner random_scanner(Rng& rng) {
   scanner.angle_increment = model.angle_increment;
   scanner.range_max_m = kRangesM[static_cast<std::size_t>(rng.integer(0, 2))];
   scanner.sigma_m = rng.uniform(0.008, 0.025);
-  scanner.outlier_share = rng.chance(0.3) ? 0.01 : 0.0;
+  scanner.outlier_fraction = rng.chance(0.3) ? 0.01 : 0.0;
   return scanner;
 }
 
 /// From good wheels to slipping ones.
 WorldOdometry random_odometry(Rng& rng) {
   struct Wheels {
-    double least_scale, most_scale;
-    double least_veer, most_veer;  // [rad/m]
+    double min_scale, max_scale;
+    double min_veer, max_veer;  // [rad/m]
   };
   constexpr std::array<Wheels, 5> kWheels{{{0.005, 0.005, 0.001, 0.001},
                                            {0.012, 0.012, 0.003, 0.003},
@@ -52,17 +52,15 @@ WorldOdometry random_odometry(Rng& rng) {
                                            {0.02, 0.05, 0, 0.02},
                                            {0, 0.01, 0.005, 0.03}}};
   const Wheels& wheels = kWheels[static_cast<std::size_t>(rng.integer(0, 4))];
-  const auto draw = [&](double least, double most) {
-    return least < most ? rng.uniform(least, most) : least;
-  };
+  const auto draw = [&](double low, double high) { return low < high ? rng.uniform(low, high) : low; };
   WorldOdometry odometry;
   odometry.sigma_m_per_sqrt_m = rng.uniform(0.003, 0.018);
   odometry.sigma_rad_per_sqrt_m = rng.uniform(0.0025, 0.015);
-  odometry.turn_scale = odometry.sigma_rad_per_sqrt_rad = rng.uniform(0.003, 0.018);
+  odometry.rotation_scale = odometry.sigma_rad_per_sqrt_rad = rng.uniform(0.003, 0.018);
   const double scale_sign = rng.chance(0.5) ? 1 : -1;
   const double veer_sign = rng.chance(0.5) ? 1 : -1;
-  odometry.scale = scale_sign * draw(wheels.least_scale, wheels.most_scale);
-  odometry.veer_rad_per_m = veer_sign * draw(wheels.least_veer, wheels.most_veer);
+  odometry.scale = scale_sign * draw(wheels.min_scale, wheels.max_scale);
+  odometry.veer_rad_per_m = veer_sign * draw(wheels.min_veer, wheels.max_veer);
   return odometry;
 }
 
@@ -80,9 +78,9 @@ class Planner {
 
   [[nodiscard]] WorldCase make(Plan plan, bool may_lack_odometry) {
     (this->*plan)();
-    if (may_lack_odometry && rng_.chance(kNoOdometryShare)) world_.odometry.there = false;
+    if (may_lack_odometry && rng_.chance(kNoOdometryFraction)) world_.odometry.there = false;
     if (world_.walkers == 0 && rng_.chance(0.2)) world_.walkers = 2;
-    world_.floor.close(glass_share_, rng_);
+    world_.floor.close(glass_fraction_, rng_);
     return std::move(world_);
   }
 
@@ -99,7 +97,7 @@ class Planner {
 
  private:
   void draw_robot();
-  void redraw_look(CorridorKind most_unusual);
+  void redraw_look(CorridorKind last_kind);
   void corridor(const Point& start, const Point& end) { add_corridor(world_.floor, start, end, look_, rng_); }
   void rectangle(double length, double height);
   void ring(double length, double height, int laps, double beyond_m);
@@ -114,7 +112,7 @@ class Planner {
   Rng rng_;
   WorldCase world_;
   CorridorLook look_;
-  double glass_share_{0};
+  double glass_fraction_{0};
 };
 
 void Planner::draw_robot() {
@@ -124,8 +122,8 @@ void Planner::draw_robot() {
   world_.wander_m = rng_.uniform(0.05, 0.3);
 }
 
-void Planner::redraw_look(CorridorKind most_unusual) {
-  const auto kind = static_cast<CorridorKind>(rng_.integer(0, static_cast<int>(most_unusual)));
+void Planner::redraw_look(CorridorKind last_kind) {
+  const auto kind = static_cast<CorridorKind>(rng_.integer(0, static_cast<int>(last_kind)));
   look_ = random_look(kind, look_.width_m, rng_);
 }
 
@@ -150,9 +148,9 @@ void Planner::ring_twice() {
   world_.odometry.scale = 0.01;
   world_.scanner.rays = 180;
   world_.scanner.range_max_m = 8;
-  const bool full_turn = rng_.chance(0.5);
-  world_.scanner.angle_min = full_turn ? -M_PI : -M_PI / 2;
-  world_.scanner.angle_increment = full_turn ? M_PI / 90 : M_PI / 180;
+  const bool full_revolution = rng_.chance(0.5);
+  world_.scanner.angle_min = full_revolution ? -M_PI : -M_PI / 2;
+  world_.scanner.angle_increment = full_revolution ? M_PI / 90 : M_PI / 180;
   const double length = rng_.uniform(40, 160);
   const double height = rng_.uniform(25, 120);
   ring(length, height, 2, 8);
@@ -188,7 +186,7 @@ void Planner::eight() {
   const double first = rng_.uniform(25, 60);
   const double both = first + rng_.uniform(25, 60);
   const double height = rng_.uniform(25, 50);
-  look_.room_share = rng_.uniform(0, 0.3);
+  look_.room_fraction = rng_.uniform(0, 0.3);
   const Point a(0, 0);
   const Point b(first, 0);
   const Point c(first, height);
@@ -213,9 +211,9 @@ void Planner::grid() {
   const int count = rng_.integer(2, 3);
   const auto columns = meshes(count, 45);
   const auto rows = meshes(2, 40);
-  look_.room_share = rng_.uniform(0, 0.3);
+  look_.room_fraction = rng_.uniform(0, 0.3);
   world_.walkers = rng_.integer(0, 4);
-  glass_share_ = rng_.chance(0.4) ? kGlassShare : 0.0;
+  glass_fraction_ = rng_.chance(0.4) ? kGlassFraction : 0.0;
   for (const double y : rows)
     for (std::size_t i = 1; i < columns.size(); ++i) corridor({columns[i - 1], y}, {columns[i], y});
   for (const double x : columns)
@@ -236,14 +234,14 @@ void Planner::wander(const std::vector<double>& columns, const std::vector<doubl
   Crossing last{-1, -1};
   Crossing now{0, 0};
   go({place(now)});
-  for (double way = 0; way < kGridWayM;) {
+  for (double path_m = 0; path_m < kGridPathM;) {
     const auto& [i, j] = now;
     std::vector<Crossing> choice;
     for (const Crossing& next : {Crossing{i - 1, j}, {i + 1, j}, {i, j - 1}, {i, j + 1}})
       if (there(next) && next != last) choice.push_back(next);
     last = now;
     now = choice[static_cast<std::size_t>(rng_.integer(0, static_cast<int>(choice.size()) - 1))];
-    way += (place(now) - place(last)).norm();
+    path_m += (place(now) - place(last)).norm();
     go({place(now)});
   }
 }
@@ -288,7 +286,7 @@ void Planner::big_loop() {
   redraw_look(CorridorKind::kSparse);
   const double length = rng_.uniform(120, 230);
   const double height = rng_.uniform(50, 120);
-  look_.room_share = rng_.uniform(0, 0.2);
+  look_.room_fraction = rng_.uniform(0, 0.2);
   world_.walkers = rng_.integer(0, 3);
   const double x = length * rng_.uniform(0.3, 0.7);
   corridor({x, 0}, {x, height});

@@ -19,13 +19,13 @@ namespace extperfc::benchmark {
 namespace {
 
 constexpr double kSampleEveryM = 0.5;
-constexpr double kLeastWayM = 15;  // between poses that see each other again
-constexpr double kSeenM = 1.0;     // they truly stand this near
+constexpr double kMinPathM = 15;  // between poses that see each other again
+constexpr double kSeenM = 1.0;    // they truly stand this near
 constexpr double kBadM = 0.5;
 
 /// A place on the drive.
 struct Sample {
-  double way_m{0};
+  double path_m{0};
   Pose2 truth;
   Pose2 mapped;
 };
@@ -46,7 +46,7 @@ std::vector<double> pair_errors(const std::vector<Sample>& samples) {
     const auto apart = [&](const Sample& b) { return distance(a->truth, b.truth); };
     const auto is_near = [&](const Sample& b) { return apart(b) <= kSeenM; };
     auto from =
-        std::find_if(a, samples.end(), [&](const Sample& b) { return b.way_m - a->way_m >= kLeastWayM; });
+        std::find_if(a, samples.end(), [&](const Sample& b) { return b.path_m - a->path_m >= kMinPathM; });
     while ((from = std::find_if(from, samples.end(), is_near)) != samples.end()) {
       const auto gone = std::find_if_not(from, samples.end(), is_near);
       const auto nearest =
@@ -76,7 +76,7 @@ class WorldRun {
 
   struct Passed {
     std::size_t scan;
-    double way_m;
+    double path_m;
     Pose2 truth;
   };
   bool has_odometry_;
@@ -84,13 +84,13 @@ class WorldRun {
   mapping::Mapper mapper_;
   std::vector<double> scan_ms_;
   std::vector<Passed> passed_;  // every half metre
-  double way_m_{0};
+  double path_m_{0};
 };
 
 Result<void> WorldRun::add(const WorldRecorder::Step& step) {
-  way_m_ = step.way_m;
-  if (passed_.empty() || way_m_ - passed_.back().way_m >= kSampleEveryM)
-    passed_.push_back({scan_ms_.size(), way_m_, step.world_T_base});
+  path_m_ = step.path_m;
+  if (passed_.empty() || path_m_ - passed_.back().path_m >= kSampleEveryM)
+    passed_.push_back({scan_ms_.size(), path_m_, step.world_T_base});
   const auto odometry = has_odometry_ ? std::optional<Pose2>(step.odom_T_base) : std::nullopt;
   const double start_s = process_cpu_seconds();
   const auto update = mapper_.add(step.scan, odometry);
@@ -102,8 +102,8 @@ Result<void> WorldRun::add(const WorldRecorder::Step& step) {
 std::vector<Sample> WorldRun::samples() const {
   const Trajectory trajectory = mapper_.trajectory();
   std::vector<Sample> samples;
-  for (const auto& [scan, way_m, truth] : passed_)
-    samples.push_back({way_m, truth, trajectory.at(scan).pose});
+  for (const auto& [scan, path_m, truth] : passed_)
+    samples.push_back({path_m, truth, trajectory.at(scan).pose});
   return samples;
 }
 
@@ -114,7 +114,7 @@ Result<Figures> WorldRun::run() {
   const auto errors = pair_errors(samples());
   Figures figures;
   figures["scans"] = static_cast<double>(scan_ms_.size());
-  figures["way_m"] = way_m_;
+  figures["path_m"] = path_m_;
   figures["loops"] = static_cast<double>(mapper_.statistics().loops);
   figures["scan_mean_ms"] = mean_of(scan_ms_);
   figures["scan_p99_ms"] = percentile(scan_ms_, 0.99);
@@ -134,7 +134,7 @@ Result<Figures> run_world(const std::string& kind, std::uint64_t seed) {
 }
 
 void say(const std::string& kind, int seed, const Figures& run) {
-  std::cerr << "  " << kind << ", seed " << seed << ": " << run.at("way_m") << " m, " << run.at("scans")
+  std::cerr << "  " << kind << ", seed " << seed << ": " << run.at("path_m") << " m, " << run.at("scans")
             << " scans, " << run.at("pairs") << " pairs";
   if (run.count("pair_error_m") != 0) std::cerr << ", off by " << run.at("pair_error_m") << " m";
   std::cerr << ", " << run.at("scan_mean_ms") << " ms per scan" << std::endl;
@@ -197,9 +197,9 @@ Result<std::vector<Row>> world_rows(const MapOptions& options) {
   return rows;
 }
 
-int run_world_part(const std::vector<std::string>& words) {
-  if (words.size() != 2) return 2;
-  const auto figures = run_world(words[0], std::strtoull(words[1].c_str(), nullptr, 10));
+int run_world_part(const std::vector<std::string>& tokens) {
+  if (tokens.size() != 2) return 2;
+  const auto figures = run_world(tokens[0], std::strtoull(tokens[1].c_str(), nullptr, 10));
   if (!figures) {
     std::cerr << figures.error().message << "\n";
     return EXIT_FAILURE;

@@ -13,9 +13,9 @@ namespace extperfc::benchmark {
 /// Generated buildings of every kind, each drive in a process of its own: rows per kind. Takes minutes.
 [[nodiscard]] Result<std::vector<Row>> world_rows(const MapOptions& options);
 
-/// The other side, in the new process; an exit code. The words are a kind and a seed. Figures:
-///   scans, way_m, loops, scan_mean_ms, scan_p99_ms (Mapper::add alone, CPU), pairs (of poses that see each
+/// The other side, in the new process; an exit code. The tokens are a kind and a seed. Figures:
+///   scans, path_m, loops, scan_mean_ms, scan_p99_ms (Mapper::add alone, CPU), pairs (of poses that see each
 ///   other again), bad_pairs (off by more than 0.5 m), and with pairs: pair_error_m (mean).
-int run_world_part(const std::vector<std::string>& words);
+int run_world_part(const std::vector<std::string>& tokens);
 
 }  // namespace extperfc::benchmark

@@ -62,14 +62,14 @@ mrpt::obs::CSensoryFrame frame_of(const LaserScan& scan, const mrpt::Clock::time
 }
 
 /// Stamps are the scans' numbers: those of a log may run backwards.
-int write(const std::string& from, const std::string& to, std::size_t most_scans) {
+int write(const std::string& from, const std::string& to, std::size_t max_scans) {
   auto log = sources::open_carmen_log(from);
   if (!log) throw std::runtime_error(log.error().message);
   mrpt::io::CFileGZOutputStream file;
   if (!file.open(to, 1)) throw std::runtime_error("cannot write " + to);
   auto archive = mrpt::serialization::archiveFrom(file);
   std::optional<Pose2> before;
-  for (std::size_t i = 0; i < most_scans; ++i) {
+  for (std::size_t i = 0; i < max_scans; ++i) {
     auto record = (*log)->next();
     if (!record) throw std::runtime_error(record.error().message);
     if (!*record) break;

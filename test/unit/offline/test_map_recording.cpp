@@ -84,9 +84,9 @@ TEST(MapRecording, EveryScanGetsAPose) {
     EXPECT_NEAR(result.trajectory[i].pose.x - result.trajectory[0].pose.x, 0.1 * static_cast<double>(i),
                 0.05);
   }
-  EXPECT_GT(result.cpu_ms.most, 0);
+  EXPECT_GT(result.cpu_ms.max, 0);
   EXPECT_LE(result.cpu_ms.p50, result.cpu_ms.p99);
-  EXPECT_LE(result.cpu_ms.p99, result.cpu_ms.most);
+  EXPECT_LE(result.cpu_ms.p99, result.cpu_ms.max);
 }
 
 TEST(MapRecording, RefusedScansFollowOdometry) {
@@ -108,10 +108,10 @@ TEST(MapRecording, EndsWhenAskedTo) {
   RoomLog log(30);
   auto mapper = make_mapper();
   MappingOptions options;
-  double share = -1;
-  options.go_on = [&](const MappingProgress& progress) {
-    EXPECT_GT(progress.share, share);
-    share = progress.share;
+  double fraction = -1;
+  options.should_continue = [&](const MappingProgress& progress) {
+    EXPECT_GT(progress.fraction, fraction);
+    fraction = progress.fraction;
     return progress.scans < 7;
   };
   const auto result = map_recording(log, mapper, options);
@@ -123,7 +123,7 @@ TEST(MapRecording, LimitsAndBrokenRecordings) {
   RoomLog log(30);
   auto mapper = make_mapper();
   MappingOptions options;
-  options.most_scans = 5;
+  options.max_scans = 5;
   const auto first = map_recording(log, mapper, options);
   EXPECT_EQ(first.scans, 5U);
   EXPECT_FALSE(first.interrupted);

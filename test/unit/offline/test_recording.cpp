@@ -16,7 +16,7 @@ std::string complaint(const std::filesystem::path& file) {
   return opened ? "" : opened.error().message;
 }
 
-TEST(Recording, TheContentTellsTheFormat) {
+TEST(Recording, TheContentDeterminesTheFormat) {
   const std::filesystem::path data = std::filesystem::path(EXTPERFC_TEST_DATA) / "carmen";
   const TemporaryFolder folder;
   for (const char* name : {"small.clf", "small.clf.gz", "small.clf.bz2"}) {

@@ -75,7 +75,7 @@ TEST(Relations, TrueRelationsScoreZeroWhereverTheTrajectoryStands) {
   }
 }
 
-TEST(Relations, ErrorsTurnTheShortWay) {
+TEST(Relations, ErrorsTakeTheShorterRotation) {
   const ScanPoses poses = {Pose2{0, 0, 0}, Pose2{0, 0, 179 * kDegree}};
   const auto score = score_relations({{0, 1, {0, 0, -179 * kDegree}}}, poses);
   EXPECT_NEAR(score.all.rotation_deg.mean, 2, 1e-9);
@@ -174,7 +174,7 @@ TEST(PosesOfScans, StampsMayRunBackwards) {
   for (std::size_t i = 0; i < 8; ++i) EXPECT_NEAR((*poses)[i]->x, static_cast<double>(i), 1e-9);
 }
 
-TEST(PosesOfScans, WithoutOdometryNothingIsMadeUp) {
+TEST(PosesOfScans, WithoutOdometryNothingIsInterpolated) {
   auto moments = drive(3);
   moments[0].odom_T_base.reset();
   const auto poses = poses_of_scans({{100.0, {}}, {100.2, {}}}, moments);

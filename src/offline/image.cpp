@@ -1,4 +1,4 @@
-#include "extperfc/offline/picture.hpp"
+#include "extperfc/offline/image.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -10,34 +10,34 @@
 
 namespace extperfc::offline {
 
-Picture::Picture(std::size_t width, std::size_t height, Color background)
+Image::Image(std::size_t width, std::size_t height, Color background)
     : width_(width), height_(height), rgb_(width * height * background.size()) {
   for (std::size_t i = 0; i < rgb_.size(); ++i) rgb_[i] = background[i % background.size()];
 }
 
-Color Picture::at(std::size_t x, std::size_t y) const {
+Color Image::at(std::size_t x, std::size_t y) const {
   const std::size_t i = 3 * (y * width_ + x);
   return {rgb_[i], rgb_[i + 1], rgb_[i + 2]};
 }
 
-void Picture::set(long x, long y, Color color) {
+void Image::set(long x, long y, Color color) {
   if (x < 0 || y < 0 || x >= static_cast<long>(width_) || y >= static_cast<long>(height_)) return;
   const std::size_t i = 3 * (static_cast<std::size_t>(y) * width_ + static_cast<std::size_t>(x));
   std::copy(color.begin(), color.end(), rgb_.begin() + static_cast<std::ptrdiff_t>(i));
 }
 
-void Picture::line(double x0, double y0, double x1, double y1, Color color) {
+void Image::line(double x0, double y0, double x1, double y1, Color color) {
   constexpr double kLongest = 1e6;  // poses gone astray
   const double length = std::max(std::abs(x1 - x0), std::abs(y1 - y0));
   if (!(length < kLongest)) return;
   const int steps = std::max(1, static_cast<int>(std::ceil(length)));
   for (int i = 0; i <= steps; ++i) {
-    const double share = static_cast<double>(i) / steps;
-    set(std::lround(x0 + share * (x1 - x0)), std::lround(y0 + share * (y1 - y0)), color);
+    const double ratio = static_cast<double>(i) / steps;
+    set(std::lround(x0 + ratio * (x1 - x0)), std::lround(y0 + ratio * (y1 - y0)), color);
   }
 }
 
-void Picture::disc(double x, double y, double radius, Color color) {
+void Image::disc(double x, double y, double radius, Color color) {
   if (!std::isfinite(x) || !std::isfinite(y)) return;
   const long reach = std::lround(std::ceil(radius));
   for (long dy = -reach; dy <= reach; ++dy)
@@ -46,21 +46,21 @@ void Picture::disc(double x, double y, double radius, Color color) {
         set(std::lround(x) + dx, std::lround(y) + dy, color);
 }
 
-void Picture::rectangle(long x0, long y0, long x1, long y1, Color color) {
+void Image::rectangle(long x0, long y0, long x1, long y1, Color color) {
   for (long y = y0; y <= y1; ++y)
     for (long x = x0; x <= x1; ++x) set(x, y, color);
 }
 
-Result<void> write_png(const Picture& picture, const std::filesystem::path& file) {
-  png_image image{};
-  image.version = PNG_IMAGE_VERSION;
-  image.width = static_cast<png_uint_32>(picture.width());
-  image.height = static_cast<png_uint_32>(picture.height());
-  image.format = PNG_FORMAT_RGB;
-  png_alloc_size_t bytes = PNG_IMAGE_PNG_SIZE_MAX(image);
+Result<void> write_png(const Image& image, const std::filesystem::path& file) {
+  png_image png{};
+  png.version = PNG_IMAGE_VERSION;
+  png.width = static_cast<png_uint_32>(image.width());
+  png.height = static_cast<png_uint_32>(image.height());
+  png.format = PNG_FORMAT_RGB;
+  png_alloc_size_t bytes = PNG_IMAGE_PNG_SIZE_MAX(png);
   std::string packed(bytes, '\0');
-  if (png_image_write_to_memory(&image, packed.data(), &bytes, 0, picture.rgb().data(), 0, nullptr) == 0)
-    return fail(ErrorCode::kFailed, "cannot make the picture " + file.string() + ": " + image.message);
+  if (png_image_write_to_memory(&png, packed.data(), &bytes, 0, image.rgb().data(), 0, nullptr) == 0)
+    return fail(ErrorCode::kFailed, "cannot encode the image " + file.string() + ": " + png.message);
   return write_file_atomically(
       file, [&](std::ostream& out) { out.write(packed.data(), static_cast<std::streamsize>(bytes)); });
 }

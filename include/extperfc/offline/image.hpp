@@ -16,10 +16,10 @@ namespace extperfc::offline {
 
 using Color = std::array<std::uint8_t, 3>;  ///< red, green, blue
 
-/// A picture in colour, top row first. Drawing outside of it does nothing.
-class Picture {
+/// A colour image, top row first. Drawing outside of it has no effect.
+class Image {
  public:
-  Picture(std::size_t width, std::size_t height, Color background);
+  Image(std::size_t width, std::size_t height, Color background);
 
   [[nodiscard]] std::size_t width() const { return width_; }
   [[nodiscard]] std::size_t height() const { return height_; }
@@ -38,19 +38,19 @@ class Picture {
 };
 
 /// Errors name the file and the reason.
-[[nodiscard]] Result<void> write_png(const Picture& picture, const std::filesystem::path& file);
+[[nodiscard]] Result<void> write_png(const Image& image, const std::filesystem::path& file);
 
 /// The map as rviz shows it (free white, occupied black, unknown grey) with the path from blue (start, green
 /// disc) to red (end, red disc), and a bar whose length is 1, 2, 5, 10, ... m in the lower left corner. One
-/// pixel per cell, or a whole number of cells per pixel where a side would be longer than `most_pixels`.
+/// pixel per cell, or a whole number of cells per pixel where a side would be longer than `max_pixels`.
 /// Without a map the path alone.
-[[nodiscard]] Picture draw_map(const OccupancyGrid& map, const Trajectory& trajectory,
-                               std::size_t most_pixels = 4000);
+[[nodiscard]] Image draw_map(const OccupancyGrid& map, const Trajectory& trajectory,
+                             std::size_t max_pixels = 4000);
 
 /// As above, the path in grey, and every relation as a line between its two scans: green where the error is
 /// small, over yellow to red from `bad_m` on; the worst are drawn last, with a disc at the later scan.
-[[nodiscard]] Picture draw_relations(const OccupancyGrid& map, const std::vector<std::optional<Pose2>>& poses,
-                                     const std::vector<Relation>& relations, const RelationsScore& score,
-                                     double bad_m = 0.15, std::size_t most_pixels = 4000);
+[[nodiscard]] Image draw_relations(const OccupancyGrid& map, const std::vector<std::optional<Pose2>>& poses,
+                                   const std::vector<Relation>& relations, const RelationsScore& score,
+                                   double bad_m = 0.15, std::size_t max_pixels = 4000);
 
 }  // namespace extperfc::offline
