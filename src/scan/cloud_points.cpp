@@ -73,7 +73,7 @@ bool is_plain_float(const CloudView& cloud) {
          cloud.y.type == NumberType::kFloat32 && cloud.z.type == NumberType::kFloat32;
 }
 
-/// Rings that are not told are told by their elevation, up to the half degree.
+/// Without a ring field, rings are separated by their elevation, in steps of half a degree.
 void levels_from_elevation(CloudPoints& points) {
   constexpr float kLevelsPerRad = 2 * 57.29578F;
   for (std::size_t i = 0; i < points.level.size(); ++i) {
@@ -101,7 +101,7 @@ void read_points(const CloudView& cloud, const ReadOptions& options, CloudPoints
   resize(points, kept, options, cloud);
   if (!cloud.ring) levels_from_elevation(points);
   if (options.time && !cloud.time && options.azimuth_times != AzimuthTimes::kNone) {
-    // Rows of rings, each with all azimuths, begin anew; rows of firings go on.
+    // Rows of rings, each with all azimuths, restart; rows of firings continue.
     const bool rows_are_rings = cloud.height > 1 && cloud.height < cloud.width && !options.rings;
     times_from_azimuth(points, rows_are_rings ? cloud.width : kept, options);
   }

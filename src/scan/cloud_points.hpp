@@ -14,9 +14,9 @@ struct CloudPoints {
   std::vector<float> sensor_x, sensor_y, sensor_z;  ///< [m]; NaN where the cloud has NaN
   std::vector<float> x, y, z;                       ///< in the target frame [m], see put_in_place()
   std::vector<float> intensity;                     ///< as long as x, or empty
-  std::vector<float> level;  ///< tells rings apart: they differ by 1 or more. The ring's number, or twice the
-                             ///< elevation in degrees where the cloud has no rings
-  std::vector<float> time_s;  ///< since the stamp; as long as x, or empty where nobody knows
+  std::vector<float> level;   ///< separates rings: they differ by 1 or more. The ring's number, or twice the
+                              ///< elevation in degrees where the cloud has no rings
+  std::vector<float> time_s;  ///< since the stamp; as long as x, or empty where unknown
 
   [[nodiscard]] std::size_t size() const { return x.size(); }
 };
@@ -27,7 +27,7 @@ struct ReadOptions {
   bool intensity{false};          ///< ignored when the cloud has none
   bool time{false};               ///< from the time field, or else from the azimuth
   AzimuthTimes azimuth_times{AzimuthTimes::kNone};
-  double turn_s{0.1};  ///< of one turn, for times from the azimuth
+  double revolution_s{0.1};  ///< of one revolution, for times from the azimuth
 };
 
 /// Fills everything but x, y and z. Precondition: validate(cloud) passed.

@@ -98,7 +98,7 @@ void CloudToScan::Impl::read(const CloudView& cloud, const SweepTransform& trans
   options.intensity = params_.intensity != IntensityOf::kNone;
   options.time = transform.moves();
   options.azimuth_times = params_.azimuth_times;
-  options.turn_s = params_.scan_time;
+  options.revolution_s = params_.scan_time;
   read_points(cloud, options, points_);
   transform.apply(points_);
   statistics.deskewed = !points_.time_s.empty();
@@ -161,15 +161,15 @@ void CloudToScan::Impl::see_through(const Eigen::Vector3f& origin, const Eigen::
   const Eigen::Vector3f beam = far - origin;
   const float a = beam.head<2>().squaredNorm();
   const float b = beam.head<2>().dot(origin.head<2>());
-  /// Where the beam leaves the circle, as a share of it; NaN when it never crosses it.
+  /// Where the beam leaves the circle, as a fraction of it; NaN when it never crosses it.
   const auto leaves = [&](double radius) {
     const float c = origin.head<2>().squaredNorm() - static_cast<float>(radius * radius);
     return (std::sqrt(b * b - a * c) - b) / a;
   };
   const Eigen::Vector3f entry = origin + std::max(0.0F, leaves(params_.range_min)) * beam;
-  const float exit_share = leaves(params_.range_max);
-  const Eigen::Vector3f exit = origin + exit_share * beam;
-  if (!(exit_share <= 1.0F)) return;
+  const float exit_fraction = leaves(params_.range_max);
+  const Eigen::Vector3f exit = origin + exit_fraction * beam;
+  if (!(exit_fraction <= 1.0F)) return;
   const bool has_ground = params_.ground.method != GroundMethod::kNone;
   const auto clearance =
       has_ground ? static_cast<float>(params_.ground.clearance_m) : -std::numeric_limits<float>::infinity();

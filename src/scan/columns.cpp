@@ -25,11 +25,11 @@ void sort_by_digit(const std::vector<Entry>& from, std::size_t size, DigitOf dig
 
 }  // namespace
 
-void Columns::clear(std::size_t rays, std::size_t most_points) {
+void Columns::clear(std::size_t rays, std::size_t max_points) {
   size_ = 0;
-  if (entries_.size() < most_points) {
-    entries_.resize(most_points);
-    sorted_.resize(most_points);
+  if (entries_.size() < max_points) {
+    entries_.resize(max_points);
+    sorted_.resize(max_points);
   }
   starts_.assign(rays, 0);
   ends_.assign(rays, 0);

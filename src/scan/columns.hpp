@@ -28,8 +28,8 @@ struct Column {
 /// ranges that are alike to some 5e-6, which are sorted once more. Memory is kept from cloud to cloud.
 class Columns {
  public:
-  /// Makes room for `most_points`.
-  void clear(std::size_t rays, std::size_t most_points);
+  /// Makes room for `max_points`.
+  void clear(std::size_t rays, std::size_t max_points);
   /// The range must not be negative. Points come in the order of their indices, which is kept among equal
   /// ranges.
   void add(std::size_t ray, float range, std::size_t index) {

@@ -20,7 +20,7 @@ using Cloud = pcl::PointCloud<pcl::PointXYZ>;
 class LevelPlane : public pcl::SampleConsensusModelPlane<pcl::PointXYZ> {
  public:
   LevelPlane(const Cloud::ConstPtr& cloud, const GroundParams& params)
-      : SampleConsensusModelPlane(cloud), least_cosine_(static_cast<float>(std::cos(params.max_slope_rad))) {
+      : SampleConsensusModelPlane(cloud), min_cosine_(static_cast<float>(std::cos(params.max_slope_rad))) {
     rng_alg_.seed(params.seed);
   }
 
@@ -36,11 +36,11 @@ class LevelPlane : public pcl::SampleConsensusModelPlane<pcl::PointXYZ> {
     const Eigen::Vector3f normal = a.cross(b);
     constexpr float kLeastSine = 0.05F;  // of the angle between a and b
     return normal.norm() > kLeastSine * a.norm() * b.norm() &&
-           std::abs(normal.z()) >= least_cosine_ * normal.norm();
+           std::abs(normal.z()) >= min_cosine_ * normal.norm();
   }
 
  private:
-  float least_cosine_;
+  float min_cosine_;
 };
 
 bool in_band(const CloudPoints& points, std::size_t i, const GroundParams& params) {
@@ -49,10 +49,10 @@ bool in_band(const CloudPoints& points, std::size_t i, const GroundParams& param
 }
 
 Cloud::Ptr candidates(const CloudPoints& points, const GroundParams& params) {
-  constexpr std::size_t kMost = 1000;
+  constexpr std::size_t kMaxPoints = 1000;
   std::size_t all = 0;
   for (std::size_t i = 0; i < points.size(); ++i) all += in_band(points, i, params) ? 1 : 0;
-  const std::size_t every = std::max<std::size_t>(1, (all + kMost - 1) / kMost);
+  const std::size_t every = std::max<std::size_t>(1, (all + kMaxPoints - 1) / kMaxPoints);
   Cloud::Ptr cloud(new Cloud);
   cloud->reserve(all / every + 1);
   std::size_t seen = 0;

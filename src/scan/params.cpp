@@ -114,9 +114,9 @@ Result<void> validate(const ScanParams& params) {
   if (params.range_min > params.range_max) return wrong("range_min is greater than range_max");
   if (params.angle_min > params.angle_max) return wrong("angle_min is greater than angle_max");
   if (params.azimuth_times != AzimuthTimes::kNone && params.scan_time <= 0)
-    return wrong("azimuth_times needs scan_time, the duration of one turn");
+    return wrong("azimuth_times needs scan_time, the duration of one revolution");
   if (params.angle_max - params.angle_min > 2 * kPi + 1e-6)
-    return wrong("angle_max - angle_min is more than one turn");
+    return wrong("angle_max - angle_min is more than one revolution");
   return validate_ground(params.ground);
 }
 

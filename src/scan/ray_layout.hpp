@@ -14,7 +14,7 @@ class RayLayout {
   explicit RayLayout(const ScanParams& params);
 
   [[nodiscard]] std::size_t count() const { return count_; }
-  [[nodiscard]] bool full_turn() const { return full_turn_; }
+  [[nodiscard]] bool full_revolution() const { return full_revolution_; }
 
   /// Of the direction (x, y); count() when there is no ray. NaN has no direction of its own: any ray, or
   /// none.
@@ -41,7 +41,7 @@ class RayLayout {
   double angle_min_;
   double angle_increment_;
   std::size_t count_;
-  bool full_turn_;
+  bool full_revolution_;
   Bins bins_;
 };
 

@@ -7,7 +7,7 @@ namespace extperfc::scan {
 
 namespace {
 
-constexpr std::size_t kMostVolumes = 256;
+constexpr std::size_t kMaxVolumes = 256;
 constexpr double kLargest = 5.0;  // [m]
 
 bool is_size(double value, bool zero_is_one = false) {
@@ -49,8 +49,8 @@ Pose along(const Capsule& capsule) {
 Result<SelfFilter> SelfFilter::make(const std::vector<SelfVolume>& volumes, double padding_m) {
   if (!is_size(padding_m, true))
     return fail(ErrorCode::kInvalidArgument, "the self filter's padding must lie in [0, 5] m");
-  if (volumes.size() > kMostVolumes)
-    return fail(ErrorCode::kInvalidArgument, "the self filter takes " + std::to_string(kMostVolumes) +
+  if (volumes.size() > kMaxVolumes)
+    return fail(ErrorCode::kInvalidArgument, "the self filter takes " + std::to_string(kMaxVolumes) +
                                                  " volumes at most, not " + std::to_string(volumes.size()));
   SelfFilter filter;
   for (std::size_t i = 0; i < volumes.size(); ++i) {

@@ -15,20 +15,20 @@ Pose pose_at(const SensorTrack& track, double time_s) {
   if (next == track.begin()) return track.front().target_T_sensor;
   if (next == track.end()) return track.back().target_T_sensor;
   const SensorPose& before = *(next - 1);
-  const double share = (time_s - before.time_s) / (next->time_s - before.time_s);
+  const double ratio = (time_s - before.time_s) / (next->time_s - before.time_s);
   const Eigen::Quaterniond from(before.target_T_sensor.linear());
   const Eigen::Quaterniond to(next->target_T_sensor.linear());
   Pose pose = Pose::Identity();
-  pose.linear() = from.slerp(share, to).toRotationMatrix();
+  pose.linear() = from.slerp(ratio, to).toRotationMatrix();
   pose.translation() =
-      (1 - share) * before.target_T_sensor.translation() + share * next->target_T_sensor.translation();
+      (1 - ratio) * before.target_T_sensor.translation() + ratio * next->target_T_sensor.translation();
   return pose;
 }
 
-Result<TimeSpan> time_span(const CloudView& cloud, AzimuthTimes azimuth_times, double turn_s) {
+Result<TimeSpan> time_span(const CloudView& cloud, AzimuthTimes azimuth_times, double revolution_s) {
   if (!cloud.time) {
-    if (azimuth_times == AzimuthTimes::kStampAtEnd) return TimeSpan{-turn_s, 0};
-    if (azimuth_times == AzimuthTimes::kStampAtStart) return TimeSpan{0, turn_s};
+    if (azimuth_times == AzimuthTimes::kStampAtEnd) return TimeSpan{-revolution_s, 0};
+    if (azimuth_times == AzimuthTimes::kStampAtStart) return TimeSpan{0, revolution_s};
     return fail(ErrorCode::kNotFound,
                 "the cloud has no field time, t or timestamp: let the driver add it, or set azimuth_times");
   }
@@ -43,8 +43,8 @@ Result<TimeSpan> time_span(const CloudView& cloud, AzimuthTimes azimuth_times, d
   });
   const TimeSpan span{first * cloud.time->unit_s - cloud.time->origin_s,
                       last * cloud.time->unit_s - cloud.time->origin_s};
-  constexpr double kMost = 1.0;  // [s]
-  if (!(span.first_s >= -kMost && span.last_s <= kMost))
+  constexpr double kMaxOffset = 1.0;  // [s]
+  if (!(span.first_s >= -kMaxOffset && span.last_s <= kMaxOffset))
     return fail(ErrorCode::kUnsupported, "the points' times reach from " + std::to_string(span.first_s) +
                                              " to " + std::to_string(span.last_s) +
                                              " s about the cloud's stamp: another unit, or another clock?");

@@ -44,7 +44,7 @@ std::vector<float> elevations(const Grid& grid, const CloudPoints& points) {
   return result;
 }
 
-/// Adds the silent beams of one firing; none where no beam of it tells the azimuth.
+/// Adds the silent beams of one firing; none where no beam of it has an azimuth.
 void add_firing(const Grid& grid, std::size_t firing, const std::vector<float>& elevation,
                 const CloudPoints& points, std::vector<SilentBeam>& beams) {
   std::size_t known = 0;

@@ -24,10 +24,10 @@ class Floor {
 
   [[nodiscard]] float z() const { return z_; }
 
-  void go_on(float range, float z) {
+  void extend(float range, float z) {
     constexpr float kBaselineM = 0.15F;  // noise of 1 cm on it is a slope of 4 degrees
-    const float most = rise(range);
-    z_ += std::clamp(z - z_, -most, most);
+    const float max_rise = rise(range);
+    z_ += std::clamp(z - z_, -max_rise, max_rise);
     range_ = range;
     if (range - anchor_range_ < kBaselineM) return;
     slope_ = std::clamp((z_ - anchor_z_) / (range - anchor_range_), 0.0F, steepest_);
@@ -48,8 +48,8 @@ class Floor {
 bool is_face(const ColumnPoint* point, const Column& column, const std::vector<float>& z, float clearance,
              float steepest) {
   constexpr float kDepthM = 0.1F;
-  constexpr std::ptrdiff_t kMostLookedAt = 64;
-  const ColumnPoint* const last = point + std::min<std::ptrdiff_t>(column.end() - point, kMostLookedAt);
+  constexpr std::ptrdiff_t kMaxCompared = 64;
+  const ColumnPoint* const last = point + std::min<std::ptrdiff_t>(column.end() - point, kMaxCompared);
   for (const ColumnPoint* other = point + 1; other < last && other->range - point->range <= kDepthM; ++other)
     if (std::abs(z[other->index] - z[point->index]) > clearance + steepest * kDepthM) return true;
   return false;
@@ -69,7 +69,7 @@ std::size_t obstacles_first(const Column& column, const std::vector<float>& z, c
       // The place is not swapped but overwritten: floor points are needed no more.
       column.first[obstacles++] = *point;
     } else if (above > -rise - clearance) {  // lower ones are holes or reflections
-      floor.go_on(point->range, z[point->index]);
+      floor.extend(point->range, z[point->index]);
     }
   }
   return obstacles;

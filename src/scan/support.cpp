@@ -7,8 +7,8 @@ namespace extperfc::scan {
 
 namespace {
 
-constexpr float kOtherRing = 0.75F;           // levels that differ by more belong to two rings
-constexpr std::ptrdiff_t kMostLookedAt = 64;  // per point: bounded time for clouds of any kind
+constexpr float kOtherRing = 0.75F;          // levels that differ by more belong to two rings
+constexpr std::ptrdiff_t kMaxCompared = 64;  // per point: bounded time for clouds of any kind
 
 /// The mean of the points from `nearest` on that are no more than `support_m` behind it.
 Surface surface_at(const Column& column, const ColumnPoint* nearest, float support_m, bool two_rings) {
@@ -23,7 +23,7 @@ Surface surface_at(const Column& column, const ColumnPoint* nearest, float suppo
 /// Two rings within one column.
 std::optional<Surface> by_own_rings(const Column& column, const std::vector<float>& level, float support_m) {
   for (const ColumnPoint* nearest = column.begin(); nearest != column.end(); ++nearest)
-    for (const ColumnPoint* other = nearest + 1; other != column.end() && other - nearest <= kMostLookedAt &&
+    for (const ColumnPoint* other = nearest + 1; other != column.end() && other - nearest <= kMaxCompared &&
                                                  other->range - nearest->range <= support_m;
          ++other)
       if (std::abs(level[other->index] - level[nearest->index]) > kOtherRing)
@@ -41,7 +41,7 @@ void add_company(const ColumnPoint& point, const Column& column, const std::vect
                  float support_m, Company& company) {
   const auto* other = std::lower_bound(column.begin(), column.end(), point.range - support_m,
                                        [](const ColumnPoint& p, float range) { return p.range < range; });
-  const auto* const last = other + std::min<std::ptrdiff_t>(column.end() - other, kMostLookedAt);
+  const auto* const last = other + std::min<std::ptrdiff_t>(column.end() - other, kMaxCompared);
   for (; other != last && other->range - point.range <= support_m; ++other) {
     if (std::abs(level[other->index] - level[point.index]) > kOtherRing)
       company.other_ring = true;

@@ -15,7 +15,7 @@ struct Surface {
 };
 
 /// The nearest surface of `middle` that is no speckle: see PlanarScans::supported. `left` and `right` are the
-/// neighbouring columns (or `middle` again at the end of a sector); `level` tells rings apart, by the points'
+/// neighbouring columns (or `middle` again at the end of a sector); `level` separates rings, by the points'
 /// index; points within `support_m` belong together.
 [[nodiscard]] std::optional<Surface> supported_surface(const Column& middle, const Column& left,
                                                        const Column& right, const std::vector<float>& level,

@@ -13,8 +13,8 @@
 namespace extperfc::scan {
 
 /// The sensor's pose at every moment of a track, as a table: the track is cut into 32 equal parts, and the
-/// matrix is interpolated linearly in each. For a turn of w rad/s over T seconds that shortens distances by
-/// (w T / 32)^2 / 8 at most: 2e-5 at 4 rad/s and 0.1 s.
+/// matrix is interpolated linearly in each. For a rotation of w rad/s over T seconds that shortens distances
+/// by (w T / 32)^2 / 8 at most: 2e-5 at 4 rad/s and 0.1 s.
 class SweepTransform {
  public:
   /// Precondition: the track is not empty.
@@ -53,9 +53,9 @@ inline Eigen::Vector3f SweepTransform::map(float time_s, const Eigen::Vector3f& 
     const float since = (time_s == time_s ? time_s : 0.0F) - first_s_;
     const float part = std::clamp(since * parts_per_s_, 0.0F, static_cast<float>(kParts));
     const auto index = std::min(static_cast<std::size_t>(part), kParts - 1);
-    const float share = part - static_cast<float>(index);
+    const float ratio = part - static_cast<float>(index);
     const Part& from = parts_[index];
-    m = from.start + share * from.change;
+    m = from.start + ratio * from.change;
   }
   const Eigen::Vector4f mapped = m.col(0) * p.x() + m.col(1) * p.y() + m.col(2) * p.z() + m.col(3);
   return mapped.head<3>();

@@ -25,26 +25,26 @@ enum class IntensityOf {
 [[nodiscard]] Result<IntensityOf> intensity_from_name(const std::string& name);  ///< none, nearest, maximum
 [[nodiscard]] const char* to_string(IntensityOf intensity);
 
-/// Names and meaning follow the pointcloud_to_laserscan package, so that its configurations fit. One thing
+/// Names and meaning follow the pointcloud_to_laserscan package, so that its configurations fit. One detail
 /// differs: a ray stands in the middle of its bin, not at its lower edge, so that directions are unbiased.
 struct ScanParams {
   double min_height{0.1};               ///< of a point in the target frame [m]
   double max_height{1.5};               ///< of a point in the target frame [m]
   double angle_min{-3.14159265358979};  ///< of the first ray [rad], [-2 pi, 2 pi]
-  double angle_max{3.14159265358979};   ///< the last ray stands here at most [rad]; one turn in all at most
+  double angle_max{3.14159265358979};  ///< upper bound of the last ray [rad]; at most one revolution in total
   double angle_increment{0.00872664625997};  ///< from ray to ray [rad], [0.0001, 1]
   double range_min{0.6};    ///< nearer points do not count [m]; keep it beyond the robot's own hull
   double range_max{30.0};   ///< farther points do not count [m]
   bool use_inf{true};       ///< a ray that is seen to be free is +infinity, as REP 117 wants it; or ...
   double inf_epsilon{1.0};  ///< ... range_max + inf_epsilon [m]
   IntensityOf intensity{IntensityOf::kNearest};
-  std::optional<RingSet> rings;  ///< nothing: all
+  std::optional<RingSet> rings;  ///< no value: all
   double support_m{0.15};        ///< points this near to each other are one surface, (0, 2]
-  /// A beam without any return proves its way free up to here [m], [0, 1e6]; 0: it proves nothing. Dark, wet
+  /// A beam without any return counts as free up to here [m], [0, 1e6]; 0: it stays unknown. Dark, wet
   /// and glass surfaces give no returns either. Organised clouds only: others leave such beams out.
   double no_return_range{0.0};
   AzimuthTimes azimuth_times{AzimuthTimes::kNone};  ///< for clouds without times
-  double scan_time{0.1};  ///< of one turn, where moments come from the azimuth [s], (0, 60]
+  double scan_time{0.1};  ///< of one revolution, where times come from the azimuth [s], (0, 60]
   GroundParams ground;
 };
 
@@ -60,7 +60,7 @@ struct PlanarScan {
   std::vector<float> intensities;  ///< as long as ranges (0 where nothing was met), or empty
 };
 
-/// What became of a cloud's points and of the rays.
+/// Counts of a cloud's points and of the rays by their result.
 struct ScanStatistics {
   std::size_t points{0};          ///< in the cloud
   std::size_t on_ground{0};       ///< inside heights, ranges and angles, but taken for floor
@@ -68,23 +68,23 @@ struct ScanStatistics {
   std::size_t used{0};            ///< fell on a ray
   std::size_t rays_met{0};        ///< with a nearest point
   std::size_t rays_supported{0};  ///< with a range that two rings agree on
-  std::size_t rays_free{0};       ///< met nothing, and a beam was seen to go through
-  std::size_t rays_unknown{0};    ///< met nothing, and nothing is known
-  bool ground_found{true};        ///< false: kPlane found no plane and took the floor for level
+  std::size_t rays_free{0};       ///< no return, and a beam passed through
+  std::size_t rays_unknown{0};    ///< no return, and no beam passed through
+  bool ground_found{true};        ///< false: kPlane found no plane and assumed a level floor
   bool intensity_missing{false};  ///< intensities were wanted, and the cloud has none
   bool deskewed{false};           ///< the track has several poses, and the points' moments are known
   Ground ground;
 };
 
-/// The two readings of one cloud. Both know three kinds of rays: one that met something has its distance; one
-/// that is seen to be free up to range_max is +infinity (or range_max + inf_epsilon); one that nobody has
-/// looked along, or that the robot itself hides, is NaN, and never free.
+/// The two scans of one cloud. Both have three kinds of rays: one with a return has its distance; one that is
+/// seen to be free up to range_max is +infinity (or range_max + inf_epsilon); one without a beam, or hidden
+/// by the robot itself, is NaN: unknown; do not treat it as free space.
 struct PlanarScans {
   /// For maps: the nearest surface that two rings or more agree on, i.e. whose points lie within support_m.
   /// The range is the mean of those points, so that noise averages out. Where no two rings agree: with those
   /// of the two neighbouring rays; or else three points of one ring there; else a lone point does not count.
   PlanarScan supported;
-  /// For cost maps: the nearest point, whatever it is.
+  /// For cost maps: the nearest point of any kind.
   PlanarScan nearest;
 };
 
@@ -106,7 +106,7 @@ class CloudToScan {
   /// sensor was when it was measured; without moments (see time_span()), the pose at the stamp counts for
   /// all. Points inside `robot` (placed in the sensor's frame) are left out. Errors: the cloud's layout does
   /// not fit its data, rings are selected and the cloud has no ring field, an empty track. An empty cloud
-  /// gives a scan that knows nothing.
+  /// gives a scan of unknown rays.
   [[nodiscard]] Result<ScanStatistics> convert(const CloudView& cloud, const SensorTrack& track,
                                                const SelfFilter& robot, PlanarScans& scans);
 

@@ -12,7 +12,7 @@ enum class NumberType { kInt8, kUint8, kInt16, kUint16, kInt32, kUint32, kFloat3
 
 [[nodiscard]] std::size_t bytes_of(NumberType type);
 
-/// Where one number of every point stands.
+/// Offset and type of one number of every point.
 struct CloudField {
   std::size_t offset{0};  ///< from the start of the point [byte]
   NumberType type{NumberType::kFloat32};
@@ -25,8 +25,8 @@ struct TimeField {
   double origin_s{0.0};  ///< the stamp itself where the field holds absolute times, else 0
 };
 
-/// A point cloud in somebody else's memory, laid out as in sensor_msgs/PointCloud2. Organised clouds have
-/// several rows, unorganised ones a single row. Rows may be padded; nothing needs to be aligned.
+/// A non-owning view of a point cloud, laid out as in sensor_msgs/PointCloud2. Organised clouds have
+/// several rows, unorganised ones a single row. Rows may be padded; no alignment is needed.
 struct CloudView {
   const std::uint8_t* data{nullptr};
   std::size_t bytes{0};

@@ -21,13 +21,13 @@ enum class GroundMethod {
 [[nodiscard]] Result<GroundMethod> ground_method_from_name(const std::string& name);  ///< none, height, plane
 [[nodiscard]] const char* to_string(GroundMethod method);
 
-/// How points of the floor are told from obstacles.
+/// How points of the floor are separated from obstacles.
 struct GroundParams {
   GroundMethod method{GroundMethod::kHeight};
   double z_m{0.0};            ///< where the floor is in the target frame, [-10, 10]
   double clearance_m{0.05};   ///< points lower than this above the floor belong to it, [0, 1]
   double max_slope_rad{0.1};  ///< kPlane, kSlope: what is steeper is no floor, (0, 0.7]
-  // What follows counts for kPlane only.
+  // The rest is for kPlane only.
   double band_m{0.3};       ///< points this far from z_m at most are looked at, (0, 2]
   double inlier_m{0.03};    ///< points this far from a plane at most lie on it, (0, 0.5]
   int max_iterations{100};  ///< planes that are tried, [1, 10000]

@@ -20,7 +20,7 @@ struct Capsule {
 };
 
 struct Cuboid {
-  Pose frame_T_box{Pose::Identity()};  ///< where its middle is, and how it is turned
+  Pose frame_T_box{Pose::Identity()};  ///< pose of its middle
   Eigen::Vector3d size{0, 0, 0};       ///< whole edges [m]
 };
 
@@ -31,15 +31,15 @@ struct SelfVolume {
   std::optional<Cuboid> box;
 };
 
-/// Tells the robot's own points from those of its surroundings. Points are tested in the sensor's frame: the
-/// robot moves with its sensor, so its points must not be deskewed by the way over the floor.
+/// Separates the robot's own points from those of its surroundings. Points are tested in the sensor's frame:
+/// the robot moves with its sensor, so its points must not be deskewed by the motion over the floor.
 ///
 /// place() is O(volumes), contains() O(volumes) with a quick test by distance first.
 class SelfFilter {
  public:
   SelfFilter() = default;  ///< the robot has no volumes: contains() is always false
 
-  /// `padding_m` is added to every side: for calibration and for the way that arms move during a sweep.
+  /// `padding_m` is added to every side: for calibration and for the motion of arms during a sweep.
   /// Errors name the volume: no frame, neither or both shapes, sizes out of (0, 5] m, more than 256 volumes.
   [[nodiscard]] static Result<SelfFilter> make(const std::vector<SelfVolume>& volumes, double padding_m);
 
@@ -61,7 +61,7 @@ class SelfFilter {
   };
   struct Placed {
     Eigen::Vector3f middle{0, 0, 0};
-    float reach_squared{0};  ///< of a sphere about everything
+    float reach_squared{0};  ///< of a bounding sphere
     Eigen::Matrix3f part_R_sensor{Eigen::Matrix3f::Identity()};
     Eigen::Vector3f half{0, 0, 0};
     float radius_squared{0};

@@ -16,15 +16,15 @@ struct SensorPose {
   Pose target_T_sensor;  ///< in the target frame as it stood at the cloud's stamp
 };
 
-/// The sensor's way during a sweep, in order of time. A single pose says that it stood still, or that nobody
-/// knows how it moved. Between two poses the position is interpolated linearly and the orientation along the
+/// The sensor's path during a sweep, in order of time. A single pose means that it stood still, or that its
+/// motion is unknown. Between two poses the position is interpolated linearly and the orientation along the
 /// shortest arc; before the first and after the last one, the sensor stands still.
 using SensorTrack = std::vector<SensorPose>;
 
 /// The pose at a moment. Precondition: the track is not empty.
 [[nodiscard]] Pose pose_at(const SensorTrack& track, double time_s);
 
-/// Where the moments of points come from when a cloud has no field for them: a VLP-16 turns clockwise at a
+/// Source of the times of points when a cloud has no field for them: a VLP-16 rotates clockwise at a
 /// constant rate and sends its points in the order of their firing.
 enum class AzimuthTimes {
   kNone,          ///< without a field, moments are unknown
@@ -41,9 +41,10 @@ struct TimeSpan {
   double last_s{0};
 };
 
-/// From the time field, or else from the azimuth: then `turn_s` long. Errors: neither is there; times that
-/// are no numbers or lie more than a second from the stamp (a field in another unit, or another clock).
+/// From the time field, or else from the azimuth: then `revolution_s` long. Errors: neither is there; times
+/// that are no numbers or lie more than a second from the stamp (a field in another unit, or another clock).
 /// Precondition: validate(cloud) passed. O(points).
-[[nodiscard]] Result<TimeSpan> time_span(const CloudView& cloud, AzimuthTimes azimuth_times, double turn_s);
+[[nodiscard]] Result<TimeSpan> time_span(const CloudView& cloud, AzimuthTimes azimuth_times,
+                                         double revolution_s);
 
 }  // namespace extperfc::scan

@@ -9,16 +9,16 @@ namespace extperfc::ros_params {
 
 namespace {
 
-constexpr double kFar = 1e6;      // "no limit" in configurations of pointcloud_to_laserscan
-constexpr double kTurn = 6.2832;  // a little more than 2 pi: angles come from text
+constexpr double kFar = 1e6;           // "no limit" in configurations of pointcloud_to_laserscan
+constexpr double kFullAngle = 6.2832;  // a little more than 2 pi: angles come from text
 
 const Words<LevelFrom> kLevels{{"none", LevelFrom::kNone}, {"tf", LevelFrom::kTf}, {"imu", LevelFrom::kImu}};
 
 void read_limits(ParamReader& reader, scan::ScanParams& scan) {
   reader.read("min_height", scan.min_height, {-kFar, kFar});
   reader.read("max_height", scan.max_height, {-kFar, kFar});
-  reader.read("angle_min", scan.angle_min, {-kTurn, kTurn});
-  reader.read("angle_max", scan.angle_max, {-kTurn, kTurn});
+  reader.read("angle_min", scan.angle_min, {-kFullAngle, kFullAngle});
+  reader.read("angle_max", scan.angle_max, {-kFullAngle, kFullAngle});
   reader.read("angle_increment", scan.angle_increment, {1e-4, 1.0});
   reader.read("range_min", scan.range_min, {0.0, kFar});
   reader.read("range_max", scan.range_max, {0.0, kFar});

@@ -24,10 +24,10 @@
 
 namespace extperfc {
 
-/// Makes planar scans of a lidar's point cloud: put right for the robot's motion and tilt, without the floor
-/// and without the robot itself.
+/// Converts a lidar's point cloud to planar scans: compensates the robot's motion and tilt, and removes the
+/// floor and the robot itself.
 ///
-/// Subscribes (only while somebody listens to one of the scans):
+/// Subscribes (only while one of the scans has subscribers):
 ///   velodyne_points   sensor_msgs/PointCloud2 with x, y, z; intensity, ring and time, t or timestamp where
 ///   they
 ///                     are there; any number type, byte order and padding, organised or not
@@ -36,17 +36,17 @@ namespace extperfc {
 ///   scan              sensor_msgs/LaserScan for maps: per ray the nearest surface that two rings agree on
 ///   scan_nearest      sensor_msgs/LaserScan for cost maps: per ray the nearest point
 ///   diagnostics       diagnostic_msgs/DiagnosticArray
-///   In both, NaN is a ray of which nothing is known (nothing came back, or the robot hides it), and infinity
-///   one that a beam was seen to go through, up to range_max and beyond.
+///   In both, NaN is an unknown ray (no return, or hidden by the robot), and infinity one that a beam passed
+///   through, up to range_max and beyond.
 /// Parameters (private; unknown keys are refused; names as in pointcloud_to_laserscan):
 ///   target_frame           frame of the scan, of heights and of ranges          "": the cloud's
-///   fixed_frame            points are deskewed by the motion in it, e.g. odom   "": they are not
+///   fixed_frame            points are deskewed by the motion in it, e.g. odom   "": no deskewing
 ///   deskew                 false: fixed_frame serves for the vertical only      true
-///   azimuth_times          none | end | start: moments of a VLP-16's points from their azimuth, where the
-///                          cloud has no times; the stamp is that of the end or the start of the turn   none
-///   level                  none | tf (upwards in fixed_frame) | imu: takes roll and pitch of target_frame
-///   away
-///                                                                               tf
+///   azimuth_times          none | end | start: times of a VLP-16's points from their azimuth, where the
+///   cloud
+///                          has no times; the stamp is that of the end or the start of the revolution   none
+///   level                  none | tf (upwards in fixed_frame) | imu: removes roll and pitch of
+///                          target_frame                                         tf
 ///   transform_tolerance    wait for transforms at the cloud's stamp [s]         0.1, [0, 5]
 ///   min_height, max_height points outside do not count [m]                      0.1, 1.5
 ///   angle_min, angle_max   first and last ray [rad]                             -pi, pi; [-2 pi, 2 pi]
@@ -54,9 +54,8 @@ namespace extperfc {
 ///   scan_time              from scan to scan [s]                                0.1, [0, 60]
 ///   range_min, range_max   points outside do not count [m]                      0.6, 30; >= 0
 ///   use_inf, inf_epsilon   a ray that is seen to be free: infinity, or range_max + inf_epsilon [m]   true, 1
-///   no_return_range        a beam without a return proves its way free up to here [m]; organised clouds
-///   only;
-///                          0: never                                             0
+///   no_return_range        a beam without a return counts as free up to here [m]; organised clouds
+///                          only; 0: it stays unknown                            0
 ///   support_m              points this near to each other are one surface [m]   0.15, [0.001, 2]
 ///   intensity              none | nearest | maximum of the points of a ray      nearest
 ///   rings                  lasers that count: "7", "4-11", "1,3,8-15"           "": all
@@ -85,7 +84,7 @@ class CloudToScanNodelet : public nodelet::Nodelet {
     reporter_.reset();
     {
       const std::lock_guard lock(subscription_mutex_);
-      closing_ = true;  // a listener that comes or goes now must not subscribe again
+      closing_ = true;  // a subscriber that connects or disconnects now must not subscribe again
     }
     subscriber_.shutdown();
     imu_subscriber_.shutdown();
@@ -106,7 +105,7 @@ class CloudToScanNodelet : public nodelet::Nodelet {
   Result<void> flatten(const sensor_msgs::PointCloud2& message);
   void publish(const std_msgs::Header& header);
   void report(diagnostic_updater::DiagnosticStatusWrapper& status);
-  void report_place(diagnostic_updater::DiagnosticStatusWrapper& status) const;
+  void report_sweep(diagnostic_updater::DiagnosticStatusWrapper& status) const;
   void report_points(diagnostic_updater::DiagnosticStatusWrapper& status) const;
 
   ros_params::CloudToScanNodeletParams params_;
@@ -125,7 +124,7 @@ class CloudToScanNodelet : public nodelet::Nodelet {
 
   mutable std::mutex statistics_mutex_;
   scan::ScanStatistics statistics_;  ///< of the latest cloud
-  SweepPlace place_;                 ///< of the latest cloud
+  SweepGeometry sweep_;              ///< of the latest cloud
 
   LatestSlot<sensor_msgs::PointCloud2ConstPtr> clouds_;
   std::thread worker_;
@@ -191,17 +190,17 @@ Result<void> CloudToScanNodelet::flatten(const sensor_msgs::PointCloud2& message
   if (!cloud) return tl::unexpected(cloud.error());
   if (auto valid = scan::validate(*cloud); !valid) return valid;
   const auto span = scan::time_span(*cloud, params_.scan.azimuth_times, params_.scan.scan_time);
-  auto place = poses_->find(message.header, span, robot_, closing_);
-  if (!place) return tl::unexpected(place.error());
+  auto sweep = poses_->find(message.header, span, robot_, closing_);
+  if (!sweep) return tl::unexpected(sweep.error());
   const Stopwatch watch;
-  const auto statistics = converter_->convert(*cloud, place->track, robot_, scans_);
+  const auto statistics = converter_->convert(*cloud, sweep->track, robot_, scans_);
   if (!statistics) return tl::unexpected(statistics.error());
   work_health_.done(watch.milliseconds(), health::age_ms(message.header.stamp));
-  if (place->track.size() > 1 && !statistics->deskewed && statistics->points > 0)
-    place->not_deskewed = "the cloud's points are not in the order of their firing";
+  if (sweep->track.size() > 1 && !statistics->deskewed && statistics->points > 0)
+    sweep->not_deskewed = "the cloud's points are not in the order of their firing";
   const std::lock_guard lock(statistics_mutex_);
   statistics_ = *statistics;
-  place_ = std::move(*place);
+  sweep_ = std::move(*sweep);
   return {};
 }
 
@@ -223,24 +222,24 @@ void CloudToScanNodelet::report(diagnostic_updater::DiagnosticStatusWrapper& sta
   cloud_health_.report(status, getNodeHandle().resolveName(kCloudTopic), params_.timeout_s);
   work_health_.report(status);
   const std::lock_guard lock(statistics_mutex_);
-  report_place(status);
+  report_sweep(status);
   report_points(status);
 }
 
-void CloudToScanNodelet::report_place(diagnostic_updater::DiagnosticStatusWrapper& status) const {
+void CloudToScanNodelet::report_sweep(diagnostic_updater::DiagnosticStatusWrapper& status) const {
   using diagnostic_msgs::DiagnosticStatus;
-  const bool deskewed = place_.track.size() > 1 && place_.not_deskewed.empty();
+  const bool deskewed = sweep_.track.size() > 1 && sweep_.not_deskewed.empty();
   status.add("deskewed", deskewed);
-  status.addf("turned during the sweep [rad]", "%.4f", place_.turned_rad);
+  status.addf("rotation during the sweep [rad]", "%.4f", sweep_.rotation_rad);
   status.add("level", to_string(params_.level));
-  status.addf("tilt [rad]", "%.4f", place_.tilt_rad);
+  status.addf("tilt [rad]", "%.4f", sweep_.tilt_rad);
   std::string unseen;
-  for (const auto& frame : place_.unseen) unseen += (unseen.empty() ? "" : ", ") + frame;
+  for (const auto& frame : sweep_.unseen) unseen += (unseen.empty() ? "" : ", ") + frame;
   status.add("robot frames without a transform", unseen.empty() ? "none" : unseen);
-  if (!place_.not_deskewed.empty())
-    status.mergeSummary(DiagnosticStatus::WARN, "clouds are not deskewed: " + place_.not_deskewed);
-  if (!place_.not_levelled.empty())
-    status.mergeSummary(DiagnosticStatus::WARN, "clouds are not levelled: " + place_.not_levelled);
+  if (!sweep_.not_deskewed.empty())
+    status.mergeSummary(DiagnosticStatus::WARN, "clouds are not deskewed: " + sweep_.not_deskewed);
+  if (!sweep_.not_levelled.empty())
+    status.mergeSummary(DiagnosticStatus::WARN, "clouds are not levelled: " + sweep_.not_levelled);
   if (!unseen.empty())
     status.mergeSummary(DiagnosticStatus::WARN,
                         "the robot itself may be in the scan: no transform of " + unseen);
@@ -260,11 +259,10 @@ void CloudToScanNodelet::report_points(diagnostic_updater::DiagnosticStatusWrapp
   status.add("intensities", statistics_.intensity_missing ? "wanted, but the cloud has none"
                                                           : scan::to_string(params_.scan.intensity));
   if (!statistics_.ground_found)
-    status.mergeSummaryf(
-        diagnostic_msgs::DiagnosticStatus::WARN,
-        "no ground plane found within %.2f m of z = %.2f m: the floor is taken for level; is "
-        "target_frame on the floor?",
-        params_.scan.ground.band_m, params_.scan.ground.z_m);
+    status.mergeSummaryf(diagnostic_msgs::DiagnosticStatus::WARN,
+                         "no ground plane found within %.2f m of z = %.2f m: assuming a level floor; is "
+                         "target_frame on the floor?",
+                         params_.scan.ground.band_m, params_.scan.ground.z_m);
 }
 
 }  // namespace extperfc

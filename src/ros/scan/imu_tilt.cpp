@@ -25,7 +25,7 @@ Result<Eigen::Quaterniond> ImuTilt::at(const ros::Time& time) const {
   const std::lock_guard lock(mutex_);
   if (without_orientation_)
     return fail(ErrorCode::kUnsupported,
-                "the IMU gives no orientation: put an orientation filter between, e.g. imu_filter_madgwick");
+                "the IMU gives no orientation: add an orientation filter, e.g. imu_filter_madgwick");
   if (samples_.empty()) return fail(ErrorCode::kNotFound, "no message from the IMU yet");
   const auto next = std::find_if(samples_.begin(), samples_.end(),
                                  [&](const Sample& sample) { return sample.time >= time; });
@@ -37,8 +37,8 @@ Result<Eigen::Quaterniond> ImuTilt::at(const ros::Time& time) const {
                                           " s away from the cloud: is it running, with the same clock?");
   const double length_s = after.time.toSec() - before.time.toSec();
   if (length_s <= 0) return after.world_R_imu;
-  const double share = std::clamp((time.toSec() - before.time.toSec()) / length_s, 0.0, 1.0);
-  return before.world_R_imu.slerp(share, after.world_R_imu);
+  const double ratio = std::clamp((time.toSec() - before.time.toSec()) / length_s, 0.0, 1.0);
+  return before.world_R_imu.slerp(ratio, after.world_R_imu);
 }
 
 std::string ImuTilt::frame() const {

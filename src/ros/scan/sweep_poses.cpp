@@ -29,7 +29,7 @@ namespace {
 
 constexpr int kTrackPoses = 5;  // of a revolution: every 25 ms at 10 Hz
 
-/// Nothing for moments before the clock's beginning, which ros::Time cannot hold.
+/// No value for times before 0, which ros::Time cannot hold.
 Result<ros::Time> moment(const ros::Time& stamp, double since_s) {
   const double at_s = stamp.toSec() + since_s;
   if (at_s > 0) return stamp + ros::Duration(since_s);
@@ -70,32 +70,32 @@ Result<Pose> SweepPoses::lookup(const std::string& target, const std::string& so
   }
 }
 
-Result<SweepPlace> SweepPoses::find(const std_msgs::Header& header, const Result<scan::TimeSpan>& span,
-                                    scan::SelfFilter& robot, const std::atomic<bool>& closing) {
+Result<SweepGeometry> SweepPoses::find(const std_msgs::Header& header, const Result<scan::TimeSpan>& span,
+                                       scan::SelfFilter& robot, const std::atomic<bool>& closing) {
   Wait wait{ros::WallTime::now() + ros::WallDuration(tolerance_s_), closing, true};
   const auto target_T_cloud = lookup(target_of(header), header.frame_id, header.stamp, wait);
   if (!target_T_cloud) return tl::unexpected(target_T_cloud.error());
   wait.for_strangers = false;
-  SweepPlace place;
-  const Ground ground = stand(header, wait, place);
+  SweepGeometry sweep;
+  const Ground ground = stand(header, wait, sweep);
   const Pose levelled_T_target = ground.world_T_levelled.inverse() * ground.world_T_target;
-  place.track = {{0, levelled_T_target * *target_T_cloud}};
-  if (deskew_ && !fixed_frame_.empty() && place.not_deskewed.empty()) {
+  sweep.track = {{0, levelled_T_target * *target_T_cloud}};
+  if (deskew_ && !fixed_frame_.empty() && sweep.not_deskewed.empty()) {
     auto track = span ? follow(header, *span, ground, wait) : tl::unexpected(span.error());
     if (track)
-      place.track = std::move(*track);
+      sweep.track = std::move(*track);
     else
-      place.not_deskewed = track.error().message;
+      sweep.not_deskewed = track.error().message;
   }
-  place.turned_rad = Eigen::AngleAxisd(place.track.front().target_T_sensor.linear().transpose() *
-                                       place.track.back().target_T_sensor.linear())
-                         .angle();
-  place_robot(header, wait, robot, place);
-  return place;
+  sweep.rotation_rad = Eigen::AngleAxisd(sweep.track.front().target_T_sensor.linear().transpose() *
+                                         sweep.track.back().target_T_sensor.linear())
+                           .angle();
+  transform_robot(header, wait, robot, sweep);
+  return sweep;
 }
 
 SweepPoses::Ground SweepPoses::stand(const std_msgs::Header& header, const Wait& wait,
-                                     SweepPlace& place) const {
+                                     SweepGeometry& sweep) const {
   Ground ground;
   if (!fixed_frame_.empty()) {
     const auto fixed_T_target = lookup(fixed_frame_, target_of(header), header.stamp, wait);
@@ -103,8 +103,8 @@ SweepPoses::Ground SweepPoses::stand(const std_msgs::Header& header, const Wait&
     if (fixed_T_target)
       ground.world_T_target = *fixed_T_target;
     else if (deskew_)
-      place.not_deskewed = fixed_T_target.error().message;
-    if (!fixed_T_target && level_ == LevelFrom::kTf) place.not_levelled = fixed_T_target.error().message;
+      sweep.not_deskewed = fixed_T_target.error().message;
+    if (!fixed_T_target && level_ == LevelFrom::kTf) sweep.not_levelled = fixed_T_target.error().message;
   }
   if (level_ == LevelFrom::kImu) {
     const auto world_R_target = vertical(target_of(header), header.stamp, wait);
@@ -112,11 +112,11 @@ SweepPoses::Ground SweepPoses::stand(const std_msgs::Header& header, const Wait&
     if (world_R_target)
       ground.world_T_target = scan::with_tilt(ground.world_T_target, *world_R_target);
     else
-      place.not_levelled = world_R_target.error().message;
+      sweep.not_levelled = world_R_target.error().message;
   }
   const bool level = ground.has_imu || (level_ == LevelFrom::kTf && ground.has_fixed);
   ground.world_T_levelled = level ? scan::upright(ground.world_T_target) : ground.world_T_target;
-  if (level) place.tilt_rad = scan::tilt_angle_rad(ground.world_T_target.linear());
+  if (level) sweep.tilt_rad = scan::tilt_angle_rad(ground.world_T_target.linear());
   return ground;
 }
 
@@ -151,13 +151,13 @@ Result<Eigen::Matrix3d> SweepPoses::vertical(const std::string& target, const ro
   return Eigen::Matrix3d(world_R_imu->toRotationMatrix() * imu_T_target->linear());
 }
 
-void SweepPoses::place_robot(const std_msgs::Header& header, const Wait& wait, scan::SelfFilter& robot,
-                             SweepPlace& place) const {
+void SweepPoses::transform_robot(const std_msgs::Header& header, const Wait& wait, scan::SelfFilter& robot,
+                                 SweepGeometry& sweep) const {
   std::vector<std::optional<Pose>> poses;
   for (const auto& frame : robot.frames()) {
     const auto pose = lookup(header.frame_id, frame, header.stamp, wait);
     poses.push_back(pose ? std::optional(*pose) : std::nullopt);
-    if (!pose) place.unseen.push_back(frame);
+    if (!pose) sweep.unseen.push_back(frame);
   }
   robot.place(poses);
 }

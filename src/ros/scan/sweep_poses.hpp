@@ -19,11 +19,11 @@
 
 namespace extperfc {
 
-/// What tf and the IMU say about one sweep.
-struct SweepPlace {
+/// Poses of one sweep from tf and the IMU.
+struct SweepGeometry {
   scan::SensorTrack track;          ///< in the target frame at the cloud's stamp, levelled where it can be
-  double tilt_rad{0};               ///< that levelling took away
-  double turned_rad{0};             ///< of the sensor between the track's ends
+  double tilt_rad{0};               ///< that levelling removed
+  double rotation_rad{0};           ///< of the sensor between the track's ends
   std::string not_deskewed;         ///< the reason; empty: deskewed, or not wanted
   std::string not_levelled;         ///< the reason; empty: levelled, or not wanted
   std::vector<std::string> unseen;  ///< frames of the self filter without a transform
@@ -31,15 +31,15 @@ struct SweepPlace {
 
 /// Gathers the poses of a sweep from tf and an IMU. One thread at a time, but for imu().
 ///
-/// Only the transform to the target frame is needed. What else is missing is left out and told: waiting is
-/// bounded by transform_tolerance in all, and nothing is waited for that tf has never heard of.
+/// Only the transform to the target frame is required. Other missing transforms are reported and left out.
+/// The total wait is bounded by transform_tolerance, and frames unknown to tf are not waited for.
 class SweepPoses {
  public:
   explicit SweepPoses(const ros_params::CloudToScanNodeletParams& params);
 
   /// `span` is that of the points' moments, or why there is none. Places `robot` too. Waits until `closing`.
-  [[nodiscard]] Result<SweepPlace> find(const std_msgs::Header& header, const Result<scan::TimeSpan>& span,
-                                        scan::SelfFilter& robot, const std::atomic<bool>& closing);
+  [[nodiscard]] Result<SweepGeometry> find(const std_msgs::Header& header, const Result<scan::TimeSpan>& span,
+                                           scan::SelfFilter& robot, const std::atomic<bool>& closing);
 
   [[nodiscard]] ImuTilt& imu() { return imu_; }
 
@@ -49,13 +49,13 @@ class SweepPoses {
 
   [[nodiscard]] Result<Pose> lookup(const std::string& target, const std::string& source,
                                     const ros::Time& time, const Wait& wait) const;
-  [[nodiscard]] Ground stand(const std_msgs::Header& header, const Wait& wait, SweepPlace& place) const;
+  [[nodiscard]] Ground stand(const std_msgs::Header& header, const Wait& wait, SweepGeometry& sweep) const;
   [[nodiscard]] Result<scan::SensorTrack> follow(const std_msgs::Header& header, const scan::TimeSpan& span,
                                                  const Ground& ground, const Wait& wait) const;
   [[nodiscard]] Result<Eigen::Matrix3d> vertical(const std::string& target, const ros::Time& time,
                                                  const Wait& wait) const;
-  void place_robot(const std_msgs::Header& header, const Wait& wait, scan::SelfFilter& robot,
-                   SweepPlace& place) const;
+  void transform_robot(const std_msgs::Header& header, const Wait& wait, scan::SelfFilter& robot,
+                       SweepGeometry& sweep) const;
   [[nodiscard]] const std::string& target_of(const std_msgs::Header& header) const;
 
   std::string target_frame_, fixed_frame_;

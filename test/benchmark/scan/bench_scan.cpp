@@ -104,8 +104,8 @@ CloudView view_of(const std::vector<Point>& points) {
 template <typename AnyPoint>
 void plain_loop(const std::vector<AnyPoint>& points, const ScanParams& params, const Pose& target_T_cloud,
                 std::vector<float>& ranges) {
-  const double turn = params.angle_max - params.angle_min;
-  ranges.assign(static_cast<std::size_t>(std::ceil(turn / params.angle_increment)),
+  const double sector = params.angle_max - params.angle_min;
+  ranges.assign(static_cast<std::size_t>(std::ceil(sector / params.angle_increment)),
                 std::numeric_limits<float>::infinity());
   for (const AnyPoint& raw : points) {
     const Eigen::Vector3d p = target_T_cloud * Eigen::Vector3d(raw.x, raw.y, raw.z);

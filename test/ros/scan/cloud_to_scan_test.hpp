@@ -85,7 +85,7 @@ inline void expect_wall(const sensor_msgs::LaserScan& scan) {
   };
   for (const double angle : {-0.5, -0.2, 0.0, 0.2, 0.5})
     EXPECT_NEAR(ray(angle), 3.0 / std::cos(angle), 0.02) << angle;
-  EXPECT_TRUE(std::isnan(ray(2.0))) << "nobody looked there";
+  EXPECT_TRUE(std::isnan(ray(2.0))) << "no beam there";
 }
 
 }  // namespace extperfc::ros_test

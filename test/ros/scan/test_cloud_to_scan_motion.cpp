@@ -125,16 +125,16 @@ class CloudToScanMotionTest : public CloudToScanTest {
   ros::Publisher moving_{handle_.advertise<tf2_msgs::TFMessage>("/tf", 200)};
 };
 
-TEST_F(CloudToScanMotionTest, CloudsOfATurningRobotAreDeskewed) {
+TEST_F(CloudToScanMotionTest, CloudsOfARotatingRobotAreDeskewed) {
   publish_mount();
   load_and_connect(in_base());
   send_odom(11.0);
   double stamp_s = 10.5;
   EXPECT_TRUE(flatten_until(stamp_s, skewed_wall, is_straight)) << diagnostics_.latest().message();
   EXPECT_TRUE(diagnostics_.wait([](const Report& r) {
-    return r.value("deskewed") == "True" && r.value("turned during the sweep [rad]") == "0.0500" &&
+    return r.value("deskewed") == "True" && r.value("rotation during the sweep [rad]") == "0.0500" &&
            r.level() == 0;
-  })) << diagnostics_.latest().value("turned during the sweep [rad]");
+  })) << diagnostics_.latest().value("rotation during the sweep [rad]");
 }
 
 TEST_F(CloudToScanMotionTest, WithoutOdometryTheyAreNotAndItIsSaid) {
@@ -240,7 +240,7 @@ TEST_F(CloudToScanMotionTest, TheRobotsOwnArmIsLeftOut) {
         {1.0F, 0, -0.2F + 0.01F * static_cast<float>(i), 20, static_cast<std::uint16_t>(i % 2), 0});
   const auto seen = flatten(cloud_message(points, ros::Time(10.0)));
   ASSERT_TRUE(seen);
-  EXPECT_NEAR(seen->ranges[360], 1.0, 0.01) << "nobody has told where the hand is";
+  EXPECT_NEAR(seen->ranges[360], 1.0, 0.01) << "the pose of the hand is unknown";
   EXPECT_TRUE(diagnostics_.wait([](const Report& r) {
     return r.is_warning_about("the robot itself may be in the scan: no transform of hand, other_hand");
   }));
@@ -271,7 +271,7 @@ TEST_F(CloudToScanMotionTest, TwoScansDifferAtASpeckle) {
   EXPECT_EQ(supported->ranges.size(), nearest->ranges.size());
 }
 
-TEST_F(CloudToScanMotionTest, WrongVolumesAndWordsAreRefusedAllAtOnce) {
+TEST_F(CloudToScanMotionTest, WrongVolumesAndNamesAreRefusedTogether) {
   XmlRpc::XmlRpcValue volumes;
   volumes[0]["frame"] = "hand";
   volumes[0]["from"] = "0 0";

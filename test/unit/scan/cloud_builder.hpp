@@ -78,7 +78,7 @@ CloudView packed_view(const std::vector<T>& points) {
   return cloud;
 }
 
-/// No limits, no ground, one degree per ray over a full turn.
+/// No limits, no ground, one degree per ray over a full revolution.
 inline ScanParams open_params() {
   ScanParams params;
   params.min_height = -100;

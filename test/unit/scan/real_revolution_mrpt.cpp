@@ -60,7 +60,7 @@ void add_firing(const CObservationVelodyneScan::raw_block_t& block, int firing_o
 }
 
 RealRevolution decode(const CObservationVelodyneScan& scan) {
-  constexpr double kRate = 0.19907 * kDegree;  // 600 turns a minute
+  constexpr double kRate = 0.19907 * kDegree;  // 600 revolutions per minute
   RealRevolution revolution;
   for (const auto& packet : scan.scan_packets)
     for (const auto& block : packet.blocks)

@@ -32,7 +32,7 @@ TEST(CloudToScan, WallAtThreeMetres) {
     const float range = scan.ranges[ray_at(scan, degree * kDegree)];
     EXPECT_NEAR(range, 3.0 / std::cos(nearest_edge), 0.01) << degree;
   }
-  EXPECT_TRUE(std::isnan(scan.ranges[ray_at(scan, 90 * kDegree)])) << "nobody looked there";
+  EXPECT_TRUE(std::isnan(scan.ranges[ray_at(scan, 90 * kDegree)])) << "no beam there";
 }
 
 TEST(CloudToScan, FullTurnHasNoRayTwice) {
@@ -109,7 +109,7 @@ TEST(CloudToScan, FreeIsOnlyWhereABeamWentOn) {
       at(40, 16, 1.1),                     // 0.55 m high at range_max
       at(60, 16, 1.3),                     // 0.65 m: above the band there
       at(80, 16, -0.5),                    // -0.25 m: below it
-      at(100, 7.99, 0.1), at(20, 3, 5)};   // what hangs above says nothing
+      at(100, 7.99, 0.1), at(20, 3, 5)};   // points above do not count
   for (const bool use_inf : {true, false}) {
     params.use_inf = use_inf;
     params.inf_epsilon = 0.5;

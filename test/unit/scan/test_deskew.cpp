@@ -9,7 +9,7 @@ namespace {
 constexpr double kDegree = M_PI / 180;
 constexpr double kSensorHeightM = 0.4;
 
-/// Turns at `rate` and drives at `speed`, at its origin when the sweep ends.
+/// Rotates at `rate` and drives at `speed`, at its origin when the sweep ends.
 Pose moving(double rate, double speed, double before_end_s) {
   return make_pose({-speed * before_end_s, 0, kSensorHeightM}, {0, 0, -rate * before_end_s});
 }
@@ -48,7 +48,7 @@ double error_at_wall(const PlanarScan& scan) {
 
 const Scene kWall = plane(Eigen::Vector3d::UnitX(), 4.0);
 
-TEST(Deskew, AWallSeenWhileTurningIsStraight) {
+TEST(Deskew, AWallSeenWhileRotatingIsStraight) {
   const Vlp16 lidar;
   const auto points = revolution(
       kWall, [&](double t) { return moving(0.5, 0, lidar.duration_s - t); }, lidar);
@@ -117,8 +117,8 @@ TEST(Deskew, MomentsFromTheAzimuth) {
   }
 }
 
-/// A room closes every direction, so that the azimuths tell the whole turn.
-TEST(Deskew, MomentsFromTheAzimuthOfAWholeTurn) {
+/// A room closes every direction, so that the azimuths span the whole revolution.
+TEST(Deskew, MomentsFromTheAzimuthOfAWholeRevolution) {
   const Scene room = all_of({kWall, plane(-Eigen::Vector3d::UnitX(), 5), plane(Eigen::Vector3d::UnitY(), 6),
                              plane(-Eigen::Vector3d::UnitY(), 6)});
   const Vlp16 lidar;
@@ -203,9 +203,10 @@ TEST(SensorTrack, EndsHoldAndTheMiddleIsInterpolated) {
 TEST(DeskewProperty, EveryPointLandsWhereItWas) {
   for (std::uint64_t seed = 1; seed <= 30; ++seed) {
     Rng rng(seed);
-    const Eigen::Vector3d turn(rng.uniform(-0.1, 0.1), rng.uniform(-0.1, 0.1), rng.uniform(-0.3, 0.3));
-    const Eigen::Vector3d way(rng.uniform(-0.2, 0.2), rng.uniform(-0.2, 0.2), rng.uniform(-0.02, 0.02));
-    const SensorTrack track{{-0.1, Pose::Identity()}, {0, make_pose(way, turn)}};
+    const Eigen::Vector3d rotation(rng.uniform(-0.1, 0.1), rng.uniform(-0.1, 0.1), rng.uniform(-0.3, 0.3));
+    const Eigen::Vector3d translation(rng.uniform(-0.2, 0.2), rng.uniform(-0.2, 0.2),
+                                      rng.uniform(-0.02, 0.02));
+    const SensorTrack track{{-0.1, Pose::Identity()}, {0, make_pose(translation, rotation)}};
     const TestPoint point{static_cast<float>(rng.uniform(-20, 20)),
                           static_cast<float>(rng.uniform(-20, 20)),
                           static_cast<float>(rng.uniform(-1, 1)),

@@ -18,7 +18,7 @@ TEST(ScanParams, WhatCannotWorkIsNamed) {
   const std::vector<std::pair<const char*, std::function<void(ScanParams&)>>> wrong{
       {"min_height", [](auto& p) { p.min_height = 2, p.max_height = 1; }},
       {"angle_min", [](auto& p) { p.angle_min = 1, p.angle_max = 0; }},
-      {"turn", [](auto& p) { p.angle_min = -4, p.angle_max = 4; }},
+      {"revolution", [](auto& p) { p.angle_min = -4, p.angle_max = 4; }},
       {"angle_increment", [](auto& p) { p.angle_increment = 0; }},
       {"angle_increment", [](auto& p) { p.angle_increment = std::nan(""); }},
       {"range_min", [](auto& p) { p.range_min = -1; }},

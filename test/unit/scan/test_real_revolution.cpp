@@ -37,7 +37,7 @@ class RealRevolutionTest : public testing::Test {
   RealRevolution revolution_;
 };
 
-TEST_F(RealRevolutionTest, IsAWholeTurn) {
+TEST_F(RealRevolutionTest, IsAWholeRevolution) {
   EXPECT_EQ(revolution_.firings, 1800U);
   EXPECT_EQ(returns_of(revolution_).size(), 22591U);
   const auto span = time_span(revolution_.organised(), AzimuthTimes::kNone, 0.1);
@@ -119,7 +119,7 @@ TEST_F(RealRevolutionTest, TheGroundIsFoundByEveryMethod) {
   }
 }
 
-TEST_F(RealRevolutionTest, TurningByDeskewingIsUndoneByTurningBack) {
+TEST_F(RealRevolutionTest, RotationByDeskewingIsUndoneByRotatingBack) {
   // Law: deskewing with a turn of the whole sensor by a constant angle turns the scan by that angle.
   auto params = band(-0.3, 0.3);
   const double bins = 50;

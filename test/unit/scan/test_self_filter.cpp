@@ -94,8 +94,8 @@ TEST(SelfFilterProperty, InsideMeansNearTheLine) {
     const Eigen::Vector3d to = vector(0.5);
     const double radius = rng.uniform(0.05, 0.4);
     const Eigen::Vector3d point = vector(0.8);
-    const double share = std::clamp((point - from).dot(to - from) / (to - from).squaredNorm(), 0.0, 1.0);
-    const double distance = (point - from - share * (to - from)).norm();
+    const double ratio = std::clamp((point - from).dot(to - from) / (to - from).squaredNorm(), 0.0, 1.0);
+    const double distance = (point - from - ratio * (to - from)).norm();
     if (std::abs(distance - radius) < 1e-4) continue;
     auto filter = *SelfFilter::make({capsule("arm", from, to, radius)}, 0.0);
     const Pose pose = make_pose(vector(2), vector(3));

@@ -99,7 +99,7 @@ TEST(SlopeGround, TheFloorGoesOnBehindAnObstacle) {
     }
 }
 
-TEST(SlopeGround, ADropIsNoObstacleAndMisleadsNobody) {
+TEST(SlopeGround, ADropIsNoObstacle) {
   std::vector<TestPoint> points{{1, 0, 0}, {1.5F, 0, -1.2F}, {2, 0, 0.02F}, {2.5F, 0, 0.3F}};
   const auto outcome = run(slope_params(), points);
   EXPECT_EQ(outcome.statistics.on_ground, 2U + 1U);

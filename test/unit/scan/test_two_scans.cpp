@@ -45,11 +45,11 @@ TEST(TwoScans, RingsThatAreFarApartDoNotAgree) {
 TEST(TwoScans, NeighboursHelpWhereARayHasOneRing) {
   EXPECT_FLOAT_EQ(supported_at({at(0, 3, 1), at(1, 3.05, 2)}), 3.0F);
   EXPECT_TRUE(std::isnan(supported_at({at(0, 3, 1), at(2, 3.05, 2)}))) << "two rays away is too far";
-  EXPECT_FLOAT_EQ(supported_at({at(180, 3, 1), at(-179, 3.05, 2)}, -180), 3.0F) << "a turn has no end";
+  EXPECT_FLOAT_EQ(supported_at({at(180, 3, 1), at(-179, 3.05, 2)}, -180), 3.0F) << "a revolution has no end";
   auto half = open_params();
   half.angle_min = -90 * kDegree;
   half.angle_max = 90 * kDegree;
-  EXPECT_TRUE(std::isnan(supported_at({at(-90, 3, 1), at(90, 3.05, 2)}, -90, half))) << "half a turn has";
+  EXPECT_TRUE(std::isnan(supported_at({at(-90, 3, 1), at(90, 3.05, 2)}, -90, half))) << "half a revolution has";
 }
 
 TEST(TwoScans, OneRingNeedsThreePoints) {
@@ -64,7 +64,7 @@ TEST(TwoScans, TwoRingsGoBeforeThreePointsOfOne) {
   EXPECT_FLOAT_EQ(supported_at({at(0, 2, 7), at(0.1, 2, 7), at(-0.1, 2, 7), at(0, 5, 3), at(0, 5, 4)}), 5.0F);
 }
 
-TEST(TwoScans, WithoutARingFieldTheElevationTellsRingsApart) {
+TEST(TwoScans, WithoutARingFieldTheElevationSeparatesRings) {
   const auto with_z = [](double z) { return TestPoint{5, 0, static_cast<float>(z)}; };
   const auto nearest_at = [&](const std::vector<TestPoint>& points) {
     const CloudBuilder cloud(points);
