@@ -9,8 +9,8 @@ namespace extperfc::sources {
 
 namespace {
 
-constexpr double kSickMaxRangeM = 81.8;  // an LMS delivers 81.83 m where nothing came back
-constexpr double kMostRays = 100000;
+constexpr double kSickMaxRangeM = 81.8;  // an LMS delivers 81.83 m without a return
+constexpr double kMaxRays = 100000;
 constexpr double kDegree = M_PI / 180;
 
 tl::unexpected<Error> damaged(const std::string& what) {
@@ -20,11 +20,11 @@ tl::unexpected<Error> damaged(const std::string& what) {
 /// Reads numbers until one is missing; then `good` is false and `complaint` says which.
 class Fields {
  public:
-  explicit Fields(std::string_view line) : words_(line) { (void)words_.word(); }
+  explicit Fields(std::string_view line) : tokens_(line) { (void)tokens_.token(); }
 
   double number(const char* name) {
     if (!complaint_.empty()) return 0;
-    const auto value = words_.number();
+    const auto value = tokens_.number();
     if (!value) complaint_ = std::string(name) + " is missing or not a number";
     return value.value_or(0);
   }
@@ -32,8 +32,7 @@ class Fields {
   std::size_t count(const char* name) {
     const double value = number(name);
     if (!complaint_.empty()) return 0;
-    if (value >= 0 && value <= kMostRays && value == std::floor(value))
-      return static_cast<std::size_t>(value);
+    if (value >= 0 && value <= kMaxRays && value == std::floor(value)) return static_cast<std::size_t>(value);
     complaint_ = std::string(name) + " is not a number from 0 to 100,000";
     return 0;
   }
@@ -44,7 +43,7 @@ class Fields {
     return {x, y, wrap_angle(number(name))};
   }
 
-  /// Ranges; from `max_range_m` on they mean that the ray met nothing.
+  /// Ranges; from `max_range_m` on they are no return.
   std::vector<float> ranges(std::size_t n, double max_range_m) {
     std::vector<float> found;
     found.reserve(n);
@@ -60,7 +59,7 @@ class Fields {
   [[nodiscard]] const std::string& complaint() const { return complaint_; }
 
  private:
-  WordReader words_;
+  TokenReader tokens_;
   std::string complaint_;
 };
 
@@ -111,7 +110,7 @@ Result<ScanRecord> parse_robotlaser(std::string_view line, const ScanLogOptions&
   const Pose2 laser = fields.pose("the laser's pose");
   record.odom_T_base = fields.pose("the robot's pose");
   for (const char* name :
-       {"the speed", "the turning speed", "a safety distance", "a safety distance", "the turn axis"})
+       {"the speed", "the angular velocity", "a safety distance", "a safety distance", "the turn axis"})
     (void)fields.number(name);
   scan.stamp_s = fields.number("the time stamp");
   if (!fields.good()) return damaged(fields.complaint());

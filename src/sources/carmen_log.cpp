@@ -14,8 +14,8 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr std::size_t kMostLineBytes = std::size_t{1} << 20;
-constexpr std::size_t kMostComplaints = 10;
+constexpr std::size_t kMaxLineBytes = std::size_t{1} << 20;
+constexpr std::size_t kMaxComplaints = 10;
 
 enum class ScanKind { kFlaser, kRobotLaser };
 
@@ -30,7 +30,7 @@ class CarmenLog : public ScanLog {
   [[nodiscard]] const std::vector<std::string>& complaints() const override { return complaints_; }
 
  private:
-  /// Nothing when the line holds no scan that counts.
+  /// No value when the line holds no scan of the selected kind.
   std::optional<ScanRecord> use_line();
   std::optional<ScanRecord> use_scan(ScanKind kind);
   void use_parameter();
@@ -50,7 +50,7 @@ class CarmenLog : public ScanLog {
 
 Result<std::optional<ScanRecord>> CarmenLog::next() {
   while (true) {
-    const auto read = packed_.next_line(line_, kMostLineBytes);
+    const auto read = packed_.next_line(line_, kMaxLineBytes);
     if (read == PackedFile::Line::kEnd) return std::optional<ScanRecord>();
     if (read == PackedFile::Line::kBroken)
       return fail(ErrorCode::kCorrupt, file_.string() + " is damaged or breaks off after line " +
@@ -65,7 +65,7 @@ Result<std::optional<ScanRecord>> CarmenLog::next() {
 }
 
 std::optional<ScanRecord> CarmenLog::use_line() {
-  const auto name = WordReader(line_).word();
+  const auto name = TokenReader(line_).token();
   if (name == "FLASER") return use_scan(ScanKind::kFlaser);
   if (name == "ROBOTLASER1") return use_scan(ScanKind::kRobotLaser);
   if (name == "PARAM") use_parameter();
@@ -90,10 +90,10 @@ std::optional<ScanRecord> CarmenLog::use_scan(ScanKind kind) {
 }
 
 void CarmenLog::use_parameter() {
-  WordReader words(line_);
-  (void)words.word();
-  if (words.word() != "robot_frontlaser_offset") return;
-  if (const auto offset = words.number())
+  TokenReader tokens(line_);
+  (void)tokens.token();
+  if (tokens.token() != "robot_frontlaser_offset") return;
+  if (const auto offset = tokens.number())
     laser_offset_m_ = *offset;
   else
     complain("robot_frontlaser_offset is not a number");
@@ -101,7 +101,7 @@ void CarmenLog::use_parameter() {
 
 void CarmenLog::complain(const std::string& what) {
   ++damaged_;
-  if (complaints_.size() < kMostComplaints)
+  if (complaints_.size() < kMaxComplaints)
     complaints_.push_back(file_.filename().string() + " line " + std::to_string(number_) + ": " + what);
 }
 

@@ -9,10 +9,10 @@
 
 namespace extperfc::sources {
 
-/// Moves depth pictures from the depth camera into the colour camera of one device.
+/// Moves depth images from the depth camera into the colour camera of one device.
 ///
 /// Every depth pixel becomes a small rectangle facing the camera, whose corners are projected into the colour
-/// picture and filled, so that a denser colour picture gets no holes; the nearest surface wins. Rays are
+/// image and filled, so that a denser colour image gets no holes; the nearest surface wins. Rays are
 /// computed once.
 class DepthRegistration {
  public:

@@ -22,7 +22,7 @@ Result<void*> entry(const char* symbol, const fs::path& file) {
   static const char kHere = 0;
   auto found = late_symbol("extperfc_sources_mrpt_map", symbol, &kHere);
   if (found) return found;
-  return fail(ErrorCode::kUnsupported, "no maps of MRPT without MRPT (" + file.string() +
+  return fail(ErrorCode::kUnsupported, "maps of MRPT need MRPT (" + file.string() +
                                            "): " + found.error().message +
                                            "; install libmrpt-maps-dev and build again");
 }

@@ -19,8 +19,8 @@
 
 #include "extperfc/base/atomic_file.hpp"
 
+#include "sources/mrpt_errors.hpp"
 #include "sources/mrpt_map_entry.hpp"
-#include "sources/mrpt_words.hpp"
 
 namespace extperfc::sources {
 
@@ -30,21 +30,21 @@ namespace fs = std::filesystem;
 using mrpt::maps::COccupancyGridMap2D;
 using mrpt::obs::CObservation2DRangeScan;
 
-constexpr std::size_t kMostCells = std::size_t{1} << 28U;
-constexpr int kMostLogOdds = 127;  ///< of a cell of MRPT's: sixteenths
-static_assert(COccupancyGridMap2D::OCCGRID_CELLTYPE_MAX == kMostLogOdds, "MRPT's cells are bytes");
-constexpr double kMostShift = 0.01;  ///< of a cell, by which an origin may miss a multiple of the resolution
-constexpr double kWholeUm = 1e6;     ///< MRPT keeps lengths as floats: read as whole micrometres
+constexpr std::size_t kMaxCells = std::size_t{1} << 28U;
+constexpr int kMaxLogOdds = 127;  ///< of a cell of MRPT's: sixteenths
+static_assert(COccupancyGridMap2D::OCCGRID_CELLTYPE_MAX == kMaxLogOdds, "MRPT's cells are bytes");
+constexpr double kMaxShift = 0.01;  ///< of a cell, by which an origin may miss a multiple of the resolution
+constexpr double kWholeUm = 1e6;    ///< MRPT keeps lengths as floats: read as whole micrometres
 
 std::size_t index_of(std::int8_t value) {
   return static_cast<std::uint8_t>(value);
 }
 
-/// The value whose share of free comes nearest. MRPT's own p2l() looks into a table of 128 entries and takes
-/// 49 and 51 percent for unknown.
+/// The value whose probability of free is nearest. MRPT's own p2l() looks into a table of 128 entries and
+/// takes 49 and 51 percent for unknown.
 COccupancyGridMap2D::cellType nearest_cell(float free) {
   COccupancyGridMap2D::cellType nearest = 0;
-  for (int value = -kMostLogOdds; value <= kMostLogOdds; ++value) {
+  for (int value = -kMaxLogOdds; value <= kMaxLogOdds; ++value) {
     const auto cell = static_cast<COccupancyGridMap2D::cellType>(value);
     if (std::abs(COccupancyGridMap2D::l2p(cell) - free) < std::abs(COccupancyGridMap2D::l2p(nearest) - free))
       nearest = cell;
@@ -64,7 +64,7 @@ std::array<COccupancyGridMap2D::cellType, 256> mrpt_cells() {
 /// What each of MRPT's cells is here, by index_of().
 std::array<std::int8_t, 256> our_cells() {
   std::array<std::int8_t, 256> cells{};
-  for (int value = -kMostLogOdds - 1; value <= kMostLogOdds; ++value) {
+  for (int value = -kMaxLogOdds - 1; value <= kMaxLogOdds; ++value) {
     const auto cell = static_cast<std::int8_t>(value);
     const double occupied = 1.0 - static_cast<double>(COccupancyGridMap2D::l2p(cell));
     cells[index_of(cell)] = cell == 0
@@ -83,15 +83,15 @@ double off_by(double length_m, double resolution_m) {
 Result<void> check(const OccupancyGrid& map) {
   const auto bad = [](const std::string& what) { return fail(ErrorCode::kInvalidArgument, what); };
   if (map.width == 0 || map.height == 0 || map.cells.size() != map.width * map.height)
-    return bad("the map has no cells, or not as many as its size says");
-  if (map.cells.size() > kMostCells) return bad("the map has more than 2^28 cells");
+    return bad("the map has no cells, or their number does not match its size");
+  if (map.cells.size() > kMaxCells) return bad("the map has more than 2^28 cells");
   const auto& origin = map.origin;
   if (!std::isfinite(map.resolution_m) || map.resolution_m <= 0 || !std::isfinite(origin.x) ||
       !std::isfinite(origin.y))
-    return bad("the map's origin or resolution is no usable number");
-  if (origin.yaw != 0) return bad("maps of MRPT cannot be turned, but this one's origin is");
-  if (off_by(origin.x, map.resolution_m) > kMostShift || off_by(origin.y, map.resolution_m) > kMostShift)
-    return bad("the map's origin must be a multiple of its resolution, as MRPT has it");
+    return bad("the map's origin or resolution is not finite or not positive");
+  if (origin.yaw != 0) return bad("maps of MRPT cannot be rotated, but this one's origin has a yaw");
+  if (off_by(origin.x, map.resolution_m) > kMaxShift || off_by(origin.y, map.resolution_m) > kMaxShift)
+    return bad("the map's origin must be a multiple of its resolution, as MRPT requires");
   return {};
 }
 
@@ -125,7 +125,7 @@ Result<OccupancyGrid> from_mrpt(const COccupancyGridMap2D& grid) {
   map.height = grid.getSizeY();
   map.resolution_m = metres(grid.getResolution());
   map.origin = {metres(grid.getXMin()), metres(grid.getYMin()), 0};
-  if (map.width == 0 || map.height == 0 || !(map.resolution_m > 0) || map.width > kMostCells / map.height ||
+  if (map.width == 0 || map.height == 0 || !(map.resolution_m > 0) || map.width > kMaxCells / map.height ||
       !std::isfinite(map.origin.x) || !std::isfinite(map.origin.y))
     return fail(ErrorCode::kCorrupt,
                 "holds a grid without cells, without a resolution, or with too many cells");
@@ -143,7 +143,7 @@ mrpt::poses::CPose3D mrpt_pose(const Pose2& pose) {
   return mrpt::poses::CPose3D(mrpt::poses::CPose2D(pose.x, pose.y, pose.yaw));
 }
 
-/// MRPT's rays lie evenly about the sensor's x axis, so that axis is turned into their middle.
+/// MRPT's rays lie evenly about the sensor's x axis, so that axis is rotated into their middle.
 CObservation2DRangeScan::Ptr to_mrpt(const LaserScan& scan) {
   auto observation = CObservation2DRangeScan::Create();
   const double sweep_rad = scan.angle_increment * static_cast<double>(scan.ranges.size() - 1);
@@ -197,7 +197,7 @@ Result<OccupancyGrid> load(const fs::path& file) {
 }
 
 Result<void> save(const std::vector<PlacedScan>& scans, const fs::path& file) {
-  if (scans.empty()) return fail(ErrorCode::kInvalidArgument, "there are no scans to be kept");
+  if (scans.empty()) return fail(ErrorCode::kInvalidArgument, "there are no scans to write");
   mrpt::maps::CSimpleMap map;
   for (std::size_t i = 0; i < scans.size(); ++i) {
     if (auto good = validate(scans[i].scan); !good)

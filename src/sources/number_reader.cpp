@@ -15,7 +15,7 @@ constexpr std::string_view kBlanks = " \t\r\v\f";
 
 // A quotient of two doubles that hold their numbers exactly is rounded correctly: digits below 2^53 and
 // powers of ten up to 10^22.
-constexpr std::uint64_t kMostExactDigits = std::uint64_t{1} << 53U;
+constexpr std::uint64_t kMaxExactDigits = std::uint64_t{1} << 53U;
 constexpr std::array<double, 23> kPowersOfTen = {1e0,  1e1,  1e2,  1e3,  1e4,  1e5,  1e6,  1e7,
                                                  1e8,  1e9,  1e10, 1e11, 1e12, 1e13, 1e14, 1e15,
                                                  1e16, 1e17, 1e18, 1e19, 1e20, 1e21, 1e22};
@@ -43,7 +43,7 @@ std::optional<double> parse_number(std::string_view text) {
       fraction = true;
       continue;
     }
-    if (c < '0' || c > '9' || digits >= kMostExactDigits / 10) return parse_slowly(text);
+    if (c < '0' || c > '9' || digits >= kMaxExactDigits / 10) return parse_slowly(text);
     digits = digits * 10 + static_cast<std::uint64_t>(c - '0');
     ++count;
     if (fraction) ++decimals;
@@ -53,7 +53,7 @@ std::optional<double> parse_number(std::string_view text) {
   return negative ? -value : value;
 }
 
-std::string_view WordReader::word() {
+std::string_view TokenReader::token() {
   const auto begin = rest_.find_first_not_of(kBlanks);
   if (begin == std::string_view::npos) {
     rest_ = {};
@@ -65,8 +65,8 @@ std::string_view WordReader::word() {
   return found;
 }
 
-std::optional<double> WordReader::number() {
-  return parse_number(word());
+std::optional<double> TokenReader::number() {
+  return parse_number(token());
 }
 
 }  // namespace extperfc::sources

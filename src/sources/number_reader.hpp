@@ -5,21 +5,21 @@
 
 namespace extperfc::sources {
 
-/// Words of a line, one after the other, parted by blanks.
-class WordReader {
+/// Splits a line into tokens separated by blanks.
+class TokenReader {
  public:
-  explicit WordReader(std::string_view line) : rest_(line) {}
+  explicit TokenReader(std::string_view line) : rest_(line) {}
 
-  /// The next word; empty at the end.
-  [[nodiscard]] std::string_view word();
-  /// The next word as a finite decimal number, whatever the program's locale; nothing when it is none.
+  /// The next token; empty at the end.
+  [[nodiscard]] std::string_view token();
+  /// The next token as a finite decimal number, independent of the locale; no value otherwise.
   [[nodiscard]] std::optional<double> number();
 
  private:
   std::string_view rest_;
 };
 
-/// A finite decimal number such as -12.5e-3, the whole text; nothing when it is none. Exact to the last
+/// A finite decimal number such as -12.5e-3, the whole text; no value otherwise. Exact to the last
 /// digit.
 [[nodiscard]] std::optional<double> parse_number(std::string_view text);
 

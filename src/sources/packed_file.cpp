@@ -31,8 +31,8 @@ class CountedSource {
   using category = io::source_tag;
 
   explicit CountedSource(CountedFile& file) : file_(&file) {}
-  std::streamsize read(char* bytes, std::streamsize most) {
-    file_->file.read(bytes, most);
+  std::streamsize read(char* bytes, std::streamsize max_bytes) {
+    file_->file.read(bytes, max_bytes);
     const std::streamsize got = file_->file.gcount();
     file_->read += static_cast<std::uintmax_t>(got);
     return got > 0 ? got : -1;
@@ -88,14 +88,14 @@ Result<PackedFile> PackedFile::open(const fs::path& file) {
   return PackedFile(std::move(stream));
 }
 
-PackedFile::Line PackedFile::next_line(std::string& line, std::size_t most_bytes) {
+PackedFile::Line PackedFile::next_line(std::string& line, std::size_t max_bytes) {
   line.clear();
   bool any = false;
   bool too_long = false;
   for (int c = stream_->get(); c != std::char_traits<char>::eof(); c = stream_->get()) {
     any = true;
     if (c == '\n') break;
-    if (line.size() < most_bytes)
+    if (line.size() < max_bytes)
       line.push_back(static_cast<char>(c));
     else
       too_long = true;

@@ -10,7 +10,7 @@
 
 namespace extperfc::sources {
 
-/// A file as text, plain or packed by gzip or bzip2, which its first bytes tell (not its name).
+/// A file as text, plain or packed by gzip or bzip2, recognised by its first bytes (not by its name).
 class PackedFile {
  public:
   /// kNotFound when there is no such file or it cannot be opened.
@@ -20,12 +20,12 @@ class PackedFile {
   ~PackedFile();
 
   enum class Line { kRead, kTooLong, kEnd, kBroken };
-  /// The next line without its end. Of a line of more than `most_bytes` the rest is skipped. kBroken: the
+  /// The next line without its end. Of a line of more than `max_bytes` the rest is skipped. kBroken: the
   /// packed data are damaged or break off.
-  [[nodiscard]] Line next_line(std::string& line, std::size_t most_bytes);
+  [[nodiscard]] Line next_line(std::string& line, std::size_t max_bytes);
   /// Up to `bytes` from here.
   [[nodiscard]] std::string read(std::size_t bytes);
-  /// The share of the file's own bytes that were read, [0, 1].
+  /// The fraction of the file's bytes that were read, [0, 1].
   [[nodiscard]] double progress() const;
 
  private:

@@ -21,27 +21,27 @@ constexpr double kMillimetresPerMetre = 1000.0;
 std::string size_text(int width, int height) {
   return std::to_string(width) + " x " + std::to_string(height);
 }
-std::string size_text(const cv::Mat& picture) {
-  return size_text(picture.cols, picture.rows);
+std::string size_text(const cv::Mat& image) {
+  return size_text(image.cols, image.rows);
 }
 
-Result<cv::Mat> read_picture(const fs::path& file, int flags) {
+Result<cv::Mat> read_image(const fs::path& file, int flags) {
   try {
-    cv::Mat picture = cv::imread(file.string(), flags);
-    if (!picture.empty()) return picture;
+    cv::Mat image = cv::imread(file.string(), flags);
+    if (!image.empty()) return image;
   } catch (const cv::Exception&) {  // e.g. larger than OpenCV's own limit: the same message
   }
   return fail(ErrorCode::kCorrupt,
-              "cannot read " + file.string() + ": not a PNG or JPEG picture, damaged or too large");
+              "cannot read " + file.string() + ": not a PNG or JPEG image, damaged or too large");
 }
 
 /// 16-bit depth in millimetres. Values beyond 65.535 m saturate.
 Result<cv::Mat> read_depth(const fs::path& file, double depth_scale) {
-  auto depth = read_picture(file, cv::IMREAD_UNCHANGED);
+  auto depth = read_image(file, cv::IMREAD_UNCHANGED);
   if (!depth) return depth;
   if (depth->type() != CV_16UC1)
     return fail(ErrorCode::kCorrupt, file.string() + " is " + cv::typeToString(depth->type()) +
-                                         " instead of 16-bit grey (CV_16UC1): not a depth picture");
+                                         " instead of 16-bit grey (CV_16UC1): not a depth image");
   if (depth_scale != kMillimetresPerMetre)
     depth->convertTo(*depth, CV_16U, kMillimetresPerMetre / depth_scale);
   return depth;
@@ -58,7 +58,7 @@ class PairFolder : public Recording {
   [[nodiscard]] Result<RgbdFrame> frame(std::size_t index) override;
 
  private:
-  /// EXIF orientation is ignored: a rotated picture would no longer fit its depth.
+  /// EXIF orientation is ignored: a rotated image would no longer fit its depth.
   static constexpr int kColorFlags = cv::IMREAD_COLOR | cv::IMREAD_IGNORE_ORIENTATION;
 
   std::vector<Pair> pairs_;
@@ -72,7 +72,7 @@ Result<RgbdFrame> PairFolder::frame(std::size_t index) {
     return fail(ErrorCode::kInvalidArgument,
                 "frame " + std::to_string(index) + " of a recording with " + std::to_string(pairs_.size()));
   const Pair& pair = pairs_[index];
-  auto color = read_picture(pair.color, kColorFlags);
+  auto color = read_image(pair.color, kColorFlags);
   if (!color) return tl::unexpected(color.error());
   if (camera_ && (color->cols != camera_->width || color->rows != camera_->height))
     return fail(ErrorCode::kInvalidArgument, pair.color.string() + " is " + size_text(*color) +

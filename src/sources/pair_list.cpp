@@ -23,10 +23,10 @@ struct NaturalLess {
   bool operator()(const std::string& a, const std::string& b) const { return natural_less(a, b); }
 };
 
-/// Pictures of a folder by name without extension.
-using Pictures = std::map<std::string, fs::path, NaturalLess>;
+/// Image files of a folder by name without extension.
+using ImageFiles = std::map<std::string, fs::path, NaturalLess>;
 
-bool is_picture(const fs::path& file) {
+bool is_image(const fs::path& file) {
   std::string extension = file.extension().string();
   std::transform(extension.begin(), extension.end(), extension.begin(),
                  [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
@@ -43,11 +43,11 @@ bool is_folder(const fs::path& path) {
   return fs::is_directory(path, ignored);
 }
 
-Result<Pictures> pictures_in(const fs::path& folder) {
-  Pictures found;
+Result<ImageFiles> images_in(const fs::path& folder) {
+  ImageFiles found;
   std::error_code error;
   for (fs::directory_iterator it(folder, error), end; !error && it != end; it.increment(error)) {
-    if (!is_file(it->path()) || !is_picture(it->path())) continue;
+    if (!is_file(it->path()) || !is_image(it->path())) continue;
     const auto [same, is_new] = found.emplace(it->path().stem().string(), it->path());
     if (!is_new)
       return fail(ErrorCode::kInvalidArgument, folder.string() + " holds both " +
@@ -59,7 +59,7 @@ Result<Pictures> pictures_in(const fs::path& folder) {
 }
 
 /// Names in `a` that `b` lacks, as text; the first few only. Empty when there are none.
-std::string missing_names(const Pictures& a, const Pictures& b) {
+std::string missing_names(const ImageFiles& a, const ImageFiles& b) {
   constexpr int kShown = 5;
   std::string names;
   int count = 0;
@@ -71,18 +71,18 @@ std::string missing_names(const Pictures& a, const Pictures& b) {
 }
 
 Result<std::vector<Pair>> pairs_by_name(const fs::path& color_folder, const fs::path& depth_folder) {
-  const auto color = pictures_in(color_folder);
+  const auto color = images_in(color_folder);
   if (!color) return tl::unexpected(color.error());
-  const auto depth = pictures_in(depth_folder);
+  const auto depth = images_in(depth_folder);
   if (!depth) return tl::unexpected(depth.error());
   const auto no_depth = missing_names(*color, *depth);
   if (!no_depth.empty())
     return fail(ErrorCode::kNotFound,
-                "no picture of the same name in " + depth_folder.string() + " for " + no_depth);
+                "no image of the same name in " + depth_folder.string() + " for " + no_depth);
   const auto no_color = missing_names(*depth, *color);
   if (!no_color.empty())
     return fail(ErrorCode::kNotFound,
-                "no picture of the same name in " + color_folder.string() + " for " + no_color);
+                "no image of the same name in " + color_folder.string() + " for " + no_color);
   std::vector<Pair> pairs;
   for (const auto& [name, path] : *color)
     pairs.push_back({static_cast<double>(pairs.size()) / kDefaultRateHz, path, depth->at(name)});
@@ -90,7 +90,7 @@ Result<std::vector<Pair>> pairs_by_name(const fs::path& color_folder, const fs::
 }
 
 Result<std::vector<Pair>> color_only(const fs::path& folder) {
-  const auto color = pictures_in(folder);
+  const auto color = images_in(folder);
   if (!color) return tl::unexpected(color.error());
   std::vector<Pair> pairs;
   for (const auto& [name, path] : *color)
@@ -152,9 +152,9 @@ Result<std::vector<Pair>> list_pairs(const fs::path& folder) {
   auto pairs = find_pairs(folder);
   if (pairs && pairs->empty())
     return fail(ErrorCode::kNotFound,
-                "no pictures in " + folder.string() +
-                    "; looked for associations.txt, for equal names of .png or .jpg files in "
-                    "rgb/ (or color/) and depth/, and for pictures in the folder itself");
+                "no images in " + folder.string() +
+                    "; searched for associations.txt, for equal names of .png or .jpg files in "
+                    "rgb/ (or color/) and depth/, and for images in the folder itself");
   return pairs;
 }
 

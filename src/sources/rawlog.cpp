@@ -9,7 +9,7 @@
 
 #include "extperfc/sources/recording.hpp"
 
-#include "sources/mrpt_words.hpp"
+#include "sources/mrpt_errors.hpp"
 #include "sources/rawlog_reader.hpp"
 #include "sources/rawlog_scan.hpp"
 
@@ -20,7 +20,7 @@ namespace {
 namespace fs = std::filesystem;
 using Scan = RawlogReader::Scan;
 
-/// Where MRPT's programs put pictures that they store beside a rawlog.
+/// Where MRPT's programs put images that they store beside a rawlog.
 fs::path image_folder(const fs::path& rawlog) {
   const fs::path parent = rawlog.parent_path();
   for (const char* suffix : {"_Images", "_images", "_IMAGES"}) {
@@ -109,7 +109,7 @@ Result<RgbdFrame> Rawlog::frame(std::size_t index) {
 }
 
 Result<RgbdFrame> Rawlog::convert(const Scan& scan, std::size_t index) {
-  // MRPT keeps the folder of separately stored pictures in a global variable.
+  // MRPT keeps the folder of separately stored images in a global variable.
   static std::mutex mrpt_image_folder;
   const std::lock_guard lock(mrpt_image_folder);
   mrpt::img::CImage::setImagesPathBase(image_folder(file_).string());

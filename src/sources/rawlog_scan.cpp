@@ -14,7 +14,7 @@ using mrpt::obs::CObservation3DRangeScan;
 
 constexpr double kMillimetre = 1e-3;
 
-/// Range picture in units of scan.rangeUnits, untouched.
+/// Range image in units of scan.rangeUnits, untouched.
 cv::Mat raw_range(const CObservation3DRangeScan& scan) {
   const auto rows = static_cast<int>(scan.rangeImage.rows());
   const auto cols = static_cast<int>(scan.rangeImage.cols());
@@ -58,12 +58,11 @@ bool same_camera(const CameraModel& a, const CameraModel& b) {
          a.cy == b.cy && a.distortion == b.distortion;
 }
 
-Result<void> check_size(const CameraModel& camera, cv::Size picture, const char* which) {
-  if (camera.width == picture.width && camera.height == picture.height) return {};
-  return fail(ErrorCode::kCorrupt, std::string(which) + " picture is " + std::to_string(picture.width) +
-                                       " x " + std::to_string(picture.height) +
-                                       " but its camera parameters are for " + std::to_string(camera.width) +
-                                       " x " + std::to_string(camera.height));
+Result<void> check_size(const CameraModel& camera, cv::Size image, const char* which) {
+  if (camera.width == image.width && camera.height == image.height) return {};
+  return fail(ErrorCode::kCorrupt, std::string(which) + " image is " + std::to_string(image.width) + " x " +
+                                       std::to_string(image.height) + " but its camera parameters are for " +
+                                       std::to_string(camera.width) + " x " + std::to_string(camera.height));
 }
 
 }  // namespace
@@ -86,13 +85,13 @@ Result<CameraModel> camera_from_mrpt(const mrpt::img::TCamera& camera) {
 
 Result<cv::Mat> color_of(const CObservation3DRangeScan& scan) {
   if (!scan.hasIntensityImage || scan.intensityImage.isEmpty()) return cv::Mat();
-  cv::Mat picture;
-  scan.intensityImage.asCvMat(picture, mrpt::img::DEEP_COPY);
-  if (picture.type() != CV_8UC1 && picture.type() != CV_8UC3)
-    return fail(ErrorCode::kUnsupported, "a picture of type " + cv::typeToString(picture.type()));
-  if (picture.channels() == 3 && scan.intensityImage.getChannelsOrder() == "RGB")
-    cv::cvtColor(picture, picture, cv::COLOR_RGB2BGR);
-  return picture;
+  cv::Mat image;
+  scan.intensityImage.asCvMat(image, mrpt::img::DEEP_COPY);
+  if (image.type() != CV_8UC1 && image.type() != CV_8UC3)
+    return fail(ErrorCode::kUnsupported, "an image of type " + cv::typeToString(image.type()));
+  if (image.channels() == 3 && scan.intensityImage.getChannelsOrder() == "RGB")
+    cv::cvtColor(image, image, cv::COLOR_RGB2BGR);
+  return image;
 }
 
 Result<cv::Mat> ScanAligner::depth_of(const CObservation3DRangeScan& scan, cv::Size color_size) {

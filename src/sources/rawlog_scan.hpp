@@ -18,16 +18,16 @@ namespace extperfc::sources {
 /// calibrated.
 [[nodiscard]] Result<CameraModel> camera_from_mrpt(const mrpt::img::TCamera& camera);
 
-/// Picture of an observation: BGR or grey, empty when it has none. Throws std::exception when a separate file
+/// Image of an observation: BGR or grey, empty when it has none. Throws std::exception when a separate file
 /// is missing.
 [[nodiscard]] Result<cv::Mat> color_of(const mrpt::obs::CObservation3DRangeScan& scan);
 
-/// Turns range pictures into depth [mm] that is aligned to colour. Keeps the rays between frames of one
+/// Turns range images into depth [mm] that is aligned to colour. Keeps the rays between frames of one
 /// camera.
 class ScanAligner {
  public:
-  /// Depth for a colour picture of `color_size` (empty: stay in the depth camera). Empty when there is no
-  /// range picture.
+  /// Depth for a colour image of `color_size` (empty: stay in the depth camera). Empty when there is no
+  /// range image.
   [[nodiscard]] Result<cv::Mat> depth_of(const mrpt::obs::CObservation3DRangeScan& scan, cv::Size color_size);
 
  private:

@@ -31,10 +31,10 @@ Result<std::pair<double, Eigen::Isometry3d>> parse_pose(const std::string& line)
   return std::pair(stamp_s, pose);
 }
 
-Eigen::Isometry3d between(const Eigen::Isometry3d& a, const Eigen::Isometry3d& b, double share) {
+Eigen::Isometry3d between(const Eigen::Isometry3d& a, const Eigen::Isometry3d& b, double ratio) {
   Eigen::Isometry3d pose(
-      Eigen::Quaterniond(a.rotation()).slerp(share, Eigen::Quaterniond(b.rotation())).normalized());
-  pose.translation() = (1.0 - share) * a.translation() + share * b.translation();
+      Eigen::Quaterniond(a.rotation()).slerp(ratio, Eigen::Quaterniond(b.rotation())).normalized());
+  pose.translation() = (1.0 - ratio) * a.translation() + ratio * b.translation();
   return pose;
 }
 

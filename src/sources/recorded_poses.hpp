@@ -17,7 +17,7 @@ class RecordedPoses {
   /// Errors name file and line.
   [[nodiscard]] static Result<RecordedPoses> load(const std::filesystem::path& file);
 
-  /// Pose at `stamp_s`, interpolated between its neighbours. Nothing before the first, after the last, or in
+  /// Pose at `stamp_s`, interpolated between its neighbours. No value before the first, after the last, or in
   /// a gap of more than half a second.
   [[nodiscard]] std::optional<Eigen::Isometry3d> at(double stamp_s) const;
 

@@ -11,7 +11,7 @@ namespace {
 
 constexpr double kStartsAgainS = 1.0;
 constexpr double kNearEnoughS = 0.1;  // before the first and behind the last odometry
-constexpr std::size_t kMostTrack = 4000;
+constexpr std::size_t kMaxTrack = 4000;
 
 }  // namespace
 
@@ -22,7 +22,7 @@ void ScanPairing::add_odometry(double stamp_s, const Pose2& odom_T_base) {
   }
   if (!track_.empty() && stamp_s <= track_.back().stamp_s) return;  // a repetition, or a little late
   track_.push_back({stamp_s, odom_T_base});
-  if (track_.size() > kMostTrack) track_.pop_front();
+  if (track_.size() > kMaxTrack) track_.pop_front();
 }
 
 void ScanPairing::add_scan(ScanRecord record) {
@@ -33,7 +33,7 @@ void ScanPairing::add_scan(ScanRecord record) {
 }
 
 bool ScanPairing::ready(const Waiting& scan) const {
-  if (finished_ || waiting_.size() > kMostWaiting || scan.epoch < epoch_) return true;
+  if (finished_ || waiting_.size() > kMaxWaiting || scan.epoch < epoch_) return true;
   const double stamp_s = scan.record.scan.stamp_s;
   if (newest_s_ > stamp_s + kLongestGapS || newest_s_ < stamp_s - kStartsAgainS) return true;
   return scan.epoch == epoch_ && !track_.empty() && track_.back().stamp_s >= stamp_s;
@@ -59,11 +59,11 @@ std::optional<Pose2> ScanPairing::at(double stamp_s) const {
   const auto before = std::prev(after);
   const double gap_s = after->stamp_s - before->stamp_s;
   if (gap_s > kLongestGapS && after->stamp_s != stamp_s) return std::nullopt;
-  const double share = (stamp_s - before->stamp_s) / gap_s;
-  const double turn = wrap_angle(after->pose.yaw - before->pose.yaw);
-  return Pose2{before->pose.x + share * (after->pose.x - before->pose.x),
-               before->pose.y + share * (after->pose.y - before->pose.y),
-               wrap_angle(before->pose.yaw + share * turn)};
+  const double ratio = (stamp_s - before->stamp_s) / gap_s;
+  const double yaw_change = wrap_angle(after->pose.yaw - before->pose.yaw);
+  return Pose2{before->pose.x + ratio * (after->pose.x - before->pose.x),
+               before->pose.y + ratio * (after->pose.y - before->pose.y),
+               wrap_angle(before->pose.yaw + ratio * yaw_change)};
 }
 
 }  // namespace extperfc::sources

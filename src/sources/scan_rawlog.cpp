@@ -18,7 +18,7 @@
 
 #include "extperfc/sources/scan_pairing.hpp"
 
-#include "sources/mrpt_words.hpp"
+#include "sources/mrpt_errors.hpp"
 
 namespace extperfc::sources {
 
@@ -28,15 +28,15 @@ namespace fs = std::filesystem;
 using mrpt::obs::CObservation2DRangeScan;
 using mrpt::obs::CObservationOdometry;
 
-constexpr std::size_t kMostComplaints = 10;
-constexpr double kMostTiltRad = 0.1;
+constexpr std::size_t kMaxComplaints = 10;
+constexpr double kMaxTiltRad = 0.1;
 
 Pose2 pose_of(const mrpt::poses::CPose2D& pose) {
   return {pose.x(), pose.y(), wrap_angle(pose.phi())};
 }
 
-/// A ray without echo is stored as invalid, most often with the largest range: it met nothing. Other invalid
-/// rays say nothing.
+/// A ray without echo is stored as invalid, most often with the largest range: no return. Other invalid
+/// rays are unknown.
 float range_of(const CObservation2DRangeScan& scan, std::size_t ray) {
   const float range = scan.getScanRange(ray);
   if (range >= scan.maxRange) return std::numeric_limits<float>::infinity();
@@ -49,14 +49,14 @@ Result<LaserScan> scan_of(const CObservation2DRangeScan& observation, const Scan
   const auto& sensor = observation.sensorPose;
   const bool upside_down = std::cos(sensor.roll()) * std::cos(sensor.pitch()) < 0;
   const double up = sensor.getRotationMatrix()(2, 2);
-  if (std::acos(std::min(1.0, std::abs(up))) > kMostTiltRad)
+  if (std::acos(std::min(1.0, std::abs(up))) > kMaxTiltRad)
     return fail(ErrorCode::kCorrupt, "the scanner is tilted; only planar scans can be mapped");
   LaserScan scan;
   const std::size_t rays = observation.getScanSize();
   if (rays < 2) return fail(ErrorCode::kCorrupt, "a scan of fewer than 2 rays");
   scan.stamp_s =
       observation.timestamp == INVALID_TIMESTAMP ? 0.0 : mrpt::Clock::toDouble(observation.timestamp);
-  // A scanner that hangs upside down turns the other way round when seen from above.
+  // A scanner that hangs upside down rotates the other way round when seen from above.
   const double sense = observation.rightToLeft == upside_down ? -1.0 : 1.0;
   scan.angle_min = -sense * observation.aperture / 2;
   scan.angle_increment = sense * observation.aperture / static_cast<double>(rays - 1);
@@ -104,7 +104,7 @@ class ScanRawlog : public ScanLog {
   [[nodiscard]] std::size_t damaged() const override { return damaged_; }
   [[nodiscard]] const std::vector<std::string>& complaints() const override { return complaints_; }
 
-  /// Reads on until the first scan or the end: tells whether this is a rawlog at all. Throws std::exception.
+  /// Reads on until the first scan or the end: shows whether this is a rawlog at all. Throws std::exception.
   [[nodiscard]] Result<void> look();
 
  private:
@@ -123,7 +123,7 @@ class ScanRawlog : public ScanLog {
   mrpt::serialization::CArchiveStreamBase<mrpt::io::CFileGZInputStream> archive_{stream_};
   ScanPairing pairing_;
   std::deque<ScanRecord> ready_;
-  std::optional<Pose2> dead_reckoned_;  // sum of the actions' increments; nothing in logs without actions
+  std::optional<Pose2> dead_reckoned_;  // sum of the actions' increments; no value in logs without actions
   std::size_t entries_{0};
   std::size_t scans_{0};
   std::size_t damaged_{0};
@@ -225,7 +225,7 @@ void ScanRawlog::use_scan(const CObservation2DRangeScan& observation) {
 
 void ScanRawlog::complain(const std::string& what) {
   ++damaged_;
-  if (complaints_.size() < kMostComplaints)
+  if (complaints_.size() < kMaxComplaints)
     complaints_.push_back(file_.filename().string() + " entry " + std::to_string(entries_) + ": " + what);
 }
 

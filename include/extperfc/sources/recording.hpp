@@ -19,7 +19,7 @@ struct RgbdFrame {
   double stamp_s{0};  ///< time of the recording [s]; frames without one are numbered at 30 Hz
   cv::Mat color;      ///< CV_8UC3 BGR, or CV_8UC1; empty when the recording has none here
   cv::Mat depth;      ///< CV_16UC1 [mm], aligned to colour; empty when the recording has none here
-  /// Where the camera was: pose of the optical frame in the recording's world, if it is known.
+  /// Pose of the optical frame in the recording's world, if it is known.
   std::optional<Eigen::Isometry3d> world_T_optical;
   std::string label;  ///< where it comes from, e.g. the colour file's name
 };
@@ -39,7 +39,7 @@ class Recording {
   [[nodiscard]] virtual std::optional<CameraModel> camera() const = 0;
 };
 
-/// A folder of aligned colour and depth pictures. Pairs come from `associations.txt` (TUM RGB-D style: stamp,
+/// A folder of aligned colour and depth images. Pairs come from `associations.txt` (TUM RGB-D style: stamp,
 /// colour file, stamp, depth file; `#` comments) or else from equal names in `rgb/` and `depth/` (or
 /// `color/`), sorted naturally. `camera_info.yaml` (camera_calibration format), if present, gives the
 /// intrinsics; `groundtruth.txt` (TUM: stamp, tx ty tz, qx qy qz qw) the camera's poses. `depth_scale` is

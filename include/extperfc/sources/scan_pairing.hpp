@@ -8,25 +8,25 @@
 
 namespace extperfc::sources {
 
-/// Gives scans the odometry of their own stamps, where a recording holds both as streams of their own.
+/// Interpolates odometry at the stamps of scans, for recordings with separate streams of both.
 ///
-/// A scan waits until odometry has passed its stamp and gets the pose between its two neighbours. One that
-/// waits in vain (odometry stops, or leaves a gap of more than kLongestGapS) leaves without. Scans leave in
-/// the order in which they came. A stamp that runs back by more than a second is a recording that starts
-/// again: nothing is paired across it. Memory is bounded. One thread at a time.
+/// A scan waits until odometry has passed its stamp and gets the interpolated pose. When odometry stops, or
+/// has a gap of more than kLongestGapS, the scan is returned without odometry. The order of scans is kept. A
+/// stamp that runs back by more than a second is a recording that starts again: no interpolation across it.
+/// Memory is bounded. One thread at a time.
 class ScanPairing {
  public:
   static constexpr double kLongestGapS = 1.0;
-  static constexpr std::size_t kMostWaiting = 400;
+  static constexpr std::size_t kMaxWaiting = 400;
 
   void add_odometry(double stamp_s, const Pose2& odom_T_base);
   void add_scan(ScanRecord record);
-  /// The recording is over: nothing waits any longer.
+  /// Call after the end of the recording: releases all waiting scans.
   void finish() { finished_ = true; }
 
-  /// The next scan that waits no longer; nothing when there is none.
+  /// The next scan that is ready; no value when there is none.
   [[nodiscard]] std::optional<ScanRecord> take();
-  /// Where odometry saw the robot at a stamp, interpolated; nothing where it does not reach.
+  /// Interpolated odometry pose at a stamp; no value outside of its stamps.
   [[nodiscard]] std::optional<Pose2> at(double stamp_s) const;
 
  private:

@@ -6,14 +6,14 @@
 
 namespace extperfc {
 
-/// Plays a folder of aligned colour and depth pictures (TUM-style association file or equal names).
+/// Plays a folder of aligned colour and depth images (TUM-style association file or equal names).
 ///
 /// Publishes: see RecordingPlayer; diagnostics.
 /// Parameters (private; unknown keys are refused):
 ///   path                 folder                                                       required
 ///   rate_hz              frames per second, 0 = as recorded                           10, [0, 1000]
 ///   loop                 start again at the end                                       true
-///   wait_for_subscriber  begin when somebody listens                                  true
+///   wait_for_subscriber  begin with the first subscriber                                  true
 ///   recorded_stamps      stamps of the recording instead of the time of publishing    false
 ///   depth_scale          units per metre of the depth files                           1000 (millimetres;
 ///   TUM: 5000) frame_id             optical frame camera_color_optical_frame world_frame          frame of

@@ -18,7 +18,7 @@ namespace extperfc {
 namespace {
 
 /// Intrinsics for a recording that brings none: the nominal focal length of a PrimeSense/Kinect v1 class
-/// camera, 525 px at 640 pixels width, and the picture's middle.
+/// camera, 525 px at 640 pixels width, and the image's middle.
 CameraModel assumed_camera(int width, int height) {
   const double focal_px = 525.0 / 640.0 * width;
   return {width, height, focal_px, focal_px, 0.5 * (width - 1), 0.5 * (height - 1), {}};
@@ -74,7 +74,7 @@ void RecordingPlayer::play() {
       publish(*messages);
       previous = messages;
     }
-    // A recording in which nothing is readable must not spin.
+    // A recording without readable frames must not spin.
     if (!previous && !sleep_until(ros::WallTime::now() + ros::WallDuration(1.0))) return;
   } while (params_.loop && !stopping_);
   finished_ = true;

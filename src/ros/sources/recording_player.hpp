@@ -27,7 +27,7 @@ namespace extperfc {
 ///   camera/color/image_raw, camera/color/camera_info
 ///   camera/aligned_depth_to_color/image_raw (16UC1 [mm]), camera/aligned_depth_to_color/camera_info
 ///   tf: world_frame -> frame_id at the same stamp, when the recording knows where the camera was
-/// All of them carry one stamp. Pictures travel as pointers inside one manager; `color last` and `depth last`
+/// All of them carry one stamp. Images travel as pointers inside one manager; `color last` and `depth last`
 /// in diagnostics are stamp and address of what was published, which every subscriber in the manager reports
 /// too. Threads: one that reads ahead by one frame and keeps the rate.
 class RecordingPlayer {

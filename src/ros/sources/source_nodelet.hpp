@@ -12,7 +12,7 @@
 
 namespace extperfc {
 
-/// What the nodelets that play recordings share: load parameters, open, play, report.
+/// Common part of the nodelets that play recordings: load parameters, open, play, report.
 class SourceNodelet : public nodelet::Nodelet {
  protected:
   [[nodiscard]] virtual Result<std::unique_ptr<sources::Recording>> open(

@@ -24,15 +24,15 @@ std::string flaser(std::size_t n, const std::string& behind = "1 2 0.5 1 2 0.5 1
   return line + " " + behind + "\n";
 }
 
-struct Everything {
+struct LogContents {
   std::vector<ScanRecord> records;
   std::string error;  // empty: the regular end
   std::size_t damaged{0};
   std::vector<std::string> complaints;
 };
 
-Everything read_all(const fs::path& file, const ScanLogOptions& options = {}) {
-  Everything all;
+LogContents read_all(const fs::path& file, const ScanLogOptions& options = {}) {
+  LogContents all;
   auto log = open_carmen_log(file, options);
   if (!log) {
     all.error = log.error().message;
@@ -57,7 +57,7 @@ Everything read_all(const fs::path& file, const ScanLogOptions& options = {}) {
   return all;
 }
 
-Everything read_text(const std::string& text, const ScanLogOptions& options = {}) {
+LogContents read_text(const std::string& text, const ScanLogOptions& options = {}) {
   const TemporaryFolder folder;
   return read_all(folder.write("a.clf", text), options);
 }
@@ -101,7 +101,7 @@ TEST(CarmenLog, AnglesFollowFromTheNumberOfRays) {
 }
 
 TEST(CarmenLog, ReadsRobotLaserLines) {
-  // Three rays a quarter turn apart, laser 0.1 m before and 0.05 m left of a robot that looks along +y.
+  // Three rays 90 degrees apart, laser 0.1 m before and 0.05 m left of a robot that looks along +y.
   const auto all = read_text(
       "ROBOTLASER1 0 -1.570796 3.141593 1.570796 20.0 0.01 0 3 1.5 20.0 25.0 1 7.0 "
       "4.95 6.1 1.570796 5 6 1.570796 0.1 0.2 0.3 0.4 0.5 77.25 host 1\n");

@@ -46,7 +46,7 @@ TEST(DepthRegistration, SidewaysOffsetShiftsByTheDisparity) {
   EXPECT_EQ(out.at<std::uint16_t>(10, 55), 2000);
 }
 
-TEST(DepthRegistration, DenserColourPictureHasNoHoles) {
+TEST(DepthRegistration, DenserColourImageHasNoHoles) {
   const auto out =
       DepthRegistration(camera(32, 24, 30.0), camera(96, 72, 90.0), Eigen::Isometry3d::Identity())
           .apply(constant(32, 24, 1500), 0.001);

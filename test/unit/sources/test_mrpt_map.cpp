@@ -104,15 +104,16 @@ TEST(Gridmap, OnlyTheNameDecidesWhetherItIsPacked) {
 }
 
 /// The step of a byte's logarithm of odds is the largest in the middle: 1/16 of odds 1, that is 1.6 percent
-/// from value to value, so rounding moves a share by 0.8 percent, and the whole percent by another half.
-TEST(Gridmap, SharesMoveByAPercentAtMost) {
+/// from value to value, so rounding moves a probability by 0.8 percent, and the whole percent by another
+/// half.
+TEST(Gridmap, ProbabilitiesMoveByAPercentAtMost) {
   const TemporaryFolder folder;
   OccupancyGrid map;
   map.width = 101;
   map.height = 1;
   for (int percent = 0; percent <= 100; ++percent) map.cells.push_back(static_cast<std::int8_t>(percent));
-  ASSERT_TRUE(save_gridmap(map, folder.path() / "shares.gridmap"));
-  const auto read = load_gridmap(folder.path() / "shares.gridmap");
+  ASSERT_TRUE(save_gridmap(map, folder.path() / "probabilities.gridmap"));
+  const auto read = load_gridmap(folder.path() / "probabilities.gridmap");
   ASSERT_TRUE(read);
   for (int percent = 0; percent <= 100; ++percent) {
     const int found = read->cells[static_cast<std::size_t>(percent)];
@@ -154,7 +155,7 @@ TEST(Gridmap, WhatMrptCannotKeepIsRefused) {
     const auto saved = save_gridmap(map, folder.path() / "bad.gridmap");
     return saved ? std::string() : saved.error().message;
   };
-  EXPECT_NE(error_of([](auto& map) { map.origin.yaw = 0.1; }).find("cannot be turned"), std::string::npos);
+  EXPECT_NE(error_of([](auto& map) { map.origin.yaw = 0.1; }).find("cannot be rotated"), std::string::npos);
   EXPECT_NE(error_of([](auto& map) { map.origin.x = -0.33; }).find("multiple of its resolution"),
             std::string::npos);
   EXPECT_NE(error_of([](auto& map) { map.cells.pop_back(); }).find("not as many"), std::string::npos);
@@ -210,11 +211,11 @@ TEST(Simplemap, IsReadByMrpt) {
   const TemporaryFolder folder;
   for (const auto* name : {"map.simplemap", "map.simplemap.gz"}) {
     const auto file = folder.path() / name;
-    auto turned =
-        five_rays();  // a scanner whose rays do not lie evenly about its axis, and turn the other way
-    turned.angle_min = 1.0;
-    turned.angle_increment = -0.1;
-    const auto saved = save_simplemap({{{1, 2, 0.3}, five_rays()}, {{-1, 0, 3}, turned}}, file);
+    auto rotated =
+        five_rays();  // a scanner whose rays do not lie evenly about its axis, and rotate the other way
+    rotated.angle_min = 1.0;
+    rotated.angle_increment = -0.1;
+    const auto saved = save_simplemap({{{1, 2, 0.3}, five_rays()}, {{-1, 0, 3}, rotated}}, file);
     ASSERT_TRUE(saved) << saved.error().message;
     mrpt::maps::CSimpleMap map;
     ASSERT_TRUE(map.loadFromFile(file.string()));

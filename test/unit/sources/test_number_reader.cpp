@@ -37,12 +37,12 @@ TEST(NumberReader, OddNumbers) {
     EXPECT_FALSE(parse_number(none)) << none;
 }
 
-TEST(NumberReader, WordsAreParted) {
-  WordReader words(" \tab  12 \r");
-  EXPECT_EQ(words.word(), "ab");
-  EXPECT_EQ(words.number(), 12.0);
-  EXPECT_EQ(words.word(), "");
-  EXPECT_FALSE(words.number());
+TEST(NumberReader, TokensAreSeparated) {
+  TokenReader tokens(" \tab  12 \r");
+  EXPECT_EQ(tokens.token(), "ab");
+  EXPECT_EQ(tokens.number(), 12.0);
+  EXPECT_EQ(tokens.token(), "");
+  EXPECT_FALSE(tokens.number());
 }
 
 }  // namespace

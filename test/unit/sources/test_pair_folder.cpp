@@ -36,7 +36,7 @@ TEST(PairFolder, EqualNamesInNaturalOrder) {
     write_color(folder.path() / "rgb" / (std::to_string(i) + ".jpg"), i);
     write_depth(folder.path() / "depth" / (std::to_string(i) + ".png"), 10 * i);
   }
-  folder.write("rgb/notes.txt", "not a picture");
+  folder.write("rgb/notes.txt", "not an image");
   const auto recording = open_pair_folder(folder.path());
   ASSERT_TRUE(recording) << recording.error().message;
   ASSERT_EQ((*recording)->size(), 3U);
@@ -138,7 +138,7 @@ TEST(PairFolder, FramesThatCannotBeRead) {
   expect_error((*recording)->frame(4).error(), ErrorCode::kInvalidArgument, "frame 4");
 }
 
-TEST(PairFolder, RealKinectPictures) {
+TEST(PairFolder, RealKinectImages) {
   const fs::path folder = fs::path(EXTPERFC_SOURCE_DIR) / "../shared/data/rgbd/dining_room";
   if (!fs::exists(folder)) GTEST_SKIP() << "the recording of a dining room is not on this machine";
   const auto recording = open_pair_folder(folder);

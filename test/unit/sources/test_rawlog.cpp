@@ -25,7 +25,7 @@ using mrpt::obs::CObservation3DRangeScan;
 
 constexpr char kExample[] = "/usr/share/mrpt/datasets/tests_rgbd.rawlog";
 
-/// A range picture of 8 x 6 pixels, all at `millimetres`, and a grey picture of `intensity`.
+/// A range image of 8 x 6 pixels, all at `millimetres`, and a grey image of `intensity`.
 CObservation3DRangeScan::Ptr make_scan(int millimetres, std::uint8_t intensity = 50) {
   auto scan = CObservation3DRangeScan::Create();
   scan->timestamp = mrpt::Clock::fromDouble(1000.0 + millimetres);
@@ -104,7 +104,7 @@ TEST(Rawlog, DepthIsMovedIntoTheColourCamera) {
   EXPECT_EQ(depth_at(frame, 1, 3), 0);  // hidden from the depth camera
   EXPECT_EQ(depth_at(frame, 2, 3), 1000);
   EXPECT_EQ(depth_at(frame, 6, 3), 1000);
-  EXPECT_EQ(depth_at(frame, 7, 3), 0);  // outside of the depth picture
+  EXPECT_EQ(depth_at(frame, 7, 3), 0);  // outside of the depth image
 }
 
 TEST(Rawlog, PartsThatAreMissingStayEmpty) {
@@ -122,7 +122,7 @@ TEST(Rawlog, PartsThatAreMissingStayEmpty) {
   EXPECT_EQ((*recording)->frame(1)->color.cols, 8);
 }
 
-TEST(Rawlog, SeparatelyStoredPicturesAreFoundOrNamed) {
+TEST(Rawlog, SeparatelyStoredImagesAreFoundOrNamed) {
   const TemporaryFolder folder;
   const auto images = folder.path() / "a_Images";
   fs::create_directories(images);

@@ -16,7 +16,7 @@ std::filesystem::path write_poses(const std::string& text) {
 }
 
 TEST(RecordedPoses, ExactInterpolatedAndOutside) {
-  // A quarter turn about z while moving 1 m along x.
+  // A rotation by 90 degrees about z while moving 1 m along x.
   const auto poses = RecordedPoses::load(write_poses(
       "# comment\n10.0 0 0 1 0 0 0 1\n10.2 1 0 1 0 0 0.70710678 0.70710678\n20.0 5 0 1 0 0 0 1\n"));
   ASSERT_TRUE(poses);
@@ -24,8 +24,8 @@ TEST(RecordedPoses, ExactInterpolatedAndOutside) {
   const auto middle = poses->at(10.1);
   ASSERT_TRUE(middle);
   EXPECT_TRUE(middle->translation().isApprox(Eigen::Vector3d(0.5, 0, 1)));
-  const Eigen::AngleAxisd turn(middle->rotation());
-  EXPECT_NEAR(turn.angle(), 0.25 * 3.14159265358979, 1e-6);
+  const Eigen::AngleAxisd rotation(middle->rotation());
+  EXPECT_NEAR(rotation.angle(), 0.25 * 3.14159265358979, 1e-6);
   EXPECT_FALSE(poses->at(9.9));
   EXPECT_FALSE(poses->at(15.0)) << "a gap of 9.8 s";
   EXPECT_FALSE(poses->at(20.1));

@@ -97,10 +97,10 @@ TEST(ScanPairing, NothingIsPairedAcrossANewStart) {
 
 TEST(ScanPairing, MemoryIsBounded) {
   ScanPairing pairing;
-  for (std::size_t i = 0; i < 10 * ScanPairing::kMostWaiting; ++i) pairing.add_scan(scan_at(0, i));
+  for (std::size_t i = 0; i < 10 * ScanPairing::kMaxWaiting; ++i) pairing.add_scan(scan_at(0, i));
   std::size_t taken = 0;
   while (pairing.take()) ++taken;
-  EXPECT_EQ(taken, 9 * ScanPairing::kMostWaiting);
+  EXPECT_EQ(taken, 9 * ScanPairing::kMaxWaiting);
 }
 
 TEST(ScanPairing, RepeatedOdometryIsHarmless) {

@@ -25,7 +25,7 @@ using mrpt::obs::CObservation2DRangeScan;
 constexpr char kExample[] =
     "/usr/share/mrpt/datasets/2006-01ENE-21-SENA_Telecom Faculty_one_loop_only.rawlog";
 
-/// Five rays over a half turn: 1 m, 2 m, ..., the last one without echo.
+/// Five rays over half a revolution: 1 m, 2 m, ..., the last one without echo.
 CObservation2DRangeScan::Ptr make_scan(double stamp_s, const std::string& label = "laser") {
   auto scan = CObservation2DRangeScan::Create();
   scan->timestamp = mrpt::Clock::fromDouble(stamp_s);
