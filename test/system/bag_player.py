@@ -40,8 +40,8 @@ class BagSession(RosSession):
     @staticmethod
     def play(bag, rate, *more):
         """Starts rosbag play with the bag's own clock. It begins when every topic of the bag has a listener."""
-        words = ["rosbag", "play", "--clock", "--wait-for-subscribers", "--quiet", "--rate", str(rate), *more, str(bag)]
-        return subprocess.Popen(words, stdout=subprocess.DEVNULL, stdin=subprocess.DEVNULL)
+        command = ["rosbag", "play", "--clock", "--wait-for-subscribers", "--quiet", "--rate", str(rate), *more, str(bag)]
+        return subprocess.Popen(command, stdout=subprocess.DEVNULL, stdin=subprocess.DEVNULL)
 
 
 def end(process):

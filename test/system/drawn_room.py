@@ -1,5 +1,5 @@
 """A robot with wheels that slip drives through a drawn room: its scans, its odometry and the truth, always the same. For
-the tests of whatever maps a recording."""
+the tests that map a recording."""
 
 import itertools
 import math
@@ -40,8 +40,8 @@ def ranges_from(pose):
     cross = directions[..., 0] * along[..., 1] - directions[..., 1] * along[..., 0]
     with numpy.errstate(divide="ignore", invalid="ignore"):
         distance = (start[..., 0] * along[..., 1] - start[..., 1] * along[..., 0]) / cross
-        share = (start[..., 0] * directions[..., 1] - start[..., 1] * directions[..., 0]) / cross
-    distance[~((distance > 0) & (share >= 0) & (share <= 1))] = numpy.inf
+        ratio = (start[..., 0] * directions[..., 1] - start[..., 1] * directions[..., 0]) / cross
+    distance[~((distance > 0) & (ratio >= 0) & (ratio <= 1))] = numpy.inf
     return distance.min(axis=1)
 
 
@@ -52,20 +52,20 @@ def drive():
     poses = [pose]
     for x, y in itertools.islice(itertools.cycle(corners), 1, 2 * len(corners) + 1):
         while math.hypot(x - pose[0], y - pose[1]) > 0.1:
-            turn = math.remainder(math.atan2(y - pose[1], x - pose[0]) - pose[2], 2 * math.pi)
-            step = 0.08 if abs(turn) < 0.5 else 0.0
-            pose = compose(pose, (step, 0, max(-0.1, min(0.1, turn))))
+            yaw_error = math.remainder(math.atan2(y - pose[1], x - pose[0]) - pose[2], 2 * math.pi)
+            step = 0.08 if abs(yaw_error) < 0.5 else 0.0
+            pose = compose(pose, (step, 0, max(-0.1, min(0.1, yaw_error))))
             poses.append(pose)
     return poses
 
 
 def odometry_of(poses, rng):
-    """What wheels that slip by 3 % and turn 3 % too far measure."""
+    """Odometry of wheels that slip by 3 % and rotate 3 % too far."""
     seen = (0.0, 0.0, 0.0)
     track = [seen]
     for last, now in zip(poses, poses[1:]):
-        dx, dy, turn = between(last, now)
-        seen = compose(seen, (dx * rng.gauss(1.01, 0.03), dy, turn * rng.gauss(1.03, 0.03) + rng.gauss(0, 2e-4)))
+        dx, dy, rotation = between(last, now)
+        seen = compose(seen, (dx * rng.gauss(1.01, 0.03), dy, rotation * rng.gauss(1.03, 0.03) + rng.gauss(0, 2e-4)))
         track.append(seen)
     return track
 

@@ -1,7 +1,7 @@
 """Drives the simulated robot along waypoints, step by step, while a mapper keeps pace: for test_mapping_office.py.
 
 The simulation stands still between steps of a tenth of a second (sim/step), so nothing depends on the machine's speed,
-and every wait has a deadline that tells where it stands.
+and every wait has a deadline whose message has the robot's pose.
 """
 
 import heapq
@@ -13,10 +13,10 @@ import numpy as np
 
 STEPS = 24            # of 1/240 s: one sweep of the lidar
 HALF_WIDTH_M = 0.406  # of the chassis, 0.81 x 0.79 m; doors are 0.95 m wide
-TURNING_M = 0.62      # where the robot may turn: half of the chassis' diagonal and 5 cm
+ROTATION_CLEARANCE_M = 0.62  # where the robot may rotate: half of the chassis' diagonal and 5 cm
 FAST_M_S, SLOW_M_S = 0.9, 0.3
-TURN_RAD_S = 0.5
-SIDE_GAIN_1_S = 2.5   # of the way back to the path
+MAX_YAW_RATE_RAD_S = 0.5
+SIDE_GAIN_1_S = 2.5   # of the return to the path
 ARRIVED_M = 0.12
 
 
@@ -39,7 +39,7 @@ class Plan:
         return float(self.clearance_m[self.cell(x, y)])
 
     def block(self, x, y, radius_m=0.25):
-        """What the truth's map does not show stands in the way here: a door's handle, for instance."""
+        """An obstacle that the true map does not contain is here, e.g. a door handle."""
         row, column = self.cell(x, y)
         reach = int(radius_m / self.side)
         self.blocked[row - reach:row + reach + 1, column - reach:column + reach + 1] = True
@@ -84,11 +84,11 @@ def command(plan, path, at, pose, back=False):
     x, y, yaw = pose
     near = range(max(0, at - 10), min(len(path), at + 20))
     at = min(near, key=lambda i: math.dist(path[i], (x, y)))
-    narrow = min(plan.clearance(*point) for point in path[max(0, at - 12):at + 16] + [(x, y)]) < TURNING_M
+    narrow = min(plan.clearance(*point) for point in path[max(0, at - 12):at + 16] + [(x, y)]) < ROTATION_CLEARANCE_M
     crooked = math.remainder(aligned(yaw) - yaw, 2 * math.pi)
-    wz = max(-TURN_RAD_S, min(TURN_RAD_S, 2.0 * crooked)) if narrow else TURN_RAD_S
+    wz = max(-MAX_YAW_RATE_RAD_S, min(MAX_YAW_RATE_RAD_S, 2.0 * crooked)) if narrow else MAX_YAW_RATE_RAD_S
     speed = SLOW_M_S if narrow else FAST_M_S
-    if narrow and abs(crooked) > 0.03 and plan.clearance(x, y) >= TURNING_M:
+    if narrow and abs(crooked) > 0.03 and plan.clearance(x, y) >= ROTATION_CLEARANCE_M:
         speed = 0.0
     goal = path[max(0, at - 5) if back else min(len(path) - 1, at + 5)]
     ahead = goal[0] - path[at][0], goal[1] - path[at][1]
@@ -96,7 +96,7 @@ def command(plan, path, at, pose, back=False):
     speed = min(speed, 2.0 * math.dist(path[-1], (x, y)) + 0.05)
     dx, dy = (speed * part / length if length > 1e-6 else 0.0 for part in ahead)
     dx, dy = dx + SIDE_GAIN_1_S * (path[at][0] - x), dy + SIDE_GAIN_1_S * (path[at][1] - y)
-    middle = yaw + 0.5 * wz * 0.1  # the command holds for a step, in which the robot turns
+    middle = yaw + 0.5 * wz * 0.1  # the command holds for a step, in which the robot rotates
     cos, sin = math.cos(middle), math.sin(middle)
     return (cos * dx + sin * dy, -sin * dx + cos * dy, wz), at
 

@@ -56,7 +56,7 @@ class LocalizationBag(unittest.TestCase):
                 errors.append((math.hypot(x, y), abs(math.degrees(yaw))))
         metres, degrees = zip(*errors)
         mean_m, mean_deg = sum(metres) / len(metres), sum(degrees) / len(degrees)
-        print(f"{len(errors)} updates: mean {mean_m:.3f} m {mean_deg:.2f} deg, most {max(metres):.3f} m "
+        print(f"{len(errors)} updates: mean {mean_m:.3f} m {mean_deg:.2f} deg, max {max(metres):.3f} m "
               f"{max(degrees):.2f} deg", flush=True)
         self.assertGreater(len(errors), 50, "an update every 0.2 m of 25 m at the latest")
         self.assertLess(mean_m, MOST_MEAN_M)

@@ -34,7 +34,7 @@ class Office(unittest.TestCase):
             self.assertEqual(starting, session.errors())
         summary = Summary(errors)
         print(summary)
-        self.assertGreater(stamps[-1] - stamps[0], 30.0, "the way is longer than that")
+        self.assertGreater(stamps[-1] - stamps[0], 30.0, "the drive is longer than that")
         self.assertGreater(len(errors), 1000)
         self.assertLess(summary.mean_m, 0.05, summary)
         self.assertLess(summary.mean_deg, 1.0, summary)
@@ -58,7 +58,7 @@ class PoseErrors(unittest.TestCase):
         self.assertAlmostEqual(0.0, metres)
         self.assertAlmostEqual(0.0, radians)
 
-    def test_track_interpolates_across_the_turn(self):
+    def test_track_interpolates_across_pi(self):
         track = Track()
         track.add(1.0, Pose(0, 0, 3.1))
         track.add(2.0, Pose(1, 0, -3.1))
@@ -68,7 +68,7 @@ class PoseErrors(unittest.TestCase):
         self.assertIsNone(track.at(2.1))
         self.assertEqual(1, track.before(5.0).x)
         track.add(0.5, Pose(9, 9, 0))
-        self.assertIsNone(track.at(1.5), "time ran back: begun anew")
+        self.assertIsNone(track.at(1.5), "time ran back: restarted")
 
     def test_settled_is_for_good(self):
         stamps = [0, 1, 2, 3, 4]

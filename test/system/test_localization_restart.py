@@ -1,4 +1,4 @@
-"""localization.launch started again beside the same master: the localizer goes on from the pose that it stored."""
+"""localization.launch started again with the same master: the localizer resumes from the pose that it stored."""
 
 import math
 import pathlib

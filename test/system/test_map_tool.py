@@ -52,15 +52,15 @@ class MapTool(unittest.TestCase):
         self.assertEqual(report, json.loads((folder / "report.json").read_text()))
         return report, folder
 
-    def check_path(self, folder, most_m, most_rad, truth=None):
+    def check_path(self, folder, max_m, max_rad, truth=None):
         """Errors against the true path, both beginning at the same pose."""
         truth = truth or DRIVE.truth
         path = read_tum(folder / "trajectory.tum")
         self.assertEqual(len(truth), len(path))
         for (_, *pose), true in zip(path, truth):
             error = between(between(truth[0], true), between(path[0][1:], pose))
-            self.assertLess(math.hypot(error[0], error[1]), most_m)
-            self.assertLess(abs(error[2]), most_rad)
+            self.assertLess(math.hypot(error[0], error[1]), max_m)
+            self.assertLess(abs(error[2]), max_rad)
 
     def test_maps_a_room(self):
         relations = self.folder / "room.relations"
@@ -109,7 +109,7 @@ class MapTool(unittest.TestCase):
         self.assertGreater(width * height, 10000)
 
     def check_session(self, folder):
-        """The saved session goes on where it ended."""
+        """The saved session resumes where it ended."""
         done = call(MAP, self.log, "--out", self.folder / "more", "--continue", folder / "map.session", "--scans", 30,
                     "--json", "--quiet")
         self.assertEqual(0, done.returncode, done.stderr)
@@ -158,7 +158,7 @@ class MapTool(unittest.TestCase):
     def test_control_c_writes_what_there_is(self):
         fifo = self.folder / "endless.log"
         text = DRIVE.carmen()
-        # Many drives on end: long enough to be interrupted, whatever the machine.
+        # Many drives on end: long enough to be interrupted on any machine.
         fifo.write_text(text * 60)
         process = subprocess.Popen([MAP, fifo, "--out", self.folder / "out"], stdout=subprocess.PIPE,
                                    stderr=subprocess.PIPE, text=True)
@@ -203,7 +203,7 @@ class MapTool(unittest.TestCase):
                 self.assertRegex(done.stderr, f"^extperfc-map: .*({what}).*--help\\)\n$")
                 self.assertEqual("", done.stdout)
 
-    def test_failures_are_told_in_one_line(self):
+    def test_failures_are_reported_in_one_line(self):
         empty = self.folder / "empty.clf"
         empty.write_text("# nothing\n")
         other = self.folder / "other.bin"
@@ -221,13 +221,13 @@ class MapTool(unittest.TestCase):
                 self.assertRegex(done.stderr, f"^extperfc-map: [^\n]*{what}[^\n]*\n$")
 
     def test_help(self):
-        for tool, words in ((MAP, ("RECORDING", "--laser-pose", "resampleThreshold", "Exit status")),
+        for tool, texts in ((MAP, ("RECORDING", "--laser-pose", "resampleThreshold", "Exit status")),
                             (RELATIONS, ("TRAJECTORY", "--odometry", "Kuemmerle", "Exit status"))):
             for flag in ("--help", "-h"):
                 done = call(tool, flag)
                 self.assertEqual((0, ""), (done.returncode, done.stderr))
-                for word in words:
-                    self.assertIn(word, done.stdout)
+                for text in texts:
+                    self.assertIn(text, done.stdout)
                 self.assertLessEqual(max(map(len, done.stdout.splitlines())), 120)
 
     def test_maps_a_bag(self):
@@ -307,7 +307,7 @@ class MapTool(unittest.TestCase):
         pairs = [(pose, true[round(stamp, 3)]) for stamp, *pose in path if round(stamp, 3) in true]
         self.assertGreater(len(pairs), 1000)
         errors = [math.hypot(*between(known, pose)[:2]) for pose, known in pairs]
-        self.assertLess(sum(errors) / len(errors), 0.5, "of a way of 200 m")
+        self.assertLess(sum(errors) / len(errors), 0.5, "of a path of 200 m")
 
     def test_maps_the_start_of_intel(self):
         recording = SLAM_DATA / "intel.clf.bz2"

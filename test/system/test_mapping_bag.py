@@ -37,14 +37,14 @@ LEAST_F_SCORE_LOSS = 0.002
 
 
 def intel_recording(count):
-    """Stamps (five scans a second: the log's own run backwards at places), scans and odometry of the log's first scans."""
+    """Stamps (five scans a second: the log's own run backwards in places), scans and odometry of the log's first scans."""
     scans, odometry = [], []
     with bz2.open(INTEL, "rt") as log:
         for line in log:
-            words = line.split()
-            if not words or words[0] != "FLASER":
+            tokens = line.split()
+            if not tokens or tokens[0] != "FLASER":
                 continue
-            ranges, rest = words[2:2 + int(words[1])], words[2 + int(words[1]):]
+            ranges, rest = tokens[2:2 + int(tokens[1])], tokens[2 + int(tokens[1]):]
             scans.append([value if value < 81.8 else math.inf for value in map(float, ranges)])
             odometry.append(tuple(map(float, rest[3:6])))
             if len(scans) == count:
@@ -75,7 +75,7 @@ class Run:
         self.walls = numpy.stack([first_T_grid[0] + c * x - s * y, first_T_grid[1] + s * x + c * y], axis=1)
 
     def last_difference(self, other):
-        """Distance [m] and turn [rad] between the last poses."""
+        """Distance [m] and rotation [rad] between the last poses."""
         x, y, yaw = between(self.path[-1], other.path[-1])
         return math.hypot(x, y), abs(yaw)
 
@@ -185,14 +185,14 @@ class MappingBag(unittest.TestCase):
         nodelet = self.play(session, listener, bag, folder, count, before)
         found = numpy.array([nodelet.differences(run) for run in runs])
         limit = SPREAD * between_seeds.max(axis=0) + FLOOR
-        for name, seeds, mine, most in zip(NAMES, between_seeds.T, found.T, limit):
-            print(f"{bag.stem:6} {name:16} between seeds: mean {seeds.mean():.5f} most {seeds.max():.5f}; nodelet against "
-                  f"seeds: mean {mine.mean():.5f} most {mine.max():.5f}, same seed {mine[0]:.5f}; limit {most:.5f}",
+        for name, seeds, mine, bound in zip(NAMES, between_seeds.T, found.T, limit):
+            print(f"{bag.stem:6} {name:16} between seeds: mean {seeds.mean():.5f} max {seeds.max():.5f}; nodelet against "
+                  f"seeds: mean {mine.mean():.5f} max {mine.max():.5f}, same seed {mine[0]:.5f}; limit {bound:.5f}",
                   flush=True)
-        for name, mine, most in zip(NAMES, found.T, limit):
-            self.assertLess(mine.max(), most, name)
+        for name, mine, bound in zip(NAMES, found.T, limit):
+            self.assertLess(mine.max(), bound, name)
         by_wheels = path_difference(runs[0].path, [between(odometry[0], pose) for pose in odometry])
-        self.assertGreater(by_wheels[0], 5 * limit[0], "the limit tells the filter's path from odometry's")
+        self.assertGreater(by_wheels[0], 5 * limit[0], "the limit separates the filter's path from odometry's")
 
     def play(self, session, listener, bag, folder, count, before):
         """Plays the bag to the nodelet and returns what it made of it."""
@@ -215,7 +215,7 @@ class MappingBag(unittest.TestCase):
         return Run(listener.path, folder, bag.stem)
 
     def loop(self, session, listener, bag):
-        """Round and round: time runs back, the nodelet says so and goes on."""
+        """Round and round: time runs back, the nodelet reports it and continues."""
         rounds, used, said = listener.number("time ran back"), listener.number("scans used"), len(listener.said)
         player = session.play(bag, LOOP_RATE, "--loop", "--duration", "8")
         try:

@@ -17,7 +17,7 @@ from ros_session import RosSession
 
 REPO = pathlib.Path(__file__).resolve().parents[2]
 WS = pathlib.Path(os.environ.get("EXTPERFC_WS", REPO / ".ws"))
-OUT = WS / "mapping_office"      # pictures and figures of the last run
+OUT = WS / "mapping_office"      # images and figures of the last run
 SECONDS = 170                    # for everything after the start
 # Both loops of corridors, rooms in the north, south and east, and back. Rooms whose doors the chassis cannot pass are
 # seen from the corridor.
@@ -33,7 +33,7 @@ MOST_MEAN_ERROR_M, MOST_ERROR_M, MOST_ERROR_DEG = 0.08, 0.25, 2.0
 
 
 def world_without_people(folder):
-    """The office at night: people would stand in the robot's way, and it in theirs, for as long as they like."""
+    """The office at night: people and the robot would block each other."""
     text = (REPO / "config" / "worlds" / "office.yaml").read_text()
     text = re.sub(r"\npeople:\n(?:  .*\n?)+", "\n", text)
     (folder / "office_at_night.yaml").write_text(text)
@@ -98,12 +98,12 @@ class Robot:
     def where(self):
         newest = self.estimates.latest * 1e-9
         return (f"simulated {self.stamp * 1e-9:.1f} s in {self.steps} steps, goal {self.goal}, robot at "
-                f"{self.pose() if self.truth else 'an unknown place'}, {len(self.estimates)} poses of the mapper up to {newest:.1f} s")
+                f"{self.pose() if self.truth else 'an unknown pose'}, {len(self.estimates)} poses of the mapper up to {newest:.1f} s")
 
     def pose(self):
         return self.truth[self.truth.latest]
 
-    def way(self):
+    def path(self):
         """True poses in the order of time."""
         return [self.truth[stamp] for stamp in sorted(set(self.truth))]
 
@@ -123,17 +123,17 @@ class Robot:
             self.deadline.wait("the mapper's pose", lambda: self.estimates.latest >= before - 110_000_000, 10)
 
     def drive(self, plan, goal):
-        """True when the goal was reached; tries another way where something holds the robot."""
+        """True when the goal was reached; tries another path where an obstacle stops the robot."""
         self.goal = goal
         for _ in range(3):
             path = plan.path(self.pose()[:2], goal)
             if path is None:
-                print(f"no way to {goal} for the chassis", flush=True)
+                print(f"no path to {goal} for the chassis", flush=True)
                 return False
             held_at = self.follow(plan, path, goal)
             if held_at is None:
                 return True
-            print(f"held on the way to {goal} at {self.pose()}", flush=True)
+            print(f"stopped on the path to {goal} at {self.pose()}", flush=True)
             plan.block(*held_at)
         return False
 
@@ -185,13 +185,13 @@ class Comparison:
         recall = (cv2.dilate(occupied, near)[surface] > 0).mean()
         return float(precision), float(recall), float(2 * precision * recall / (precision + recall))
 
-    def picture(self, file):
+    def image(self, file):
         """Above the truth, in the middle the map, below both: black right, red wrong, blue missing."""
         def grey(cells):
-            picture = np.full(cells.shape, 128, np.uint8)
-            picture[(cells >= 0) & (cells < 65)] = 255
-            picture[cells >= 65] = 0
-            return cv2.cvtColor(picture, cv2.COLOR_GRAY2BGR)
+            image = np.full(cells.shape, 128, np.uint8)
+            image[(cells >= 0) & (cells < 65)] = 255
+            image[cells >= 65] = 0
+            return cv2.cvtColor(image, cv2.COLOR_GRAY2BGR)
         both = grey(np.where(self.found < 0, -1, 0))
         right = cv2.dilate((self.truth >= 65).astype(np.uint8), np.ones((3, 3), np.uint8)) > 0
         both[self.truth >= 65] = (255, 160, 80)
@@ -216,8 +216,8 @@ class MappingOffice(unittest.TestCase):
             reached = sum(robot.drive(plan, goal) for goal in GOALS)
             for _ in range(5):
                 robot.step()
-            way_m = sum(math.dist(a[:2], b[:2]) for a, b in zip(robot.way(), robot.way()[1:]))
-            print(f"{reached} of {len(GOALS)} goals, {way_m:.0f} m, {robot.stamp * 1e-9:.0f} simulated s in "
+            path_m = sum(math.dist(a[:2], b[:2]) for a, b in zip(robot.path(), robot.path()[1:]))
+            print(f"{reached} of {len(GOALS)} goals, {path_m:.0f} m, {robot.stamp * 1e-9:.0f} simulated s in "
                   f"{time.monotonic() - begin:.0f} s", flush=True)
             self.assertGreaterEqual(reached, LEAST_GOALS)
             true_T_map = self.check_poses(robot)
@@ -247,7 +247,7 @@ class MappingOffice(unittest.TestCase):
         np.savetxt(OUT / "pose_errors.csv", errors, delimiter=",", header="stamp_s,error_m,error_deg", fmt="%.4f")
         metres, degrees = np.array(errors)[:, 1], np.array(errors)[:, 2]
         print(f"pose error of {len(both)} scans: mean {metres.mean():.3f} m {degrees.mean():.2f} deg, "
-              f"most {metres.max():.3f} m {degrees.max():.2f} deg, at the end {metres[-1]:.3f} m", flush=True)
+              f"max {metres.max():.3f} m {degrees.max():.2f} deg, at the end {metres[-1]:.3f} m", flush=True)
         self.assertLess(metres.mean(), MOST_MEAN_ERROR_M)
         self.assertLess(metres.max(), MOST_ERROR_M)
         self.assertLess(degrees.max(), MOST_ERROR_DEG)
@@ -262,10 +262,10 @@ class MappingOffice(unittest.TestCase):
         self.assertTrue(saved.success, saved.message)
         found = rospy.ServiceProxy("dynamic_map", GetMap)().map
         comparison = Comparison(robot.true_map, found, true_T_map)
-        comparison.picture(OUT / "comparison.png")
+        comparison.image(OUT / "comparison.png")
         precision, recall, f_score = comparison.scores()
         print(f"occupied cells within {TOLERANCE_CELLS} cell: precision {precision:.3f}, recall {recall:.3f}, "
-              f"F-score {f_score:.3f}; pictures: {OUT}", flush=True)
+              f"F-score {f_score:.3f}; images: {OUT}", flush=True)
         self.assertGreater(precision, LEAST_PRECISION)
         self.assertGreater(recall, LEAST_RECALL)
         self.assertGreater(f_score, LEAST_F_SCORE)

@@ -1,5 +1,5 @@
 """Takes the simulated robot elsewhere without its localizer's knowledge, again and again, and counts how often the
-localizer is right again in time. The robot drives on meanwhile, as a robot does that knows of nothing.
+localizer is right again in time. The robot drives on meanwhile, unaware of the kidnapping.
 
 Each trial begins with a localizer that is right, and is a success when its pose is within 0.3 m and 10 degrees of the
 truth 10 s of simulated time after the kidnapping at the latest, and stays so for 3 s more.
@@ -21,25 +21,25 @@ from sim_robot import SimRobot, Stalled, wander
 
 REPO = pathlib.Path(__file__).resolve().parents[2]
 WS = pathlib.Path(os.environ.get("EXTPERFC_WS", REPO / ".ws"))
-MOST_M, MOST_RAD = 0.3, math.radians(10)
+MAX_M, MAX_RAD = 0.3, math.radians(10)
 HOLD_S = 3.0          # that a recovered pose must stay right
-LEAST_WAY_M = 2.0     # from where the robot was to where it is put
-MOTIONS = ("wander", "turn", "stand")
+MIN_DISTANCE_M = 2.0  # from where the robot was to where it is put
+MOTIONS = ("wander", "rotate", "stand")
 
 
 def parse_arguments(argv):
     parser = argparse.ArgumentParser(prog="tools/trial_kidnap", description=__doc__,
                                      formatter_class=argparse.RawTextHelpFormatter)
     parser.add_argument("--trials", type=int, default=20, metavar="N", help="default: 20")
-    parser.add_argument("--goal", type=float, default=0.95, metavar="SHARE",
-                        help="least share of successes, else the exit code is 1; default: 0.95")
+    parser.add_argument("--goal", type=float, default=0.95, metavar="FRACTION",
+                        help="minimum fraction of successes, else the exit code is 1; default: 0.95")
     parser.add_argument("--within", type=float, default=10.0, metavar="S", help="simulated seconds; default: 10")
     parser.add_argument("--motion", choices=MOTIONS, default="wander",
                         help="of the robot after the kidnapping; default: wander")
     parser.add_argument("--world", default="office", metavar="NAME",
                         help="of config/worlds, random_floor, or a file; default: office")
     parser.add_argument("--seed", type=int, default=1, metavar="N",
-                        help="of the places, the simulator's noise and random worlds; default: 1")
+                        help="of the positions, the simulator's noise and random worlds; default: 1")
     parser.add_argument("--speed", type=float, default=1.0, metavar="FACTOR",
                         help="simulated seconds per second; default: 1")
     parser.add_argument("--param", action="append", default=[], metavar="KEY=VALUE",
@@ -82,33 +82,33 @@ def start(options, session, rospy):
 
 
 def relocalize(robot):
-    """Makes the localizer right by telling it."""
+    """Relocalizes by the true pose."""
     for _ in range(5):
         robot.tell_truth()
         begin = robot.now()
         robot.wait_until(begin + 1.0)
-        if robot.error_now()[0] < MOST_M:
+        if robot.error_now()[0] < MAX_M:
             return
     raise Stalled("the localizer does not take the true pose")
 
 
 def command_of(motion, robot, rng):
-    """What drives the robot after the kidnapping. It avoids walls by the true map, else its wheels would spin."""
+    """Velocity command after the kidnapping. It avoids walls by the true map, else the wheels would spin."""
     sign = rng.choice((-1, 1))
     if motion == "wander":
         return lambda here: wander(here, robot.clearance_at, sign)
-    if motion == "turn":
+    if motion == "rotate":
         return lambda _: (0.0, 0.0, 0.6 * sign)
     return None
 
 
-def trial(robot, options, rng, places):
+def trial(robot, options, rng, positions):
     """Kidnaps once. Returns where to, when it was right again [s after it; None: not], and the error at the end, and
     the updates meanwhile."""
     here = robot.pose()
     while True:
-        x, y = places[rng.randrange(len(places))]
-        if math.hypot(x - here.x, y - here.y) > LEAST_WAY_M:
+        x, y = positions[rng.randrange(len(positions))]
+        if math.hypot(x - here.x, y - here.y) > MIN_DISTANCE_M:
             break
     there = Pose(x, y, rng.uniform(-math.pi, math.pi))
     command = command_of(options.motion, robot, rng)
@@ -120,20 +120,20 @@ def trial(robot, options, rng, places):
     finally:
         robot.move(None)
     stamps, errors = robot.errors(begin, end)
-    settled = settled_after(stamps, errors, MOST_M, MOST_RAD)
+    settled = settled_after(stamps, errors, MAX_M, MAX_RAD)
     after = None if settled is None or settled > begin + options.within else settled - begin
     return there, after, errors[-1], robot.updates - updates
 
 
 def run(options, robot):
     rng = random.Random(options.seed)
-    places = robot.free_places()
-    if len(places) == 0:
-        raise Stalled("the map has no place with room for the robot")
+    positions = robot.free_places()
+    if len(positions) == 0:
+        raise Stalled("the map has no free position that is large enough for the robot")
     print(f"{'trial':>5} {'put at':>22} {'right after':>12} {'error at the end':>22} {'updates':>8}", flush=True)
     found = []
     for number in range(1, options.trials + 1):
-        there, after, (metres, radians), updates = trial(robot, options, rng, places)
+        there, after, (metres, radians), updates = trial(robot, options, rng, positions)
         found.append(after)
         print(f"{number:5d} {there.x:7.2f} {there.y:7.2f} {math.degrees(there.yaw):4.0f} deg "
               f"{'--' if after is None else f'{after:.1f} s':>11} "
@@ -145,11 +145,11 @@ def run(options, robot):
 
 def report(options, found):
     times = sorted(t for t in found if t is not None)
-    share = len(times) / len(found)
+    fraction = len(times) / len(found)
     middle = f", median {times[len(times) // 2]:.1f} s, slowest {times[-1]:.1f} s" if times else ""
     print(f"{options.world}, seed {options.seed}, {options.motion}: right within {options.within:.0f} s in {len(times)} of "
-          f"{len(found)} trials ({100 * share:.0f} %){middle}; goal: {100 * options.goal:.0f} %")
-    return 0 if share >= options.goal else 1
+          f"{len(found)} trials ({100 * fraction:.0f} %){middle}; goal: {100 * options.goal:.0f} %")
+    return 0 if fraction >= options.goal else 1
 
 
 def main(argv):
