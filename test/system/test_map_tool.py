@@ -240,7 +240,7 @@ class MapTool(unittest.TestCase):
                 self.check_path(folder, 0.15, math.radians(2), DRIVE.truth[:count])
         for arguments, what in ((("--scan-topic", "front"), "no topic front; there are: /scan"),
                                 (("--scan-topic", "tf"), "--scan-topic: /tf is of type"),
-                                (("--base-frame", "base"), "does not say where the scanner 'laser' sits on 'base'")):
+                                (("--base-frame", "base"), "has no transform of the scanner 'laser' on 'base'")):
             done = call(MAP, self.folder / "tf.bag", *arguments, "--out", self.folder / "x")
             self.assertEqual(1, done.returncode)
             self.assertIn(what, done.stderr)

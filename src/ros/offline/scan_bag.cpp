@@ -150,7 +150,7 @@ Result<void> ScanBag::look_ahead() {
   }
   if (placed) return {};
   return fail(ErrorCode::kInvalidArgument,
-              "tf does not say where the scanner '" + *scanner + "' sits on '" + options_.base_frame +
+              "tf has no transform of the scanner '" + *scanner + "' on '" + options_.base_frame +
                   "'; give --laser-pose x,y,yaw or the right --base-frame (frames: " + transforms.frames() +
                   ")");
 }
