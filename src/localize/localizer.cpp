@@ -72,8 +72,8 @@ class Localizer::Impl {
   }
 
   void set_pose(const Pose2& mean, const Eigen::Matrix3d& covariance, const Eigen::Matrix3d& root) {
-    filter_.spread(compose(inverse(filter_.map().origin), mean),
-                   rotation_by(-filter_.map().origin.yaw) * root);
+    filter_.initialize_around(compose(inverse(filter_.map().origin), mean),
+                              rotation_by(-filter_.map().origin.yaw) * root);
     last_odom_.reset();
     listed_ = false;
     estimate_ = PoseEstimate{{mean.x, mean.y, wrap_angle(mean.yaw)}, covariance, 1, 0, false};
@@ -85,10 +85,10 @@ class Localizer::Impl {
       const bool moved = std::hypot(motion.x, motion.y) >= params_.update_min_d ||
                          std::abs(motion.yaw) >= params_.update_min_a;
       if (!moved && !force) return std::nullopt;
-      filter_.move(motion);
+      filter_.propagate(motion);
     }
     last_odom_ = odom_T_base;
-    estimate_ = in_map(filter_.weigh(scan));
+    estimate_ = in_map(filter_.update(scan));
     listed_ = false;
     return estimate_;
   }

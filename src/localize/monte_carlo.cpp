@@ -77,7 +77,7 @@ void MonteCarlo::initialize_globally() {
   restart();
 }
 
-void MonteCarlo::spread(const Pose2& mean, const Eigen::Matrix3d& root) {
+void MonteCarlo::initialize_around(const Pose2& mean, const Eigen::Matrix3d& root) {
   particles_.resize(static_cast<std::size_t>(params_.max_particles));
   particles_.make_weights_equal();
   for (std::size_t i = 0; i < particles_.size(); ++i) {
@@ -91,12 +91,12 @@ void MonteCarlo::spread(const Pose2& mean, const Eigen::Matrix3d& root) {
   restart();
 }
 
-void MonteCarlo::move(const Pose2& motion) {
+void MonteCarlo::propagate(const Pose2& motion) {
   move_particles(params_, motion, rng_, particles_);
-  hypotheses_.move(motion);
+  hypotheses_.propagate(motion);
 }
 
-PoseEstimate MonteCarlo::weigh(const LaserScan& scan) {
+PoseEstimate MonteCarlo::update(const LaserScan& scan) {
   const Beams beams = select_beams(scan, params_);
   const Beams all_beams = refining_beams(scan, params_);
   if (unseen_ && beams.ends() > 0) {
@@ -105,7 +105,7 @@ PoseEstimate MonteCarlo::weigh(const LaserScan& scan) {
     unseen_ = false;
   }
   const std::size_t count = params_.sensor_model == SensorModel::kBeam ? beams.range_m.size() : beams.ends();
-  const double exponent_fraction = count > 0 ? weigh_particles(beams, count) : 1;
+  const double exponent_fraction = count > 0 ? reweight_particles(beams, count) : 1;
   const PoseBins bins(particles_);
   PoseEstimate estimate = heaviest_cluster(particles_, bins);
   refine_estimate(all_beams, estimate);
@@ -117,7 +117,7 @@ PoseEstimate MonteCarlo::weigh(const LaserScan& scan) {
 }
 
 /// Returns the likelihood exponent used, as a fraction of the exponent without tempering.
-double MonteCarlo::weigh_particles(const Beams& beams, std::size_t count) {
+double MonteCarlo::reweight_particles(const Beams& beams, std::size_t count) {
   if (params_.sensor_model == SensorModel::kBeam)
     beam_model_.mean_logs(map_model_.field, beams, particles_, logs_);
   else
@@ -125,7 +125,7 @@ double MonteCarlo::weigh_particles(const Beams& beams, std::size_t count) {
   const double max_exponent = kIndependence * static_cast<double>(count);
   const double likelihood_exponent = tempered_exponent(
       particles_.weight, logs_, max_exponent, kMinEffective * static_cast<double>(particles_.size()));
-  reweigh(particles_.weight, logs_, likelihood_exponent);
+  reweight(particles_.weight, logs_, likelihood_exponent);
   return likelihood_exponent / max_exponent;
 }
 

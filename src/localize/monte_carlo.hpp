@@ -27,16 +27,16 @@ class MonteCarlo {
 
   void initialize_globally();
   /// Particles normally distributed around `mean`; `root` * its transpose is the covariance.
-  void spread(const Pose2& mean, const Eigen::Matrix3d& root);
-  void move(const Pose2& motion);
-  /// Weighs the particles with a scan, resamples when it is time, and returns the pose.
-  [[nodiscard]] PoseEstimate weigh(const LaserScan& scan);
+  void initialize_around(const Pose2& mean, const Eigen::Matrix3d& root);
+  void propagate(const Pose2& motion);
+  /// Reweights the particles by a scan, resamples every resample_interval updates, and returns the pose.
+  [[nodiscard]] PoseEstimate update(const LaserScan& scan);
 
   [[nodiscard]] const ParticleSet& particles() const { return particles_; }
 
  private:
   void restart();
-  double weigh_particles(const Beams& beams, std::size_t count);
+  double reweight_particles(const Beams& beams, std::size_t count);
   void refine_estimate(const Beams& all_beams, PoseEstimate& estimate);
   void test_hypotheses(const Beams& beams, const Beams& all_beams, const PoseEstimate& estimate);
   void resample(const PoseBins& bins, double exponent_fraction);

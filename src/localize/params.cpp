@@ -60,11 +60,10 @@ Result<void> check_integers(const LocalizerParams& p) {
 }
 
 Result<void> check_combinations(const LocalizerParams& p) {
-  // Without a floor one beam that meets nothing known would rule a pose out for good.
+  // Without a minimum likelihood a single outlier would exclude a pose.
   if (p.laser_z_hit <= 0) return wrong("laser_z_hit is 0: all poses would be equally likely; set e.g. 0.95");
   if (p.laser_z_rand <= 0)
-    return wrong(
-        "laser_z_rand is 0: one beam that the map does not explain would rule a pose out; set e.g. 0.05");
+    return wrong("laser_z_rand is 0: a single outlier would exclude a pose; set e.g. 0.05");
   if (p.laser_min_range >= 0 && p.laser_max_range >= 0 && p.laser_max_range <= p.laser_min_range)
     return wrong("laser_max_range " + std::to_string(p.laser_max_range) + " is not above laser_min_range " +
                  std::to_string(p.laser_min_range));

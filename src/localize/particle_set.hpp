@@ -6,7 +6,7 @@
 namespace extperfc::localize {
 
 /// Particles as a structure of arrays. Positions are metres from the map's lower left corner along its own
-/// axes and headings are against its x axis [rad], so that single precision keeps micrometres whatever the
+/// axes and headings are against its x axis [rad], so that single precision keeps micrometres for any
 /// origin.
 struct ParticleSet {
   std::vector<float> x;

@@ -49,7 +49,7 @@ std::vector<Pose2> distinct(const ParticleSet& poses, std::size_t max_count) {
 
 }  // namespace
 
-void PoseHypotheses::move(const Pose2& motion) {
+void PoseHypotheses::propagate(const Pose2& motion) {
   for (PoseHypothesis& hypothesis : hypotheses_) hypothesis.pose = compose(hypothesis.pose, motion);
 }
 
@@ -115,7 +115,7 @@ ParticleSet spread_around(const std::vector<PoseHypothesis>& hypotheses, std::si
                 static_cast<float>(hypotheses[i].pose.yaw));
     logs.push_back(static_cast<float>(hypotheses[i].agreement));
   }
-  reweigh(centres.weight, logs, kIndependentBeams);
+  reweight(centres.weight, logs, kIndependentBeams);
   ParticleSet particles = pick(centres, sample_systematic(centres.weight, count, rng));
   add_jitter(particles, kSpread_m, kSpread_rad, rng);
   return particles;

@@ -25,7 +25,7 @@ class PoseHypotheses {
  public:
   void clear() { hypotheses_.clear(); }
   /// The robot moved by `motion` in its own frame.
-  void move(const Pose2& motion);
+  void propagate(const Pose2& motion);
   /// Searches for more hypotheses and tests all against `estimate`, where the scan has the agreement
   /// `at_estimate`. Those that agree worse than `usual`, the average of a localized robot, gain evidence more
   /// slowly. O(kTries * 30 + kMaxHypotheses * beams).

@@ -19,7 +19,7 @@ ParticleSet choose(const ParticleSet& particles, const std::vector<float>& logs,
                    std::size_t count, Rng& rng) {
   std::vector<float> weights = particles.weight;
   const double min_effective = static_cast<double>(std::min(count, particles.size())) / 4;
-  reweigh(weights, logs, tempered_exponent(weights, logs, static_cast<double>(beams), min_effective));
+  reweight(weights, logs, tempered_exponent(weights, logs, static_cast<double>(beams), min_effective));
   return pick(particles, sample_systematic(weights, count, rng));
 }
 

@@ -13,7 +13,7 @@ float largest(const std::vector<float>& logs) {
   return logs.empty() ? 0 : *std::max_element(logs.begin(), logs.end());
 }
 
-/// Of the weights after reweigh(), without changing them.
+/// Of the weights after reweight(), without changing them.
 double effective_after(const std::vector<float>& weights, const std::vector<float>& logs, float best,
                        double likelihood_exponent) {
   const auto k = static_cast<float>(likelihood_exponent);
@@ -35,7 +35,7 @@ double effective_count(const std::vector<float>& weights) {
   return squares > 0 ? 1 / squares : 0;
 }
 
-void reweigh(std::vector<float>& weights, const std::vector<float>& logs, double likelihood_exponent) {
+void reweight(std::vector<float>& weights, const std::vector<float>& logs, double likelihood_exponent) {
   const float best = largest(logs);
   const auto k = static_cast<float>(likelihood_exponent);
   double sum = 0;

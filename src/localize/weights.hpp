@@ -12,7 +12,7 @@ namespace extperfc::localize {
 
 /// Multiplies the weights by exp(likelihood_exponent * log) and normalizes them, without overflow or
 /// underflow.
-void reweigh(std::vector<float>& weights, const std::vector<float>& logs, double likelihood_exponent);
+void reweight(std::vector<float>& weights, const std::vector<float>& logs, double likelihood_exponent);
 
 /// Tempering: the largest likelihood exponent up to `max_exponent` that leaves `min_effective` particles
 /// effective, where there is one above `max_exponent` / 1000. Few particles over a wide area miss the narrow

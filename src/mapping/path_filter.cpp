@@ -55,7 +55,7 @@ PathFilter::Step PathFilter::add(const TrackedStep& step, KeyFrame frame) {
   find_loop_closures();
   if (frames_.back().travelled_m - accepted_at_m_ > kFarAfterM && frames_.size() % kFarEvery == 0)
     search_far();
-  weigh();
+  normalize_weights();
   const auto best = static_cast<std::size_t>(
       std::max_element(particles_.begin(), particles_.end(),
                        [](const auto& a, const auto& b) { return a.log_weight < b.log_weight; }) -
@@ -74,7 +74,7 @@ void PathFilter::move_particles(const TrackedStep& step) {
   }
 }
 
-void PathFilter::weigh() {
+void PathFilter::normalize_weights() {
   double highest = particles_.front().log_weight;
   for (const Particle& particle : particles_) highest = std::max(highest, particle.log_weight);
   double sum = 0;

@@ -93,7 +93,7 @@ class PathFilter {
   void match_to_submaps(Particle& particle);
   void search_far();
   void inject(const SubmapMatch& found);
-  void weigh();
+  void normalize_weights();
   void resample();
   [[nodiscard]] bool determined(const Particle& particle) const;
   [[nodiscard]] bool is_consistent(std::size_t best) const;

@@ -9,7 +9,7 @@
 
 namespace extperfc::scan {
 
-/// A cloud's points, each number in an array of its own: loops over one of them are quick.
+/// A cloud's points, as a structure of arrays: loops over one number are fast.
 struct CloudPoints {
   std::vector<float> sensor_x, sensor_y, sensor_z;  ///< [m]; NaN where the cloud has NaN
   std::vector<float> x, y, z;                       ///< in the target frame [m], see put_in_place()

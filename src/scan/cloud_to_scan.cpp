@@ -208,8 +208,8 @@ void CloudToScan::Impl::fill_ray(std::size_t ray, PlanarScans& scans, ScanStatis
   }
   ++statistics.rays_met;
   set(ray, column.first->range, column.first->index, scans.nearest);
-  const auto surface = supported_surface(column, columns_.column(layout_.beside(ray, -1)),
-                                         columns_.column(layout_.beside(ray, 1)), points_.level,
+  const auto surface = supported_surface(column, columns_.column(layout_.neighbour(ray, -1)),
+                                         columns_.column(layout_.neighbour(ray, 1)), points_.level,
                                          static_cast<float>(params_.support_m));
   if (!surface) return;
   set(ray, surface->range, surface->index, scans.supported);

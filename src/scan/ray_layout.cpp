@@ -52,12 +52,12 @@ std::size_t RayLayout::ray_of(float x, float y) const {
 void RayLayout::rays_of(const std::vector<float>& x, const std::vector<float>& y,
                         std::vector<std::uint32_t>& rays) const {
   rays.resize(x.size());
-  const Bins bins = bins_;  // a copy that nothing written below can be a part of
+  const Bins bins = bins_;  // a copy, which the writes below cannot alias
   for (std::size_t i = 0; i < x.size(); ++i) rays[i] = bins.bin_of(x[i], y[i]);
   if (full_revolution_) std::replace(rays.begin(), rays.end(), static_cast<std::uint32_t>(count_), 0U);
 }
 
-std::size_t RayLayout::beside(std::size_t ray, int step) const {
+std::size_t RayLayout::neighbour(std::size_t ray, int step) const {
   if (step < 0 && ray == 0) return full_revolution_ ? count_ - 1 : ray;
   if (step > 0 && ray + 1 == count_) return full_revolution_ ? 0 : ray;
   return step < 0 ? ray - 1 : ray + 1;

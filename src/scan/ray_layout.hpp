@@ -23,8 +23,8 @@ class RayLayout {
   void rays_of(const std::vector<float>& x, const std::vector<float>& y,
                std::vector<std::uint32_t>& rays) const;
 
-  /// The ray beside `ray`, `step` = -1 or 1; `ray` itself where there is none.
-  [[nodiscard]] std::size_t beside(std::size_t ray, int step) const;
+  /// The neighbour of `ray`, `step` = -1 or 1; `ray` itself where there is none.
+  [[nodiscard]] std::size_t neighbour(std::size_t ray, int step) const;
 
   /// A scan of the layout's size without any range.
   void clear(PlanarScan& scan, bool with_intensity) const;

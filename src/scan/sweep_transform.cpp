@@ -33,7 +33,7 @@ void SweepTransform::apply(CloudPoints& points) const {
 }
 
 void SweepTransform::apply_one(const Matrix& m, CloudPoints& points) const {
-  // Copies that nothing written below can be a part of.
+  // Copies, which the writes below cannot alias.
   const Eigen::Vector3f along_x = m.block<3, 1>(0, 0);
   const Eigen::Vector3f along_y = m.block<3, 1>(0, 1);
   const Eigen::Vector3f along_z = m.block<3, 1>(0, 2);

@@ -101,7 +101,7 @@ Result<std::vector<Pair>> color_only(const fs::path& folder) {
 /// One line "stamp colour-file stamp depth-file".
 Result<Pair> parse_association(const std::string& line, const fs::path& folder) {
   std::istringstream in(line);
-  in.imbue(std::locale::classic());  // a decimal point, whatever the user's language
+  in.imbue(std::locale::classic());  // a decimal point in every locale
   Pair pair;
   double depth_stamp_s = 0.0;
   std::string color;

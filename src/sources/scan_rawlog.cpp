@@ -86,7 +86,7 @@ bool has_actions(const fs::path& file) {
       if (dynamic_cast<const mrpt::obs::CActionCollection*>(archive.ReadObject().get()) != nullptr)
         return true;
   } catch (const std::exception&) {
-    return false;  // the end, or damage that whoever reads on will find
+    return false;  // the end, or damage that the next read reports
   }
   return false;
 }

@@ -74,7 +74,7 @@ std::optional<double> ImuYaw::interpolate(double stamp_s) const {
 std::optional<double> ImuYaw::at(double stamp_s, double timeout_s) {
   std::unique_lock lock(mutex_);
   if (samples_.empty() || samples_.back().stamp_s < stamp_s - kLongestGapS)
-    return std::nullopt;  // nobody publishes: not worth waiting
+    return std::nullopt;  // no publisher: do not wait
   newer_.wait_for(lock, std::chrono::duration<double>(timeout_s),
                   [&] { return closed_ || samples_.empty() || samples_.back().stamp_s >= stamp_s; });
   return interpolate(stamp_s);

@@ -26,7 +26,7 @@ class MapperServices {
     std::function<void()> restarted;  ///< the mapper is another one
   };
 
-  /// Calls run in a thread of their own: saving takes its time. Not in the nodelet manager's, whose second
+  /// Calls run in a separate thread, because saving takes long. Not in the nodelet manager's, whose second
   /// queue may be gone before a nodelet that is unloaded while one of its callbacks runs.
   MapperServices(ros::NodeHandle handle, ros::NodeHandle private_handle, const mapping::MapperParams& params,
                  SharedMapper& mapper, MapPublisher& maps, Callbacks callbacks);

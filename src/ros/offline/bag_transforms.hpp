@@ -22,7 +22,7 @@ class BagTransforms {
 
   /// Damaged transforms are passed over. A recording whose time runs back by more than a second starts again.
   void add(const tf2_msgs::TFMessage& message, bool is_static);
-  /// The newest transform that all links between the two frames have in common; nothing when they are not
+  /// The newest transform that all links between the two frames have in common; no value when they are not
   /// linked.
   [[nodiscard]] std::optional<StampedPose> newest(const std::string& target, const std::string& source) const;
   /// For an error's text: "base_link, laser, odom".

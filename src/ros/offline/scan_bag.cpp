@@ -36,7 +36,7 @@ Pose2 planar(const Pose& pose) {
           std::atan2(pose.linear()(1, 0), pose.linear()(0, 0))};
 }
 
-/// Whichever kind of laser scan a message holds; nothing for others.
+/// The laser scan of a message of either type; no value for other types.
 std::optional<sensor_msgs::LaserScan> scan_of(const rosbag::MessageInstance& message) {
   if (const auto scan = message.instantiate<sensor_msgs::LaserScan>()) return *scan;
   if (const auto echoes = message.instantiate<sensor_msgs::MultiEchoLaserScan>())

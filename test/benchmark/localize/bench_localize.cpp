@@ -30,7 +30,7 @@ constexpr char kHelp[] =
     "bench_localize [--quick] [--log FILE] [--trajectory FILE] [--json FILE]\n"
     "Localizes a CARMEN log in a map that is drawn from every second key frame, scored on the others.\n"
     "  --quick            the first 2500 scans only, fewer repetitions\n"
-    "  --log FILE         the log; default: Intel's, where it lies beside this package\n"
+    "  --log FILE         the log; default: Intel's, where it is next to this package\n"
     "  --trajectory FILE  where the robot really was (TUM, a line per scan); default: our mapper's result\n"
     "Peer: MRPT's CMonteCarloLocalization2D (what pf-localization runs) with a likelihood field of the same\n"
     "width and MRPT's default noise of odometry.\n"
@@ -47,7 +47,7 @@ struct Options {
   std::string json;
 };
 
-/// A filter under test, whoever wrote it.
+/// A filter under test: ours or the peer's.
 class Subject {
  public:
   virtual ~Subject() = default;
@@ -244,7 +244,7 @@ void global_rows(const Recording& recording, const std::shared_ptr<const Occupan
       both(name, "CPU per update, longest", "ms", percentile(mine_ms, 1), theirs(percentile(other_ms, 1))));
 }
 
-/// Peak memory of a process of its own; nothing when it fails.
+/// Peak memory of a separate process; no value when it fails.
 std::optional<double> process_mib(const OccupancyGrid& map, const std::filesystem::path& log) {
   const auto folder =
       std::filesystem::temp_directory_path() /
@@ -276,7 +276,7 @@ Result<std::vector<Row>> measure(const Options& options) {
   global_rows(*recording, map, options.quick ? 2 : 7, rows);
   const auto mib = process_mib(*map, options.log);
   if (!mib) return fail(ErrorCode::kFailed, "bench_localize_process gave no figure");
-  rows.push_back(at_most({"a process of its own, 500 to 10000 particles", "peak memory", "MiB", *mib}, 60));
+  rows.push_back(at_most({"separate process, 500 to 10000 particles", "peak memory", "MiB", *mib}, 60));
   return rows;
 }
 

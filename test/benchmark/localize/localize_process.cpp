@@ -1,4 +1,4 @@
-// A process that does nothing but localize: `bench_localize_process MAP.yaml LOG.clf`. Prints its peak memory
+// A process that only localizes: `bench_localize_process MAP.yaml LOG.clf`. Prints its peak memory
 // in MiB.
 
 #include <cstdio>

@@ -27,12 +27,12 @@ constexpr char kExplanation[] =
     "reading and mapping; per scan: Mapper::add alone. Peak memory: of a process that does only this, the "
     "map "
     "drawn. Each run is\n"
-    "a process of its own.\n";
+    "a separate process.\n";
 
 constexpr char kWorldsExplanation[] =
     "errors: mean over pairs of poses that truly stand within 1 m of each other, 15 m of path or more apart, "
     "when the\n"
-    "drive is over. CPU: Mapper::add alone. Each drive is a process of its own.\n";
+    "drive is over. CPU: Mapper::add alone. Each drive is a separate process.\n";
 
 int complain(const std::string& message, int code) {
   std::cerr << "bench_map: " << message << "\n";

@@ -34,7 +34,7 @@ double seconds_of(const timeval& time) {
   return static_cast<double>(time.tv_sec) + 1e-6 * static_cast<double>(time.tv_usec);
 }
 
-/// In the new process. Nothing to read: programs of MRPT's wait for a key after an error.
+/// In the new process. Standard input is empty: programs of MRPT wait for a key after an error.
 [[noreturn]] void become(const std::vector<char*>& arguments, int output) {
   prctl(PR_SET_PDEATHSIG, SIGTERM);
   const int nothing = open("/dev/null", O_RDONLY);

@@ -23,7 +23,7 @@ struct CorridorLook {
 
 enum class CorridorKind {
   kCommon,  ///< a recess every 4 to 12 m
-  kSparse,  ///< every 15 to 30 m: little tells places apart
+  kSparse,  ///< every 15 to 30 m: few features
   kAlike,   ///< every 2.5 to 5 m, all alike
 };
 

@@ -24,7 +24,7 @@ struct LogRun {
   bool rotation_counts{true};  ///< rotations make key frames too
 };
 
-/// The run in a process of its own. Figures:
+/// The run in a separate process. Figures:
 ///   scans, cpu_s (reading and mapping), scan_mean_ms, scan_p99_ms, scan_max_ms (Mapper::add alone, CPU),
 ///   first_quarter_ms, last_quarter_ms (means), key_frames, loops, seconds (of the recording),
 ///   base_mb (before the first scan), peak_mb (with the map drawn), explored_m2, map_cells,

@@ -101,36 +101,36 @@ Pose2 measured(const Pose2& step, const WorldOdometry& odometry, Rng& rng) {
 
 }  // namespace
 
-Walkers::Walker Walkers::appear(const WorldCase& world, const std::vector<Pose2>& poses, std::size_t now,
-                                Rng& rng) {
-  Walker walker;
-  walker.left_m = rng.uniform(2, 12);
+Pedestrians::Pedestrian Pedestrians::appear(const WorldCase& world, const std::vector<Pose2>& poses,
+                                            std::size_t now, Rng& rng) {
+  Pedestrian pedestrian;
+  pedestrian.left_m = rng.uniform(2, 12);
   const auto ahead = static_cast<std::size_t>(rng.uniform(2, 14) / world.step_m);
   const Pose2& place = poses[std::min(poses.size() - 1, now + ahead)];
   const Point aside = direction(rng.uniform(0, 2 * M_PI));
-  walker.at = position(place) + aside * rng.uniform(0.3, 0.7);
+  pedestrian.at = position(place) + aside * rng.uniform(0.3, 0.7);
   const double yaw = place.yaw + (rng.chance(0.5) ? M_PI : 0.0);
   const Point heading = direction(yaw + rng.normal(0, 0.1));
-  walker.velocity = heading * rng.uniform(0, 3);
-  if (!world.floor.is_floor(walker.at, kFromWallM)) walker.left_m = 0;
-  return walker;
+  pedestrian.velocity = heading * rng.uniform(0, 3);
+  if (!world.floor.is_floor(pedestrian.at, kFromWallM)) pedestrian.left_m = 0;
+  return pedestrian;
 }
 
-void Walkers::move(const WorldCase& world, const std::vector<Pose2>& poses, std::size_t now, Rng& rng) {
-  for (Walker& walker : all_) {
-    walker.left_m -= world.step_m;
-    walker.at += walker.velocity * world.step_m;
-    if (walker.left_m <= 0 || !world.floor.is_floor(walker.at, kFromWallM))
-      walker = appear(world, poses, now, rng);
+void Pedestrians::move(const WorldCase& world, const std::vector<Pose2>& poses, std::size_t now, Rng& rng) {
+  for (Pedestrian& pedestrian : all_) {
+    pedestrian.left_m -= world.step_m;
+    pedestrian.at += pedestrian.velocity * world.step_m;
+    if (pedestrian.left_m <= 0 || !world.floor.is_floor(pedestrian.at, kFromWallM))
+      pedestrian = appear(world, poses, now, rng);
   }
 }
 
-double Walkers::range(const Eigen::Vector2d& from, double angle_rad) const {
+double Pedestrians::range(const Eigen::Vector2d& from, double angle_rad) const {
   const Point ray = direction(angle_rad);
   double nearest = kInfinity;
-  for (const Walker& walker : all_) {
-    if (walker.left_m <= 0) continue;
-    const Point to = walker.at - from;
+  for (const Pedestrian& pedestrian : all_) {
+    if (pedestrian.left_m <= 0) continue;
+    const Point to = pedestrian.at - from;
     const double along = to.dot(ray);
     const double across = to.y() * ray.x() - to.x() * ray.y();
     if (along <= kNearestWalkerM || std::abs(across) >= kWalkerRadiusM) continue;
@@ -143,12 +143,12 @@ WorldRecorder::WorldRecorder(const WorldCase& world, std::uint64_t seed)
     : world_(world),
       rng_(seed * 7919 + 13),
       poses_(follow(wandering_path(world, rng_), world.step_m)),
-      walkers_(world.walkers) {}
+      pedestrians_(world.pedestrians) {}
 
 std::optional<WorldRecorder::Step> WorldRecorder::next() {
   if (now_ == poses_.size()) return std::nullopt;
   if (now_ > 0) drive_on();
-  walkers_.move(world_, poses_, now_, rng_);
+  pedestrians_.move(world_, poses_, now_, rng_);
   Step step{scan(), odom_T_base_, poses_[now_], path_m_};
   ++now_;
   return step;
@@ -180,7 +180,7 @@ float WorldRecorder::range(const Pose2& sensor, double angle_rad) {
   const WorldScanner& scanner = world_.scanner;
   const auto hit = world_.floor.cast(position(sensor), angle_rad, scanner.range_max_m + 1);
   double range = hit.glass && rng_.chance(kThroughGlass) ? kInfinity : hit.range_m;
-  range = std::min(range, walkers_.range(position(sensor), angle_rad));
+  range = std::min(range, pedestrians_.range(position(sensor), angle_rad));
   range += rng_.normal(0, scanner.sigma_m);
   if (scanner.outlier_fraction > 0 && rng_.chance(scanner.outlier_fraction))
     range = rng_.uniform(0.3, scanner.range_max_m);

@@ -45,15 +45,15 @@ struct WorldCase {
   std::vector<Eigen::Vector2d> route;  ///< corners, on the floor [m]
   double step_m{0.12};                 ///< distance between two scans
   double wander_m{0.2};                ///< off the route's straight lines, at most
-  int walkers{0};                      ///< people near the robot
+  int pedestrians{0};                  ///< people near the robot
   WorldScanner scanner;
   WorldOdometry odometry;
 };
 
 /// People of 0.4 m who appear near the robot's path, walk along it or against it, and go again.
-class Walkers {
+class Pedestrians {
  public:
-  explicit Walkers(int count) : all_(static_cast<std::size_t>(count)) {}
+  explicit Pedestrians(int count) : all_(static_cast<std::size_t>(count)) {}
 
   /// One scan later; the robot is at `poses[now]`.
   void move(const WorldCase& world, const std::vector<Pose2>& poses, std::size_t now, Rng& rng);
@@ -61,14 +61,15 @@ class Walkers {
   [[nodiscard]] double range(const Eigen::Vector2d& from, double angle_rad) const;
 
  private:
-  struct Walker {
+  struct Pedestrian {
     Eigen::Vector2d at{0, 0};
     Eigen::Vector2d velocity{0, 0};  // per metre of the robot's path
     double left_m{0};                // of the robot's path, until the pedestrian leaves; 0: not there
   };
-  static Walker appear(const WorldCase& world, const std::vector<Pose2>& poses, std::size_t now, Rng& rng);
+  static Pedestrian appear(const WorldCase& world, const std::vector<Pose2>& poses, std::size_t now,
+                           Rng& rng);
 
-  std::vector<Walker> all_;
+  std::vector<Pedestrian> all_;
 };
 
 /// The recording of a drive, made scan by scan: a whole one would take tens of megabytes.
@@ -94,7 +95,7 @@ class WorldRecorder {
   const WorldCase& world_;
   Rng rng_;
   std::vector<Pose2> poses_;
-  Walkers walkers_;
+  Pedestrians pedestrians_;
   Pose2 odom_T_base_;
   double path_m_{0};
   std::size_t now_{0};

@@ -79,7 +79,7 @@ class Planner {
   [[nodiscard]] WorldCase make(Plan plan, bool may_lack_odometry) {
     (this->*plan)();
     if (may_lack_odometry && rng_.chance(kNoOdometryFraction)) world_.odometry.there = false;
-    if (world_.walkers == 0 && rng_.chance(0.2)) world_.walkers = 2;
+    if (world_.pedestrians == 0 && rng_.chance(0.2)) world_.pedestrians = 2;
     world_.floor.close(glass_fraction_, rng_);
     return std::move(world_);
   }
@@ -212,7 +212,7 @@ void Planner::grid() {
   const auto columns = meshes(count, 45);
   const auto rows = meshes(2, 40);
   look_.room_fraction = rng_.uniform(0, 0.3);
-  world_.walkers = rng_.integer(0, 4);
+  world_.pedestrians = rng_.integer(0, 4);
   glass_fraction_ = rng_.chance(0.4) ? kGlassFraction : 0.0;
   for (const double y : rows)
     for (std::size_t i = 1; i < columns.size(); ++i) corridor({columns[i - 1], y}, {columns[i], y});
@@ -287,7 +287,7 @@ void Planner::big_loop() {
   const double length = rng_.uniform(120, 230);
   const double height = rng_.uniform(50, 120);
   look_.room_fraction = rng_.uniform(0, 0.2);
-  world_.walkers = rng_.integer(0, 3);
+  world_.pedestrians = rng_.integer(0, 3);
   const double x = length * rng_.uniform(0.3, 0.7);
   corridor({x, 0}, {x, height});
   rectangle(length, height);
@@ -313,7 +313,7 @@ void Planner::lobby() {
   for (int i = 0; i < pillars; ++i) lobby_pillar(length, height);
   look_ = random_look(CorridorKind::kCommon, look_.width_m, rng_);
   corridor({-50, middle}, {2, middle});
-  world_.walkers = rng_.integer(0, 3);
+  world_.pedestrians = rng_.integer(0, 3);
   go({{-45, middle}, {2, middle}, {2, 2}, {length - 2, 2}, {length - 2, height - 2}, {2, height - 2}});
   go({{2, middle}, {length - 3, middle}, {2, middle}, {-40, middle}, {2, middle}, {2, 2}, {length / 2, 2}});
 }

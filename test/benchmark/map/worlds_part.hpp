@@ -10,7 +10,7 @@
 
 namespace extperfc::benchmark {
 
-/// Generated buildings of every kind, each drive in a process of its own: rows per kind. Takes minutes.
+/// Generated buildings of every kind, each drive in a separate process: rows per kind. Takes minutes.
 [[nodiscard]] Result<std::vector<Row>> world_rows(const MapOptions& options);
 
 /// The other side, in the new process; an exit code. The tokens are a kind and a seed. Figures:

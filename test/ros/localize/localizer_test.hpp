@@ -24,7 +24,7 @@ namespace extperfc::ros_test {
 
 /// A room of 8 x 6 m around the origin of `map`, without symmetry: a partition, a cupboard, a pillar.
 [[nodiscard]] OccupancyGrid furnished_room();
-/// A bare hall of 16 x 12 m, which has nothing of the room.
+/// A bare hall of 16 x 12 m, without any wall of the room.
 [[nodiscard]] OccupancyGrid bare_hall();
 
 /// The scanner: 180 rays all around, up to 12 m. `map_T_scanner` must lie in a free cell.
@@ -34,7 +34,7 @@ namespace extperfc::ros_test {
 [[nodiscard]] double distance_m(const Pose2& a, const Pose2& b);
 [[nodiscard]] double yaw_difference_rad(const Pose2& a, const Pose2& b);
 
-/// The nodelet, a map, and a robot with exact odometry in a frame of its own and a scanner, in simulated
+/// The nodelet, a map, and a robot with exact odometry in a separate frame and a scanner, in simulated
 /// time.
 class LocalizerTest : public testing::Test {
  protected:

@@ -45,7 +45,7 @@ TEST_F(LocalizerTest, ThePoseOfAmclPoseIsThatOfTheTransform) {
   const auto covariance = convert::to_covariance(message.pose.covariance);
   EXPECT_GT(covariance.diagonal().minCoeff(), 0);
   EXPECT_LT(std::sqrt(covariance.diagonal().maxCoeff()), 0.3);
-  EXPECT_EQ(message.pose.covariance[14], 0) << "nothing is said about z";
+  EXPECT_EQ(message.pose.covariance[14], 0) << "z has no variance";
 }
 
 TEST_F(LocalizerTest, TheTransformIsDatedAheadOfTheScan) {
@@ -151,7 +151,7 @@ TEST_F(LocalizerTest, TheCloudIsMadeForListenersOnly) {
   ASSERT_TRUE(drive(0.8, 0, 4));
   Inbox<geometry_msgs::PoseArray> clouds("particlecloud");
   ASSERT_TRUE(wait_for([&] { return clouds.connected(); }));
-  EXPECT_EQ(clouds.count(), 0U) << "nothing was made and latched before somebody listened";
+  EXPECT_EQ(clouds.count(), 0U) << "no cloud without subscribers";
   ASSERT_TRUE(tick_until([&] { return clouds.count() == 1; })) << "a new listener needs not wait for motion";
   const auto cloud = clouds.all().front();
   EXPECT_EQ(cloud->header.frame_id, "map");

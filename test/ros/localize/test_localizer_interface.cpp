@@ -119,7 +119,7 @@ TEST_F(LocalizerTest, SetMapRefusesWhatCannotBe) {
   ASSERT_TRUE(ros::service::call("set_map", service));
   EXPECT_FALSE(service.response.success);
   const auto pose = drive(0.5, 0.3, 5);
-  ASSERT_TRUE(pose) << "it goes on with the map it had";
+  ASSERT_TRUE(pose) << "it continues with its map";
   expect_near(*pose);
 }
 

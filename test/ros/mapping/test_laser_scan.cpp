@@ -139,8 +139,8 @@ TEST(ToSingleEcho, TheStrongestCounts) {
   ASSERT_EQ(scan.ranges.size(), 5U);
   EXPECT_EQ(scan.ranges[0], 2);
   EXPECT_EQ(scan.ranges[1], 3);
-  EXPECT_TRUE(std::isnan(scan.ranges[2])) << "no echo says nothing";
-  EXPECT_EQ(scan.ranges[3], 4) << "a measurement, not a stronger nothing";
+  EXPECT_TRUE(std::isnan(scan.ranges[2])) << "a ray without echo is unknown";
+  EXPECT_EQ(scan.ranges[3], 4) << "a measurement, not a stronger missing echo";
   EXPECT_TRUE(std::isinf(scan.ranges[4]));
   EXPECT_EQ(scan.intensities, (std::vector<float>{9, 7, 0, 6, 1}));
 }

@@ -61,7 +61,7 @@ TEST_F(MapperFaultsTest, TheMissingOdometryIsNamed) {
   expect_error("tf does not know the frame odom");
   EXPECT_TRUE(log_.wait("no transform from base_link to odom"));
   EXPECT_EQ(poses_.count(), 0U);
-  ASSERT_TRUE(feed({0, 0, 0})) << "it goes on when odometry comes";
+  ASSERT_TRUE(feed({0, 0, 0})) << "it continues when odometry comes";
   EXPECT_TRUE(diagnostics_.wait_latest([](const Report& r) {
     return r.level() == 0 && r.number("scans dropped: no transform") == 1;
   })) << diagnostics_.latest().message();

@@ -110,7 +110,7 @@ TEST_F(MapperServicesTest, WhatCannotBeSavedIsNamed) {
   const auto nowhere = save("/no/such/folder/office");
   EXPECT_FALSE(nowhere.success);
   EXPECT_NE(nowhere.message.find("/no/such/folder/office"), std::string::npos) << nowhere.message;
-  ASSERT_TRUE(feed({0, 0, 0})) << "mapping goes on";
+  ASSERT_TRUE(feed({0, 0, 0})) << "mapping continues";
 }
 
 TEST_F(MapperServicesTest, GoesOnWithASavedSession) {
@@ -173,7 +173,7 @@ TEST_F(MapperServicesTest, PausesAndResumes) {
   EXPECT_EQ(poses_.count(), used);
   EXPECT_EQ(map_now().data, before.data);
   transforms_.clear();
-  EXPECT_TRUE(wait_for([this] { return last_transform("odom").has_value(); })) << "tf goes on";
+  EXPECT_TRUE(wait_for([this] { return last_transform("odom").has_value(); })) << "tf continues";
   ASSERT_TRUE(trigger("resume").success);
   const auto found = feed({2.3, -0.5, 0.5});
   ASSERT_TRUE(found);

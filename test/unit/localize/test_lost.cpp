@@ -6,7 +6,7 @@
 namespace extperfc::localize {
 namespace {
 
-/// Poses in rooms that have something of their own, and in the corridor.
+/// Poses in rooms with distinct features, and in the corridor.
 std::vector<Pose2> start_poses() {
   return {{2.6, 4.5, 1},    {10.5, 3.5, -2}, {12.8, 4.8, 0.3}, {4.5, 9.5, 2.5},
           {16.4, 11, -0.7}, {22.5, 9, 3},    {10.8, 11.5, 0.5}};

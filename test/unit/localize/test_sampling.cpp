@@ -98,18 +98,18 @@ TEST(Weights, SumToOneWhateverTheLikelihoods) {
     auto weights = random_weights(300, rng);
     std::vector<float> logs(300);
     for (float& log : logs) log = static_cast<float>(-scale * rng.uniform(0, 1));
-    reweigh(weights, logs, 60);
+    reweight(weights, logs, 60);
     EXPECT_NEAR(sum_of(weights), 1, 1e-4);
     for (const float w : weights) ASSERT_TRUE(std::isfinite(w) && w >= 0);
   }
   std::vector<float> weights{1, 0};
-  reweigh(weights, {-1e6F, 0}, 60);
+  reweight(weights, {-1e6F, 0}, 60);
   EXPECT_NEAR(sum_of(weights), 1, 1e-6) << "all the weight lay where the scan cannot be";
 }
 
 TEST(Weights, BayesRule) {
   std::vector<float> weights{0.5F, 0.3F, 0.2F};
-  reweigh(weights, {std::log(0.1F), std::log(0.2F), std::log(0.4F)}, 2);
+  reweight(weights, {std::log(0.1F), std::log(0.2F), std::log(0.4F)}, 2);
   const double sum = 0.5 * 0.01 + 0.3 * 0.04 + 0.2 * 0.16;
   EXPECT_NEAR(weights[0], 0.005 / sum, 1e-6);
   EXPECT_NEAR(weights[1], 0.012 / sum, 1e-6);
@@ -124,7 +124,7 @@ TEST(Weights, TemperingLeavesEnoughParticles) {
   const double exponent = tempered_exponent(equal, logs, 60, 100);
   EXPECT_LT(exponent, 60);
   auto weights = equal;
-  reweigh(weights, logs, exponent);
+  reweight(weights, logs, exponent);
   EXPECT_GE(effective_count(weights), 99);
   EXPECT_LT(effective_count(weights), 120) << "and no blunter than needed";
   EXPECT_EQ(tempered_exponent(equal, std::vector<float>(1000, -1.0F), 60, 100), 60);

@@ -32,7 +32,7 @@ struct Errors {
 /// A loop of 80 steps through the room, from (3.7, 3) around (4.7, 4).
 Errors follow(LocalizerParams params, bool sideways, const Pose2& origin = {}) {
   const Plan plan = room();
-  params.update_min_d = 0.1;  // every step of 0.2 m counts, whatever odometry makes of it
+  params.update_min_d = 0.1;  // every step of 0.2 m counts, for any odometry error
   auto localizer = localizer_in(params, plan.map(origin));
   Drive drive(plan, {4.7, 3.2, 0}, 3);
   EXPECT_TRUE(localizer.set_pose(compose(origin, {4.9, 3.1, 0.1}), kAbout));

@@ -53,7 +53,7 @@ TEST(MapImage, IsEmptyAtFirst) {
   EXPECT_EQ(image.show()->width, 0U);
 }
 
-TEST(MapImage, IsDrawnOnInPlaceWhileNobodyHoldsIt) {
+TEST(MapImage, IsChangedInPlaceWithoutReaders) {
   MapImage image(kResolutionM);
   Drawing drawing;
   const Extent extent{-3, -2, 7, 5};
@@ -68,7 +68,7 @@ TEST(MapImage, IsDrawnOnInPlaceWhileNobodyHoldsIt) {
   }
 }
 
-TEST(MapImage, WhatSomebodyHoldsStaysAsItWas) {
+TEST(MapImage, AnImageWithReadersStaysAsItWas) {
   MapImage image(kResolutionM);
   Drawing drawing;
   const Extent extent{0, 0, 4, 3};
@@ -211,7 +211,7 @@ TEST(MapImage, IsLookedAtByOtherThreads) {
   done = true;
   first.join();
   second.join();
-  EXPECT_EQ(torn, 0) << "a image changed while somebody held it";
+  EXPECT_EQ(torn, 0) << "an image changed while a reader held it";
 }
 
 }  // namespace

@@ -282,7 +282,7 @@ TEST(Mapper, WeightsSumToOne) {
   }
 }
 
-/// Bytes of the heap in use; nothing where the C library does not tell, as under sanitizers.
+/// Bytes of the heap in use; no value where the C library does not report it, as under sanitizers.
 std::optional<double> heap_bytes() {
 #if defined(__GLIBC__) && __GLIBC_PREREQ(2, 33)
   const auto info = mallinfo2();
@@ -329,9 +329,9 @@ TEST_F(MapperSession, GoesOnInTheSameFrame) {
   auto loaded = Mapper::load(file_, {});
   ASSERT_TRUE(loaded) << loaded.error().message;
   while (!loaded->settled()) (void)loaded->map();
-  // Key frames that moved less than a part of a cell since they were drawn are drawn anew where they are.
+  // Key frames that moved less than a part of a cell since they were drawn are redrawn at their poses.
   EXPECT_LT(map_difference(*before, *loaded->map()), 0.03);
-  EXPECT_LT(drive.error_m(loaded->pose(), half - 1), kRoomErrorM) << "goes on at the last pose";
+  EXPECT_LT(drive.error_m(loaded->pose(), half - 1), kRoomErrorM) << "resumes at the last pose";
   const auto trajectory_after = loaded->trajectory();
   ASSERT_EQ(trajectory_after.size(), half);
   for (std::size_t i = 0; i < half; ++i) {
@@ -342,7 +342,7 @@ TEST_F(MapperSession, GoesOnInTheSameFrame) {
   }
   EXPECT_EQ(loaded->statistics().scans, half);
   EXPECT_EQ(loaded->statistics().key_frames, mapper.statistics().key_frames);
-  // Odometry began anew in the meantime.
+  // Odometry restarted in the meantime.
   for (std::size_t i = half; i < drive.scans.size(); ++i) {
     const auto update = loaded->add(drive.scans[i], compose({30, -8, 2}, drive.odometry[i])).value();
     ASSERT_LT(drive.error_m(update.pose, i), kRoomErrorM) << i;
@@ -382,7 +382,7 @@ TEST_F(MapperSession, WhateverWasTakenCanBeLoaded) {
 }
 
 TEST_F(MapperSession, ErrorsNameTheFile) {
-  EXPECT_FALSE(make_mapper().save(file_)) << "there is nothing to save yet";
+  EXPECT_FALSE(make_mapper().save(file_)) << "no scan was mapped yet";
   const auto missing = Mapper::load(file_, {});
   ASSERT_FALSE(missing);
   EXPECT_EQ(missing.error().code, ErrorCode::kNotFound);

@@ -173,7 +173,7 @@ TEST_F(SessionFile, EveryFlippedByteIsRefused) {
     }
 }
 
-// Damage that a checksum finds is one thing; here the checksum is right, and the content is what cannot be.
+// Unlike damage that the checksum finds: here the checksum is right, and the content is invalid.
 TEST_F(SessionFile, EveryTruncationWithARightChecksumIsRefused) {
   const std::string body = body_of(random_session(5, 3, 3));
   EXPECT_EQ(refusal_of_body(body), "");

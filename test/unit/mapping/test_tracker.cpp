@@ -110,7 +110,7 @@ TEST(Tracker, SlippingWheels) {
   }
 }
 
-/// Wheels that are always a quarter off, where the walls tell where the robot is.
+/// Wheels that are always a quarter off, where the walls constrain the pose.
 TEST(Tracker, WrongWheelsDoNotCountInARoom) {
   for (const double scale : {0.25, -0.25}) {
     SCOPED_TRACE(scale);
@@ -128,11 +128,11 @@ TEST(Tracker, WrongWheelsDoNotCountInARoom) {
   }
 }
 
-/// A drive of 12 m along a corridor that tells nothing of the way along it.
+/// A drive of 12 m along a corridor that does not constrain the position along it.
 struct CorridorDrive {
   PlanarScanner scanner;
-  double walkers_pace{1};  ///< of two people ahead, against the robot's
-  bool walkers{false};
+  double pedestrians_pace{1};  ///< of two people ahead, against the robot's
+  bool pedestrians{false};
   double tracked_m{0};  ///< along the corridor, at the end
   double aside_m{0};
   double odometry_m{0};
@@ -147,15 +147,15 @@ struct CorridorDrive {
     odometry.veer_rad_per_m = 0;
     Tracker tracker({}, kMinimumFit);
     for (int i = 0; i <= kSteps; ++i) {
-      const double way = i * kStepM;
+      const double distance = i * kStepM;
       PlanarWorld world = planar_corridor();
-      if (walkers) {
-        const double ahead = -4 + walkers_pace * way;  // 6 m at first
+      if (pedestrians) {
+        const double ahead = -4 + pedestrians_pace * distance;  // 6 m at first
         world.add_box(ahead, 0.1, ahead + 0.3, 0.6);
         world.add_box(ahead + 0.2, -0.6, ahead + 0.5, -0.1);
       }
       const Pose2 step{i == 0 ? 0.0 : kStepM, 0, 0};
-      const auto scan = scanner.scan(world, {-10 + way, 0, 0}, rng);
+      const auto scan = scanner.scan(world, {-10 + distance, 0, 0}, rng);
       (void)tracker.add(scan_points(scan, {}), odometry.move(step, rng));
     }
     tracked_m = tracker.pose().x;

@@ -26,7 +26,7 @@ double fraction_of_circle(const RangeProfile& profile, const Eigen::Vector2f& ce
 TEST(Visibility, TheSpaceBeforeAWallIsFreeAndTheWallIsNot) {
   // The nearest object in the room is 2.2 m away from its middle, the farthest 5 m.
   const RangeProfile profile(see(planar_room(), {}));
-  EXPECT_GT(fraction_of_circle(profile, {0, 0}, 0.5F), 0.7) << "rays between two directions say nothing";
+  EXPECT_GT(fraction_of_circle(profile, {0, 0}, 0.5F), 0.7) << "directions between two rays are unknown";
   EXPECT_GT(fraction_of_circle(profile, {0, 0}, 1.8F), 0.7);
   EXPECT_EQ(fraction_of_circle(profile, {0, 0}, 5.5F), 0) << "behind the walls";
   for (const auto& point : see(planar_room(), {}).surface) EXPECT_FALSE(profile.sees_through(point.position));

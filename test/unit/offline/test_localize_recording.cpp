@@ -257,8 +257,8 @@ TEST(LocalizeRecording, OneLoopOfAFaculty) {
   expect_found_everywhere(drive, map, 10);
 }
 
-// Simulated by MRPT, with the true pose of each scan. Once the recording pauses for a second and goes on more
-// than a metre away.
+// Simulated by MRPT, with the true pose of each scan. Once the recording pauses for a second and continues
+// more than a metre away.
 TEST(LocalizeRecording, ASimulationWithKnownPoses) {
   const fs::path recording = dataset("graphslam-engine-demos/action_observations_map/simul.rawlog");
   const fs::path truth_file = recording.string() + ".GT.txt";

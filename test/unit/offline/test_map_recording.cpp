@@ -128,7 +128,7 @@ TEST(MapRecording, LimitsAndBrokenRecordings) {
   EXPECT_EQ(first.scans, 5U);
   EXPECT_FALSE(first.interrupted);
   log.breaks_at = 12;
-  const auto rest = map_recording(log, mapper);  // goes on with the same mapper
+  const auto rest = map_recording(log, mapper);  // continues with the same mapper
   EXPECT_EQ(rest.broken, "it breaks off");
   EXPECT_EQ(rest.scans, 7U);
   ASSERT_EQ(rest.trajectory.size(), 7U);

@@ -164,7 +164,7 @@ TEST(PosesOfScans, OdometryFillsWhatLiesBetween) {
 
 TEST(PosesOfScans, StampsMayRunBackwards) {
   auto moments = drive(8);
-  moments[4].stamp_s = moments[1].stamp_s;  // the same stamp twice: order tells them apart
+  moments[4].stamp_s = moments[1].stamp_s;  // the same stamp twice: order decides
   const Trajectory trajectory = {{moments[0].stamp_s, {0, 0, 0}},
                                  {moments[3].stamp_s, {3, 0, 0}},
                                  {moments[4].stamp_s, {4, 0, 0}},
