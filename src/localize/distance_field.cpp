@@ -10,9 +10,9 @@ namespace {
 /// Cells of margin: end points that odometry carries beyond a map which ends at its walls still see them.
 int margin_of(const OccupancyGrid& map, double max_distance_m) {
   constexpr double kWidest_m = 1;
-  constexpr double kMostCells = 100;
+  constexpr double kMaxCells = 100;
   return static_cast<int>(
-             std::min(std::ceil(std::min(max_distance_m, kWidest_m) / map.resolution_m), kMostCells)) +
+             std::min(std::ceil(std::min(max_distance_m, kWidest_m) / map.resolution_m), kMaxCells)) +
          1;
 }
 
@@ -68,8 +68,8 @@ DistanceField::DistanceField(const OccupancyGrid& map, double max_distance_m)
       cells_per_m_(static_cast<float>(1 / map.resolution_m)),
       step_m_(max_distance_m / 255),
       bytes_(static_cast<std::size_t>(stride_) * static_cast<std::size_t>(rows_)) {
-  constexpr double kMostCells = 30000;
-  fill(map, static_cast<int>(std::min(std::ceil(max_distance_m / map.resolution_m) + 1, kMostCells)));
+  constexpr double kMaxCells = 30000;
+  fill(map, static_cast<int>(std::min(std::ceil(max_distance_m / map.resolution_m) + 1, kMaxCells)));
   clear_rim();
 }
 

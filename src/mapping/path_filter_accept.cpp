@@ -167,13 +167,13 @@ bool PathFilter::review(std::size_t constraints_before) {
 /// At the end of a recording fewer candidates and less agreement suffice, as no more scans follow.
 void PathFilter::accept_rest() {
   constexpr double kMinAgreement = 0.6;
-  constexpr std::size_t kFewest = 4;
+  constexpr std::size_t kMinCandidates = 4;
   if (particles_.empty() || frames_.empty()) return;
   const auto normalized = weights();
   const auto best =
       static_cast<std::size_t>(std::max_element(normalized.begin(), normalized.end()) - normalized.begin());
   const Particle& leader = particles_[best];
-  if (leader.candidates.size() < kFewest || !determined(leader)) return;
+  if (leader.candidates.size() < kMinCandidates || !determined(leader)) return;
   if (distance(leader.pose, graph_.poses().back()) >
       farthest_offset_m(leader.candidates.back().constraint.from))
     return;

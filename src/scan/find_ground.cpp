@@ -34,8 +34,8 @@ class LevelPlane : public pcl::SampleConsensusModelPlane<pcl::PointXYZ> {
     const Eigen::Vector3f a = point(1) - point(0);
     const Eigen::Vector3f b = point(2) - point(0);
     const Eigen::Vector3f normal = a.cross(b);
-    constexpr float kLeastSine = 0.05F;  // of the angle between a and b
-    return normal.norm() > kLeastSine * a.norm() * b.norm() &&
+    constexpr float kMinSine = 0.05F;  // of the angle between a and b
+    return normal.norm() > kMinSine * a.norm() * b.norm() &&
            std::abs(normal.z()) >= min_cosine_ * normal.norm();
   }
 

@@ -110,7 +110,7 @@ Result<ScanRecord> parse_robotlaser(std::string_view line, const ScanLogOptions&
   const Pose2 laser = fields.pose("the laser's pose");
   record.odom_T_base = fields.pose("the robot's pose");
   for (const char* name :
-       {"the speed", "the angular velocity", "a safety distance", "a safety distance", "the turn axis"})
+       {"the speed", "the angular velocity", "a safety distance", "a safety distance", "the rotation axis"})
     (void)fields.number(name);
   scan.stamp_s = fields.number("the time stamp");
   if (!fields.good()) return damaged(fields.complaint());
