@@ -7,7 +7,7 @@
 
 namespace extperfc::depth {
 
-/// Whole pixels [x0, x1) x [y0, y1) inside a picture.
+/// Whole pixels [x0, x1) x [y0, y1) inside an image.
 struct Region {
   int x0{0};
   int y0{0};
@@ -37,20 +37,20 @@ struct Samples {
 
   [[nodiscard]] const Sample* begin() const { return items.data(); }
   [[nodiscard]] const Sample* end() const { return items.data() + size; }
-  /// Pixels of the picture that `count` samples stand for.
+  /// Pixels of the image that `count` samples stand for.
   [[nodiscard]] double pixels(double count) const { return count * step * step; }
 };
 
-/// The part of the box inside the picture; nothing when it is not finite, has no area or lies outside.
+/// The part of the box inside the image; nothing when it is not finite, has no area or lies outside.
 [[nodiscard]] std::optional<Box2> clip_box(const Box2& box, int width, int height);
 
-/// Square of `side` pixels around the centre of `box`, clipped to the picture.
+/// Square of `side` pixels around the centre of `box`, clipped to the image.
 [[nodiscard]] Region center_window(const Box2& box, int side, int width, int height);
 
-/// The middle `fraction` of the box, rounded outwards to whole pixels. `box` lies inside the picture.
+/// The middle `fraction` of the box, rounded outwards to whole pixels. `box` lies inside the image.
 [[nodiscard]] Region central_part(const Box2& box, double fraction, int width, int height);
 
-/// Reads the valid depths of `region`, which lies inside the picture, into `out`.
+/// Reads the valid depths of `region`, which lies inside the image, into `out`.
 void collect(const ImageView& depth, const Region& region, const Box2& box, const BoxDepthParams& params,
              Samples& out);
 

@@ -22,7 +22,7 @@ namespace {
 using Float4 = cv::v_float32x4;
 
 constexpr int kBlock = 4;       // pixels of the result that are computed together along a row
-constexpr int kRowGroup = 3;    // rows of the picture that are added in one go
+constexpr int kRowGroup = 3;    // rows of the image that are added in one go
 constexpr int kUnit = 1 << 16;  // weights are multiples of 1 / kUnit: times a byte, floats sum them exactly
 
 struct RowGroup {
@@ -81,14 +81,14 @@ void store(float* target, const Float4& values, int count) {
 
 }  // namespace
 
-bool AreaResizer::suits(const cv::Mat& picture, cv::Size result) {
+bool AreaResizer::suits(const cv::Mat& image, cv::Size result) {
   // From 640 x 480 to 320 x 240, cv::resize and the conversion take 83 us, this 197.
-  const bool halved = picture.cols == 2 * result.width && picture.rows == 2 * result.height;
-  return picture.depth() == CV_8U && picture.channels() != 2 && picture.channels() <= 4 &&
-         picture.cols >= result.width && picture.rows >= result.height && picture.size() != result && !halved;
+  const bool halved = image.cols == 2 * result.width && image.rows == 2 * result.height;
+  return image.depth() == CV_8U && image.channels() != 2 && image.channels() <= 4 &&
+         image.cols >= result.width && image.rows >= result.height && image.size() != result && !halved;
 }
 
-/// In whole numbers: a pixel of the picture is `to` long, one of the result `from`. Rounding the sums of
+/// In whole numbers: a pixel of the image is `to` long, one of the result `from`. Rounding the sums of
 /// weights, not the weights, makes them add up to one.
 AreaResizer::Axis AreaResizer::make_axis(int from, int to) {
   Axis axis{from, to, 0, {}, {}};
@@ -110,11 +110,11 @@ AreaResizer::Axis AreaResizer::make_axis(int from, int to) {
   return axis;
 }
 
-void AreaResizer::prepare(const cv::Mat& picture, cv::Size result) {
-  if (rows_.from != picture.rows || rows_.to != result.height) rows_ = make_axis(picture.rows, result.height);
-  if (columns_.from == picture.cols && columns_.to == result.width && channels_ == picture.channels()) return;
-  columns_ = make_axis(picture.cols, result.width);
-  channels_ = picture.channels();
+void AreaResizer::prepare(const cv::Mat& image, cv::Size result) {
+  if (rows_.from != image.rows || rows_.to != result.height) rows_ = make_axis(image.rows, result.height);
+  if (columns_.from == image.cols && columns_.to == result.width && channels_ == image.channels()) return;
+  columns_ = make_axis(image.cols, result.width);
+  channels_ = image.channels();
   const auto taps = static_cast<std::size_t>(columns_.taps);
   const auto channels = static_cast<std::size_t>(channels_);
   const auto width = static_cast<std::size_t>(result.width);
@@ -127,18 +127,18 @@ void AreaResizer::prepare(const cv::Mat& picture, cv::Size result) {
       block_weights_[(x / kBlock * taps + t) * kBlock + x % kBlock] = columns_.weights[x * taps + t];
   }
   // Surplus weights and the unused fourth channel reach beyond the last pixel: zeros stand there.
-  row_.assign((static_cast<std::size_t>(picture.cols) + taps) * channels + kBlock, 0.0F);
+  row_.assign((static_cast<std::size_t>(image.cols) + taps) * channels + kBlock, 0.0F);
 }
 
-void AreaResizer::sum_rows(const cv::Mat& picture, int y) {
+void AreaResizer::sum_rows(const cv::Mat& image, int y) {
   const float* weights = rows_.weights.data() + static_cast<std::ptrdiff_t>(y) * rows_.taps;
   const int start = rows_.starts[static_cast<std::size_t>(y)];
-  const std::size_t count = static_cast<std::size_t>(picture.cols) * picture.elemSize();
+  const std::size_t count = static_cast<std::size_t>(image.cols) * image.elemSize();
   for (int first = 0; first < rows_.taps; first += kRowGroup) {
     RowGroup group{};
     for (int k = 0; k < kRowGroup; ++k) {
       const int t = first + k;
-      group.rows[static_cast<std::size_t>(k)] = picture.ptr(std::min(start + t, picture.rows - 1));
+      group.rows[static_cast<std::size_t>(k)] = image.ptr(std::min(start + t, image.rows - 1));
       group.weights[static_cast<std::size_t>(k)] = t < rows_.taps ? weights[t] : 0.0F;
     }
     (first == 0 ? set_to_rows : add_rows)(group, count, row_.data());
@@ -167,11 +167,11 @@ void AreaResizer::write_row(int y, std::array<AreaPlane, 3>& planes) const {
   }
 }
 
-void AreaResizer::run(const cv::Mat& picture, std::array<AreaPlane, 3>& planes) {
+void AreaResizer::run(const cv::Mat& image, std::array<AreaPlane, 3>& planes) {
   const cv::Size result = planes[0].pixels.size();
-  prepare(picture, result);
+  prepare(image, result);
   for (int y = 0; y < result.height; ++y) {
-    sum_rows(picture, y);
+    sum_rows(image, y);
     write_row(y, planes);
   }
 }

@@ -10,13 +10,13 @@ namespace extperfc::detect {
 
 namespace {
 
-/// Boxes in the picture's pixels, clipped to it; those that lie outside are left out.
+/// Boxes in the image's pixels, clipped to it; those that lie outside are left out.
 Detections place(const Detections& found, const Placement& placement, int width, int height) {
   const auto w = static_cast<float>(width);
   const auto h = static_cast<float>(height);
   Detections placed;
   for (const Detection& detection : found) {
-    const Box2 box = placement.to_picture(detection.box);
+    const Box2 box = placement.to_image(detection.box);
     const Box2 clipped{std::max(box.x_min, 0.0F), std::max(box.y_min, 0.0F), std::min(box.x_max, w),
                        std::min(box.y_max, h)};
     if (clipped.width() > 0.0F && clipped.height() > 0.0F)

@@ -37,7 +37,7 @@ tl::unexpected<Error> with_context(const ModelSpec& spec, const std::string& bac
                               device + ": " + error.message);
 }
 
-/// Runs the network on a grey picture, so that one which loads but cannot run is found out here.
+/// Runs the network on a grey image, so that one which loads but cannot run is found out here.
 Result<void> try_out(const ModelSpec& spec, InferenceBackend& backend) {
   const auto plane = static_cast<std::size_t>(spec.input.width) * static_cast<std::size_t>(spec.input.height);
   for (int slot = 0; slot < backend.slots(); ++slot)

@@ -24,17 +24,17 @@ namespace {
 constexpr int kFine = 0;
 constexpr int kProblem = 1;
 constexpr int kUsage = 2;
-constexpr int kTimedPictures = 10;
+constexpr int kTimedImages = 10;
 
 constexpr const char* kHelp =
     R"(Looks at detection models: folders with a model.yaml (models/README.md has the format).
 
   extperfc-model check FOLDER             says what is wrong, or what the model is and how fast it runs here
   extperfc-model list [FOLDER...]         one line per model; FOLDER is a model or a folder of models
-  extperfc-model run FOLDER PICTURE       prints class, score and box (x_min y_min x_max y_max, pixels)
+  extperfc-model run FOLDER IMAGE       prints class, score and box (x_min y_min x_max y_max, pixels)
 
 Options:
-  --out FILE          run: writes the picture with the boxes drawn in
+  --out FILE          run: writes the image with the boxes drawn in
   --score NUMBER      run: least score, 0 to 1, instead of the model's
   --backend NAME      auto (default), opencv or openvino
   --device NAME       CPU (default), GPU, NPU or AUTO
@@ -45,7 +45,7 @@ Options:
   --known FOLDER      descriptions of public networks, instead of the package's own
   --help              this text
 
-Exit status: 0 fine, 1 something is wrong with a model or picture, 2 wrong arguments.
+Exit status: 0 fine, 1 something is wrong with a model or image, 2 wrong arguments.
 )";
 
 struct Arguments {
@@ -118,12 +118,12 @@ fs::path known_models(const Arguments& arguments) {
   return arguments.option("--known", (package_folder() / "config/models").string());
 }
 
-cv::Mat grey_picture(const ModelSpec& spec) {
+cv::Mat grey_image(const ModelSpec& spec) {
   return {spec.input.height, spec.input.width, CV_8UC3, cv::Scalar::all(114)};
 }
 
-ImageView view_of(const cv::Mat& picture) {
-  return {picture.data, picture.cols, picture.rows, picture.step, PixelFormat::kBgr8};
+ImageView view_of(const cv::Mat& image) {
+  return {image.data, image.cols, image.rows, image.step, PixelFormat::kBgr8};
 }
 
 void print_row(const char* key, const std::string& value) {
@@ -158,15 +158,15 @@ void print_summary(const ModelSpec& spec) {
   print_row("licence", or_unknown(spec.license));
 }
 
-/// Median of the inference's wall time over grey pictures, and what is found in the last one.
+/// Median of the inference's wall time over grey images, and what is found in the last one.
 Result<std::string> try_backend(const ModelSpec& spec, const InferenceOptions& options) {
   auto detector = Detector::create(spec, options);
   if (!detector) return tl::unexpected(detector.error());
-  const cv::Mat picture = grey_picture(spec);
+  const cv::Mat image = grey_image(spec);
   std::vector<double> times;
   std::size_t found = 0;
-  for (int i = 0; i < kTimedPictures; ++i) {
-    const auto output = detector->detect(view_of(picture));
+  for (int i = 0; i < kTimedImages; ++i) {
+    const auto output = detector->detect(view_of(image));
     if (!output) return tl::unexpected(output.error());
     times.push_back(output->times.inference_ms);
     found = output->detections.size();
@@ -174,7 +174,7 @@ Result<std::string> try_backend(const ModelSpec& spec, const InferenceOptions& o
   std::array<char, 64> text{};
   std::snprintf(text.data(), text.size(), "%.2f ms per inference, ", percentile(times, 0.5));
   return text.data() + detector->backend().execution() + "; " + std::to_string(found) +
-         " detections on a grey picture";
+         " detections on a grey image";
 }
 
 int check(const Arguments& arguments, InferenceOptions options) {
@@ -231,7 +231,7 @@ void print_detections(const ModelSpec& spec, const DetectorOutput& output) {
                 static_cast<double>(box.x_max), static_cast<double>(box.y_max));
 }
 
-void draw(const ModelSpec& spec, const Detections& detections, cv::Mat& picture) {
+void draw(const ModelSpec& spec, const Detections& detections, cv::Mat& image) {
   for (const auto& [index, score, box] : detections) {
     // Neighbouring classes get hues far apart (golden angle).
     const cv::Mat hsv(1, 1, CV_8UC3, cv::Scalar((index * 69) % 180, 255, 255));
@@ -239,17 +239,17 @@ void draw(const ModelSpec& spec, const Detections& detections, cv::Mat& picture)
     cv::cvtColor(hsv, bgr, cv::COLOR_HSV2BGR);
     const cv::Scalar colour(bgr.at<cv::Vec3b>(0, 0));
     const cv::Point corner(cvRound(box.x_min), cvRound(box.y_min));
-    cv::rectangle(picture, corner, {cvRound(box.x_max), cvRound(box.y_max)}, colour, 2);
+    cv::rectangle(image, corner, {cvRound(box.x_max), cvRound(box.y_max)}, colour, 2);
     std::array<char, 16> number{};
     std::snprintf(number.data(), number.size(), " %.2f", static_cast<double>(score));
     const cv::Point text_at(corner.x + 3, std::max(12, corner.y - 4));
-    cv::putText(picture, spec.classes[static_cast<std::size_t>(index)] + number.data(), text_at,
+    cv::putText(image, spec.classes[static_cast<std::size_t>(index)] + number.data(), text_at,
                 cv::FONT_HERSHEY_SIMPLEX, 0.5, colour, 1, cv::LINE_AA);
   }
 }
 
-int write_picture(const std::string& file, const cv::Mat& picture) try {
-  if (cv::imwrite(file, picture)) return kFine;
+int write_image(const std::string& file, const cv::Mat& image) try {
+  if (cv::imwrite(file, image)) return kFine;
   return complain("cannot write " + file, kProblem);
 } catch (const cv::Exception&) {
   return complain("cannot write " + file + ": end its name with .png or .jpg", kProblem);
@@ -261,11 +261,11 @@ int run(const Arguments& arguments, const InferenceOptions& options) {
   const auto score = number_option(arguments, "--score", spec->thresholds.score, 0.0F, 1.0F);
   if (!score) return complain(score.error().message, kUsage);
   spec->thresholds.score = *score;
-  cv::Mat picture = cv::imread(arguments.operands[1], cv::IMREAD_COLOR);
-  if (picture.empty()) return complain("cannot read the picture " + arguments.operands[1], kProblem);
+  cv::Mat image = cv::imread(arguments.operands[1], cv::IMREAD_COLOR);
+  if (image.empty()) return complain("cannot read the image " + arguments.operands[1], kProblem);
   auto detector = Detector::create(*spec, options);
   if (!detector) return complain(detector.error().message, kProblem);
-  const auto output = detector->detect(view_of(picture));
+  const auto output = detector->detect(view_of(image));
   if (!output) return complain(output.error().message, kProblem);
 
   print_detections(*spec, *output);
@@ -274,8 +274,8 @@ int run(const Arguments& arguments, const InferenceOptions& options) {
               output->times.decode_ms, detector->execution().c_str());
   const std::string out = arguments.option("--out", "");
   if (out.empty()) return kFine;
-  draw(*spec, output->detections, picture);
-  return write_picture(out, picture);
+  draw(*spec, output->detections, image);
+  return write_image(out, image);
 }
 
 struct Command {
@@ -289,7 +289,7 @@ struct Command {
 int dispatch(const Arguments& arguments) {
   const std::array<Command, 3> commands{{{"check", 1, 1, "check FOLDER", check},
                                          {"list", 0, 1000, "list [FOLDER...]", list},
-                                         {"run", 2, 2, "run FOLDER PICTURE", run}}};
+                                         {"run", 2, 2, "run FOLDER IMAGE", run}}};
   if (arguments.command.empty()) return complain("give a command: check, list or run", kUsage);
   for (const Command& command : commands) {
     if (arguments.command != command.name) continue;

@@ -17,9 +17,9 @@ namespace {
 constexpr float kPadding = 114.0F;           // grey of the letterbox bars, as YOLO is trained with
 constexpr double kMono16ToByte = 1.0 / 257;  // 65535 -> 255
 
-/// How OpenCV sees a picture format.
+/// How OpenCV sees an image format.
 struct FormatTraits {
-  int type;                     ///< of the cv::Mat around the picture
+  int type;                     ///< of the cv::Mat around the image
   int conversion;               ///< code that makes it BGR, kDirect when it can be resized as it is
   std::array<int, 3> channels;  ///< where red, green and blue are after the conversion
 };
@@ -64,22 +64,22 @@ FormatTraits traits_of(PixelFormat format) {
   return {CV_8UC1, kDirect, kGrey};
 }
 
-Result<void> check_picture(const ImageView& image) {
+Result<void> check_image(const ImageView& image) {
   const std::string size = std::to_string(image.width) + " x " + std::to_string(image.height);
   const std::string encoding(encoding_of(image.format));
-  if (image.empty()) return fail(ErrorCode::kInvalidArgument, "the picture is empty (" + size + " pixels)");
+  if (image.empty()) return fail(ErrorCode::kInvalidArgument, "the image is empty (" + size + " pixels)");
   if (is_depth(image.format))
     return fail(ErrorCode::kUnsupported,
-                "a depth picture (" + encoding + ") cannot be searched for objects: give a colour picture");
+                "a depth image (" + encoding + ") cannot be searched for objects: give a colour image");
   const auto least = static_cast<std::size_t>(image.width) * bytes_per_pixel(image.format);
   if (image.row_bytes < least)
-    return fail(ErrorCode::kInvalidArgument, "a row of the " + size + " " + encoding + " picture needs " +
+    return fail(ErrorCode::kInvalidArgument, "a row of the " + size + " " + encoding + " image needs " +
                                                  std::to_string(least) + " bytes, but its step is " +
                                                  std::to_string(image.row_bytes));
   return {};
 }
 
-/// Where the picture goes in the input.
+/// Where the image goes in the input.
 cv::Rect target_area(const InputSpec& spec, int width, int height) {
   if (spec.resize == Resize::kStretch) return {0, 0, spec.width, spec.height};
   const double scale =
@@ -106,23 +106,23 @@ void fill_around(cv::Mat& plane, const cv::Rect& area, float value) {
 
 }  // namespace
 
-Box2 Placement::to_picture(const Box2& input_box) const {
+Box2 Placement::to_image(const Box2& input_box) const {
   return {(input_box.x_min - offset_x) / scale_x, (input_box.y_min - offset_y) / scale_y,
           (input_box.x_max - offset_x) / scale_x, (input_box.y_max - offset_y) / scale_y};
 }
 
-/// Kept from picture to picture, so that nothing is allocated while the picture's size stays.
+/// Kept from image to image, so that nothing is allocated while the image's size stays.
 struct Preprocessor::Scratch {
   cv::Mat colour;                   ///< full size, for formats that cannot be resized as they are
   cv::Mat small;                    ///< as large as the area it fills
   std::array<cv::Mat, 4> channels;  ///< of `small`
   AreaResizer area_resizer;
 
-  void resize(const cv::Mat& picture, int interpolation, std::array<AreaPlane, 3>& planes) {
+  void resize(const cv::Mat& image, int interpolation, std::array<AreaPlane, 3>& planes) {
     const cv::Size size = planes[0].pixels.size();
-    if (interpolation == cv::INTER_AREA && AreaResizer::suits(picture, size))
-      return area_resizer.run(picture, planes);
-    cv::resize(picture, small, size, 0, 0, interpolation);
+    if (interpolation == cv::INTER_AREA && AreaResizer::suits(image, size))
+      return area_resizer.run(image, planes);
+    cv::resize(image, small, size, 0, 0, interpolation);
     // For 320 x 256: cv::split and Mat::convertTo take 17 us, a table per channel 60, one plain fused
     // loop 68.
     if (small.channels() == 1)
@@ -141,13 +141,13 @@ Preprocessor::Preprocessor(Preprocessor&&) noexcept = default;
 Preprocessor& Preprocessor::operator=(Preprocessor&&) noexcept = default;
 
 Result<Placement> Preprocessor::run(const ImageView& image, float* planes) try {
-  if (const auto checked = check_picture(image); !checked) return tl::unexpected(checked.error());
+  if (const auto checked = check_image(image); !checked) return tl::unexpected(checked.error());
   const FormatTraits traits = traits_of(image.format);
   const cv::Rect area = target_area(spec_, image.width, image.height);
   // cv::Mat has no read-only form; nothing writes to it.
-  const cv::Mat picture(image.height, image.width, traits.type, const_cast<std::uint8_t*>(image.data),
-                        image.row_bytes);
-  if (traits.conversion != kDirect) cv::cvtColor(picture, scratch_->colour, traits.conversion);
+  const cv::Mat pixels(image.height, image.width, traits.type, const_cast<std::uint8_t*>(image.data),
+                       image.row_bytes);
+  if (traits.conversion != kDirect) cv::cvtColor(pixels, scratch_->colour, traits.conversion);
 
   const double unit = traits.type == CV_16UC1 ? kMono16ToByte : 1.0;
   const std::size_t plane_size =
@@ -161,11 +161,11 @@ Result<Placement> Preprocessor::run(const ImageView& image, float* planes) try {
                  -static_cast<double>(mean) * scale};
     if (area.size() != plane.size()) fill_around(plane, area, (kPadding - mean) * scale);
   }
-  scratch_->resize(traits.conversion == kDirect ? picture : scratch_->colour,
+  scratch_->resize(traits.conversion == kDirect ? pixels : scratch_->colour,
                    spec_.interpolation == Interpolation::kArea ? cv::INTER_AREA : cv::INTER_LINEAR, inside);
   return placement_of(area, image.width, image.height);
 } catch (const cv::Exception& error) {
-  return fail(ErrorCode::kInvalidArgument, "cannot convert a picture of " + std::to_string(image.width) +
+  return fail(ErrorCode::kInvalidArgument, "cannot convert an image of " + std::to_string(image.width) +
                                                " x " + std::to_string(image.height) + " pixels, " +
                                                std::string(encoding_of(image.format)) + ": " + error.err);
 }

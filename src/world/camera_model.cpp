@@ -41,8 +41,7 @@ Result<void> CameraModel::validate() const {
     return fail(ErrorCode::kInvalidArgument, "camera model: " + what + "; is the camera calibrated?");
   };
   if (width <= 0 || height <= 0)
-    return bad("picture size " + std::to_string(width) + " x " + std::to_string(height) +
-               " must be positive");
+    return bad("image size " + std::to_string(width) + " x " + std::to_string(height) + " must be positive");
   if (!(std::isfinite(fx) && fx > 0.0 && std::isfinite(fy) && fy > 0.0))
     return bad("focal lengths fx = " + std::to_string(fx) + ", fy = " + std::to_string(fy) +
                " px must be positive and finite");

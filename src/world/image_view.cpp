@@ -40,7 +40,7 @@ std::size_t bytes_per_pixel(PixelFormat format) {
 }
 
 std::optional<PixelFormat> pixel_format_from_encoding(std::string_view encoding) {
-  if (encoding == "8UC3") return PixelFormat::kBgr8;  // what OpenCV users mean by a plain 3-channel picture
+  if (encoding == "8UC3") return PixelFormat::kBgr8;  // what OpenCV users mean by a plain 3-channel image
   if (encoding == "8UC1") return PixelFormat::kMono8;
   for (const auto& entry : kFormats)
     if (entry.encoding == encoding) return entry.format;

@@ -244,31 +244,31 @@ Result<void> save_map(const OccupancyGrid& map, const fs::path& stem, const MapT
   if (!stem.has_filename())
     return fail(ErrorCode::kInvalidArgument,
                 "cannot save a map as '" + stem.string() + "': give a file's name without its suffix");
-  const fs::path picture = stem.string() + ".pgm";
-  auto written = write_file_atomically(picture, [&](std::ostream& out) { write_pgm(out, map, thresholds); });
+  const fs::path image = stem.string() + ".pgm";
+  auto written = write_file_atomically(image, [&](std::ostream& out) { write_pgm(out, map, thresholds); });
   if (!written) return written;
   return write_file_atomically(stem.string() + ".yaml", [&](std::ostream& out) {
-    write_yaml(out, map, picture.filename().string(), thresholds);
+    write_yaml(out, map, image.filename().string(), thresholds);
   });
 }
 
 Result<OccupancyGrid> load_map(const fs::path& yaml) {
   const auto description = describe(yaml);
   if (!description) return tl::unexpected(description.error());
-  const auto picture = read_pgm(description->image);
-  if (!picture) return tl::unexpected(picture.error());
+  const auto image = read_pgm(description->image);
+  if (!image) return tl::unexpected(image.error());
   OccupancyGrid map;
-  map.width = picture->width;
-  map.height = picture->height;
+  map.width = image->width;
+  map.height = image->height;
   map.resolution_m = description->resolution_m;
   map.origin = description->origin;
-  std::vector<std::int8_t> meaning(picture->largest + std::size_t{1});
+  std::vector<std::int8_t> meaning(image->largest + std::size_t{1});
   for (std::size_t value = 0; value < meaning.size(); ++value)
-    meaning[value] = cell_of_grey(255.0 * static_cast<double>(value) / picture->largest, *description);
+    meaning[value] = cell_of_grey(255.0 * static_cast<double>(value) / image->largest, *description);
   map.cells.resize(map.width * map.height);
   for (std::size_t y = 0; y < map.height; ++y)
     for (std::size_t x = 0; x < map.width; ++x)
-      map.cells[(map.height - 1 - y) * map.width + x] = meaning[picture->at(x, y)];
+      map.cells[(map.height - 1 - y) * map.width + x] = meaning[image->at(x, y)];
   return map;
 }
 

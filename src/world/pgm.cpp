@@ -34,7 +34,7 @@ std::optional<std::size_t> next_number(std::istream& in, std::size_t most) {
   return value;
 }
 
-Result<void> read_header(std::istream& in, GreyPicture& picture) {
+Result<void> read_header(std::istream& in, GreyImage& image) {
   const auto width = next_number(in, kMostMapCells);
   const auto height = width ? next_number(in, kMostMapCells) : std::nullopt;
   const auto largest = height ? next_number(in, kMostGrey) : std::nullopt;
@@ -45,77 +45,77 @@ Result<void> read_header(std::istream& in, GreyPicture& picture) {
   if (*height > kMostMapCells / *width)
     return fail(ErrorCode::kCorrupt, "it claims " + std::to_string(*width) + " x " + std::to_string(*height) +
                                          " pixels, more than 2^28");
-  picture.width = *width;
-  picture.height = *height;
-  picture.largest = static_cast<unsigned>(*largest);
+  image.width = *width;
+  image.height = *height;
+  image.largest = static_cast<unsigned>(*largest);
   return {};
 }
 
-tl::unexpected<Error> broken_off(const GreyPicture& picture) {
+tl::unexpected<Error> broken_off(const GreyImage& image) {
   return fail(ErrorCode::kCorrupt, "it breaks off: there are fewer than the announced " +
-                                       std::to_string(picture.width) + " x " +
-                                       std::to_string(picture.height) + " pixels");
+                                       std::to_string(image.width) + " x " + std::to_string(image.height) +
+                                       " pixels");
 }
 
-void append(GreyPicture& picture, std::size_t value) {
-  if (picture.largest > kMostByte) picture.bytes.push_back(static_cast<char>(value >> 8U));
-  picture.bytes.push_back(static_cast<char>(value & kMostByte));
+void append(GreyImage& image, std::size_t value) {
+  if (image.largest > kMostByte) image.bytes.push_back(static_cast<char>(value >> 8U));
+  image.bytes.push_back(static_cast<char>(value & kMostByte));
 }
 
-Result<void> read_text(std::istream& in, GreyPicture& picture) {
-  const std::size_t pixels = picture.width * picture.height;
+Result<void> read_text(std::istream& in, GreyImage& image) {
+  const std::size_t pixels = image.width * image.height;
   for (std::size_t i = 0; i < pixels; ++i) {
-    const auto value = next_number(in, picture.largest);
-    if (!value && in.eof()) return broken_off(picture);
+    const auto value = next_number(in, image.largest);
+    if (!value && in.eof()) return broken_off(image);
     if (!value)
       return fail(ErrorCode::kCorrupt, "pixel " + std::to_string(i) + " is not a number from 0 to " +
-                                           std::to_string(picture.largest));
-    append(picture, *value);
+                                           std::to_string(image.largest));
+    append(image, *value);
   }
   return {};
 }
 
-Result<void> read_pixels(std::istream& in, std::uintmax_t file_bytes, bool binary, GreyPicture& picture) {
-  const std::size_t pixels = picture.width * picture.height;
-  const std::size_t bytes = pixels * (picture.largest > kMostByte ? 2 : 1);
+Result<void> read_pixels(std::istream& in, std::uintmax_t file_bytes, bool binary, GreyImage& image) {
+  const std::size_t pixels = image.width * image.height;
+  const std::size_t bytes = pixels * (image.largest > kMostByte ? 2 : 1);
   // Before memory is taken: a digit and a blank are the least that a pixel of a text file needs.
   const std::uintmax_t least = binary ? bytes : 2 * std::uintmax_t{pixels} - 1;
-  if (file_bytes < least) return broken_off(picture);
+  if (file_bytes < least) return broken_off(image);
   if (!binary) {
-    picture.bytes.reserve(bytes);
-    return read_text(in, picture);
+    image.bytes.reserve(bytes);
+    return read_text(in, image);
   }
-  picture.bytes.resize(bytes);
-  in.read(picture.bytes.data(), static_cast<std::streamsize>(bytes));
-  if (static_cast<std::size_t>(in.gcount()) != bytes) return broken_off(picture);
+  image.bytes.resize(bytes);
+  in.read(image.bytes.data(), static_cast<std::streamsize>(bytes));
+  if (static_cast<std::size_t>(in.gcount()) != bytes) return broken_off(image);
   return {};
 }
 
 }  // namespace
 
-unsigned GreyPicture::at(std::size_t x, std::size_t y) const {
+unsigned GreyImage::at(std::size_t x, std::size_t y) const {
   const std::size_t i = y * width + x;
   const auto byte = [&](std::size_t at) { return static_cast<unsigned char>(bytes[at]); };
   if (largest <= kMostByte) return std::min<unsigned>(byte(i), largest);
   return std::min((unsigned{byte(2 * i)} << 8U) | byte(2 * i + 1), largest);
 }
 
-Result<GreyPicture> read_pgm(const fs::path& file) {
+Result<GreyImage> read_pgm(const fs::path& file) {
   std::error_code error;
   const auto file_bytes = fs::file_size(file, error);
   std::ifstream in(file, std::ios::binary);
-  if (error || !in) return fail(ErrorCode::kNotFound, "cannot read the map's picture " + file.string());
+  if (error || !in) return fail(ErrorCode::kNotFound, "cannot read the map's image " + file.string());
   const int first = in.get();
   const int second = in.get();
   if (first != 'P' || (second != '5' && second != '2'))
     return fail(ErrorCode::kUnsupported,
-                file.string() + " is not a PGM picture; convert it, for example: convert " +
+                file.string() + " is not a PGM image; convert it, for example: convert " +
                     file.filename().string() + " -colorspace Gray " + file.stem().string() + ".pgm");
-  GreyPicture picture;
-  auto read = read_header(in, picture);
-  if (read) read = read_pixels(in, file_bytes, second == '5', picture);
+  GreyImage image;
+  auto read = read_header(in, image);
+  if (read) read = read_pixels(in, file_bytes, second == '5', image);
   if (!read) return fail(read.error().code, file.string() + ": " + read.error().message);
-  return picture;
+  return image;
 }
 
 }  // namespace extperfc

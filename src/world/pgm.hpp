@@ -12,8 +12,8 @@ namespace extperfc {
 /// Larger maps are taken for damaged files.
 constexpr std::size_t kMostMapCells = std::size_t{1} << 28;
 
-/// A grey picture, top row first.
-struct GreyPicture {
+/// A grey image, top row first.
+struct GreyImage {
   std::size_t width{0};   ///< pixels
   std::size_t height{0};  ///< pixels
   unsigned largest{255};  ///< the value of white, [1, 65535]
@@ -23,8 +23,8 @@ struct GreyPicture {
   [[nodiscard]] unsigned at(std::size_t x, std::size_t y) const;
 };
 
-/// Reads a PGM picture, binary (P5) or text (P2). Errors name the file and what is wrong: no such file,
-/// another picture format, more than 2^28 pixels, fewer pixels than announced.
-[[nodiscard]] Result<GreyPicture> read_pgm(const std::filesystem::path& file);
+/// Reads a PGM image, binary (P5) or text (P2). Errors name the file and what is wrong: no such file,
+/// another image format, more than 2^28 pixels, fewer pixels than announced.
+[[nodiscard]] Result<GreyImage> read_pgm(const std::filesystem::path& file);
 
 }  // namespace extperfc

@@ -11,9 +11,9 @@
 #include <vision_msgs/Detection3DArray.h>
 #include <visualization_msgs/MarkerArray.h>
 
+#include "images.hpp"
 #include "inbox.hpp"
 #include "manager.hpp"
-#include "pictures.hpp"
 #include "watch.hpp"
 
 namespace extperfc::ros_test {

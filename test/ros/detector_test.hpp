@@ -7,9 +7,9 @@
 #include <sensor_msgs/Image.h>
 #include <vision_msgs/Detection2DArray.h>
 
+#include "images.hpp"
 #include "inbox.hpp"
 #include "manager.hpp"
-#include "pictures.hpp"
 #include "watch.hpp"
 
 namespace extperfc::ros_test {
@@ -25,11 +25,11 @@ class DetectorTest : public testing::Test {
     ASSERT_TRUE(manager_.load("/detector", "detector", params)) << log_.text();
   }
 
-  [[nodiscard]] bool detector_listens() const { return pictures_.getNumSubscribers() > 0; }
+  [[nodiscard]] bool detector_listens() const { return images_.getNumSubscribers() > 0; }
 
-  void send(const sensor_msgs::ImageConstPtr& picture) const { pictures_.publish(picture); }
+  void send(const sensor_msgs::ImageConstPtr& image) const { images_.publish(image); }
 
-  ros::Publisher pictures_{ros::NodeHandle().advertise<sensor_msgs::Image>(kTopic, 100)};
+  ros::Publisher images_{ros::NodeHandle().advertise<sensor_msgs::Image>(kTopic, 100)};
   DiagnosticsWatch diagnostics_{"detector"};
   LogWatch log_;
   Manager manager_;
@@ -43,11 +43,11 @@ class ListeningDetectorTest : public DetectorTest {
     ASSERT_TRUE(wait_for([this] { return detector_listens() && detections_.connected(); }));
   }
 
-  /// What the detector makes of a picture; null when it does not answer.
+  /// What the detector makes of an image; null when it does not answer.
   [[nodiscard]] vision_msgs::Detection2DArrayConstPtr answer_to(
-      const sensor_msgs::ImageConstPtr& picture) const {
-    send(picture);
-    return detections_.wait_for_stamp(picture->header.stamp);
+      const sensor_msgs::ImageConstPtr& image) const {
+    send(image);
+    return detections_.wait_for_stamp(image->header.stamp);
   }
 
   Inbox<vision_msgs::Detection2DArray> detections_{"detections"};

@@ -230,11 +230,11 @@ TEST_F(BoxDepthTest, NoBoxesGiveAnEmptyResult) {
   EXPECT_TRUE(message->detections.empty());
 }
 
-TEST_F(BoxDepthTest, SlowDetectionsFindTheirOwnPicture) {
+TEST_F(BoxDepthTest, SlowDetectionsFindTheirOwnImage) {
   load();
   send_info(camera_info(ros::Time(1, 0)));
-  constexpr int kPictures = 10;
-  for (int i = 1; i <= kPictures; ++i) {  // picture i sees its box i * 0.2 m away
+  constexpr int kImages = 10;
+  for (int i = 1; i <= kImages; ++i) {  // image i sees its box i * 0.2 m away
     depth_.publish(depth_image(3.0, 0.2 * i, kSquare, "16UC1", ros::Time(i, 0)));
     ASSERT_TRUE(diagnostics_.wait([i](const Report& r) { return r.number("depth received") == i; }));
   }

@@ -44,7 +44,7 @@ TEST_F(BoxDepthFaultTest, CameraInfoOfAnotherSize) {
   load();
   send_info(camera_info(ros::Time(1, 0), {640, 480}));
   send_pair(depth_image(3.0, 1.5, kSquare, "16UC1", ros::Time(1, 0)));
-  expect_error("camera info is for 640 x 480 pixels, but the depth picture has 320 x 240");
+  expect_error("camera info is for 640 x 480 pixels, but the depth image has 320 x 240");
   send_info(camera_info(ros::Time(2, 0)));
   expect_recovery(ros::Time(2, 0));
 }
@@ -53,7 +53,7 @@ TEST_F(BoxDepthFaultTest, DepthOfAnotherSizeThanColour) {
   load();
   send_info(camera_info(ros::Time(1, 0)));
   send_pair(depth_image(3.0, 1.5, kSquare, "16UC1", ros::Time(1, 0), {424, 240}));
-  expect_error("camera info is for 320 x 240 pixels, but the depth picture has 424 x 240");
+  expect_error("camera info is for 320 x 240 pixels, but the depth image has 424 x 240");
   expect_recovery(ros::Time(2, 0));
 }
 
@@ -74,7 +74,7 @@ TEST_F(BoxDepthFaultTest, ColourOnTheDepthTopic) {
   expect_recovery(ros::Time(2, 0));
 }
 
-TEST_F(BoxDepthFaultTest, DepthPictureIsCutOff) {
+TEST_F(BoxDepthFaultTest, DepthImageIsCutOff) {
   load();
   send_info(camera_info(ros::Time(1, 0)));
   auto depth = depth_image(3.0, 1.5, kSquare, "16UC1", ros::Time(1, 0));
@@ -91,7 +91,7 @@ TEST_F(BoxDepthFaultTest, TransformIsMissing) {
   expect_error("no transform from camera_color_optical_frame to moon");
 }
 
-TEST_F(BoxDepthFaultTest, PictureWithoutAFrame) {
+TEST_F(BoxDepthFaultTest, ImageWithoutAFrame) {
   load({{"target_frame", "base_link"}, {"transform_timeout_s", 0.0}});
   send_info(camera_info(ros::Time(1, 0)));
   auto depth = depth_image(3.0, 1.5, kSquare, "16UC1", ros::Time(1, 0));
@@ -108,7 +108,7 @@ TEST_F(BoxDepthFaultTest, StampsNeverMatch) {
     detections_.publish(boxes_at(ros::Time(i, 500000000), {kSquare}));
   }
   EXPECT_TRUE(diagnostics_.wait([](const Report& r) {
-    return r.is_warning_about("/camera/aligned_depth_to_color/image_raw has no picture within 0.020 s");
+    return r.is_warning_about("/camera/aligned_depth_to_color/image_raw has no image within 0.020 s");
   })) << diagnostics_.latest().message();
   EXPECT_EQ(objects_.count(), 0U);
   expect_recovery(ros::Time(20, 0));

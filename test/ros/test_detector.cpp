@@ -21,7 +21,7 @@ TEST_F(DetectorTest, SubscribesOnlyWhileSomebodyListens) {
   }
   EXPECT_TRUE(wait_for([this] { return !detector_listens(); })) << "nobody listens any more";
   const Inbox<sensor_msgs::Image> viewer("detections/image");
-  EXPECT_TRUE(wait_for([this] { return detector_listens(); })) << "the annotated picture needs pictures too";
+  EXPECT_TRUE(wait_for([this] { return detector_listens(); })) << "the annotated image needs images too";
 }
 
 TEST_F(DetectorTest, SilenceIsNoFaultWhileNobodyListens) {
@@ -52,14 +52,14 @@ TEST_F(ListeningDetectorTest, AnnotatesOnlyOnDemand) {
         return viewer.count() > 0;
       }));
   annotated = viewer.all().front();
-  EXPECT_EQ(annotated->header.stamp, ros::Time(11, 0)) << "the picture of before was drawn for nobody";
+  EXPECT_EQ(annotated->header.stamp, ros::Time(11, 0)) << "the image of before was drawn for nobody";
   EXPECT_EQ(annotated->header.frame_id, kFrame);
   EXPECT_EQ(annotated->encoding, "bgr8");
   EXPECT_NE(annotated->data, before) << "nothing was drawn";
-  EXPECT_EQ(original->data, before) << "it was drawn into the camera's own picture";
+  EXPECT_EQ(original->data, before) << "it was drawn into the camera's own image";
 }
 
-TEST_F(ListeningDetectorTest, NewestPictureReplacesOneThatWaits) {
+TEST_F(ListeningDetectorTest, NewestImageReplacesOneThatWaits) {
   load_and_listen({}, "square_slow");
   constexpr std::uint32_t kBurst = 12;
   for (std::uint32_t i = 1; i <= kBurst; ++i) {
@@ -68,7 +68,7 @@ TEST_F(ListeningDetectorTest, NewestPictureReplacesOneThatWaits) {
     if (i > 1) continue;
     ASSERT_TRUE(diagnostics_.wait(received));  // the detector is busy with the first when the others come
   }
-  ASSERT_TRUE(detections_.wait_for_stamp(ros::Time(kBurst, 0))) << "the newest picture must be the last";
+  ASSERT_TRUE(detections_.wait_for_stamp(ros::Time(kBurst, 0))) << "the newest image must be the last";
   const auto answers = detections_.all();
   EXPECT_LT(answers.size(), kBurst) << "a busy detector must not queue";
   for (std::size_t i = 1; i < answers.size(); ++i)
@@ -78,14 +78,14 @@ TEST_F(ListeningDetectorTest, NewestPictureReplacesOneThatWaits) {
       << unanswered << " were dropped, diagnostics say " << diagnostics_.latest().value("dropped");
 }
 
-TEST_F(ListeningDetectorTest, OrderIsKeptWhenSeveralPicturesAreInFlight) {
+TEST_F(ListeningDetectorTest, OrderIsKeptWhenSeveralImagesAreInFlight) {
   const auto backends = detect::available_backends();
   if (std::find(backends.begin(), backends.end(), "openvino") == backends.end())
-    GTEST_SKIP() << "this build has no OpenVINO, the only back end with several pictures in flight";
+    GTEST_SKIP() << "this build has no OpenVINO, the only back end with several images in flight";
   load_and_listen({{"backend", "openvino"}, {"threads", 2}, {"mode", "throughput"}});
-  constexpr std::uint32_t kPictures = 200;
-  for (std::uint32_t i = 1; i <= kPictures; ++i) send(to_image(draw_square(kRed), "rgb8", ros::Time(i, 0)));
-  ASSERT_TRUE(detections_.wait_for_stamp(ros::Time(kPictures, 0)));
+  constexpr std::uint32_t kImages = 200;
+  for (std::uint32_t i = 1; i <= kImages; ++i) send(to_image(draw_square(kRed), "rgb8", ros::Time(i, 0)));
+  ASSERT_TRUE(detections_.wait_for_stamp(ros::Time(kImages, 0)));
   const auto answers = detections_.all();
   for (std::size_t i = 1; i < answers.size(); ++i)
     ASSERT_LT(answers[i - 1]->header.stamp, answers[i]->header.stamp);
@@ -108,7 +108,7 @@ TEST_F(ListeningDetectorTest, WarnsOfASilentTopic) {
   EXPECT_TRUE(diagnostics_.wait([](const Report& r) {
     return r.number("processed") == 1 && r.is_warning_about("no message on /camera/color/image_raw");
   }));
-  ASSERT_TRUE(wait_for([this] {  // and is content as soon as pictures come again
+  ASSERT_TRUE(wait_for([this] {  // and is content as soon as images come again
     send(to_image(draw_square(kRed), "rgb8", ros::Time::now()));
     return diagnostics_.latest().level() == 0;
   }));
@@ -121,7 +121,7 @@ TEST_F(ListeningDetectorTest, UsesTheThresholdOfTheParameter) {
   EXPECT_TRUE(none->detections.empty()) << none->detections.front().results.front().score;
 }
 
-TEST_F(ListeningDetectorTest, IsUnloadedWhilePicturesStream) {
+TEST_F(ListeningDetectorTest, IsUnloadedWhileImagesStream) {
   for (std::uint32_t round = 0; round < 10; ++round) {
     load_and_listen();
     const auto before = detections_.count();

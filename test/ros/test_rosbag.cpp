@@ -7,9 +7,9 @@
 #include <vision_msgs/Detection3DArray.h>
 
 #include "child_process.hpp"
+#include "images.hpp"
 #include "inbox.hpp"
 #include "manager.hpp"
-#include "pictures.hpp"
 #include "recording.hpp"
 #include "temporary_folder.hpp"
 #include "watch.hpp"

@@ -9,9 +9,9 @@
 
 #include "extperfc/sources/recording.hpp"
 
+#include "images.hpp"
 #include "inbox.hpp"
 #include "manager.hpp"
-#include "pictures.hpp"
 #include "recording.hpp"
 #include "simulated_time.hpp"
 #include "temporary_folder.hpp"
@@ -140,7 +140,7 @@ TEST_F(SourceTest, DiagnosticsGoOnAfterTheClockRanBack) {
   EXPECT_TRUE(diagnostics_.goes_on()) << "not only when the time of before is reached";
 }
 
-TEST_F(SourceTest, AnUnreadablePictureIsNamedAndPassedOver) {
+TEST_F(SourceTest, AnUnreadableImageIsNamedAndPassedOver) {
   write_recording(folder_.path(), 3);
   std::filesystem::resize_file(folder_.path() / "rgb" / "1.png", 20);
   load({});
@@ -151,7 +151,7 @@ TEST_F(SourceTest, AnUnreadablePictureIsNamedAndPassedOver) {
   EXPECT_TRUE(never([this] { return color_.count() > 2; }, 0.3));
 }
 
-TEST_F(SourceTest, FolderOfUnreadablePicturesStaysCalm) {
+TEST_F(SourceTest, FolderOfUnreadableImagesStaysCalm) {
   write_recording(folder_.path(), 1);
   std::filesystem::resize_file(folder_.path() / "rgb" / "0.png", 20);
   load({{"loop", true}, {"wait_for_subscriber", false}});

@@ -1,12 +1,12 @@
-// Pictures travel as pointers inside one manager: the address that a subscriber reads from is the one that
+// Images travel as pointers inside one manager: the address that a subscriber reads from is the one that
 // the publisher wrote to. From another process they come through a socket, and diagnostics say so.
 #include <gtest/gtest.h>
 #include <vision_msgs/Detection2DArray.h>
 #include <vision_msgs/Detection3DArray.h>
 
+#include "images.hpp"
 #include "inbox.hpp"
 #include "manager.hpp"
-#include "pictures.hpp"
 #include "recording.hpp"
 #include "temporary_folder.hpp"
 #include "watch.hpp"
@@ -30,7 +30,7 @@ std::size_t shared_stamps(const Addresses& a, const Addresses& b) {
 void expect_same_addresses(const Addresses& published, const Addresses& received, const std::string& by) {
   for (const auto& [stamp, address] : received)
     if (const auto found = published.find(stamp); found != published.end()) {
-      EXPECT_EQ(address, found->second) << by << " read a copy of the picture of " << stamp;
+      EXPECT_EQ(address, found->second) << by << " read a copy of the image of " << stamp;
     }
 }
 
@@ -41,18 +41,18 @@ Addresses addresses_of(const Inbox<sensor_msgs::Image>& inbox) {
   return addresses;
 }
 
-TEST(ZeroCopy, DetectorReadsThePictureWhereThisTestPutIt) {
+TEST(ZeroCopy, DetectorReadsTheImageWhereThisTestPutIt) {
   Manager manager;
   const DiagnosticsWatch detector("detector");
-  auto pictures = ros::NodeHandle().advertise<sensor_msgs::Image>("camera/color/image_raw", 2);
+  auto publisher = ros::NodeHandle().advertise<sensor_msgs::Image>("camera/color/image_raw", 2);
   const Inbox<vision_msgs::Detection2DArray> detections("detections");
   ASSERT_TRUE(manager.load("/detector", "detector", detector_params()));
-  ASSERT_TRUE(wait_for([&] { return pictures.getNumSubscribers() > 0 && detections.connected(); }));
+  ASSERT_TRUE(wait_for([&] { return publisher.getNumSubscribers() > 0 && detections.connected(); }));
 
   std::vector<sensor_msgs::ImageConstPtr> kept;  // so that no address is used twice
   for (std::size_t i = 0; i < kFrames; ++i) {
     kept.push_back(to_image(draw_square(kRed), "bgr8", ros::Time::now()));
-    pictures.publish(kept.back());
+    publisher.publish(kept.back());
     const auto expected =
         stamp_text(kept.back()->header.stamp) + " @ " + address_text(kept.back()->data.data());
     ASSERT_TRUE(detector.wait_latest([&](const Report& r) { return r.value("image last") == expected; }))
@@ -61,7 +61,7 @@ TEST(ZeroCopy, DetectorReadsThePictureWhereThisTestPutIt) {
   EXPECT_EQ(detector.latest().value("image transport"), kPointer);
 }
 
-TEST(ZeroCopy, OnePictureForSourceDetectorDepthAndThisTest) {
+TEST(ZeroCopy, OneImageForSourceDetectorDepthAndThisTest) {
   TemporaryFolder folder;
   write_recording(folder.path(), 4);
   Manager manager;
@@ -86,7 +86,7 @@ TEST(ZeroCopy, OnePictureForSourceDetectorDepthAndThisTest) {
            shared_stamps(aligned, source.addresses("depth last")) >= kFrames;
   };
   ASSERT_TRUE(wait_for(enough, kSamplingPatienceS))
-      << color_images.count() << " pictures, " << objects.count() << " results";
+      << color_images.count() << " images, " << objects.count() << " results";
   expect_same_addresses(addresses_of(color_images), detector.addresses("image last"), "detector");
   expect_same_addresses(addresses_of(color_images), source.addresses("color last"), "source");
   expect_same_addresses(addresses_of(depth_images), depth.addresses("depth last"), "box_depth");

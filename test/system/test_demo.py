@@ -50,12 +50,12 @@ class Demo(unittest.TestCase):
         self.assertTrue(0.01 < math.dist(center, surface) < 0.12, row)
         self.assertLess(float(row["sigma_m"]), 0.1, "nothing of the extent is in the error of the surface")
 
-    def test_plays_generated_pictures_once(self):
+    def test_plays_generated_images_once(self):
         with tempfile.TemporaryDirectory() as folder:
-            pictures, out = pathlib.Path(folder) / "pictures", pathlib.Path(folder) / "out"
-            subprocess.run(["/usr/bin/python3", REPO / "tools" / "generate_pictures", "--out", pictures, "--frames", "30",
+            images, out = pathlib.Path(folder) / "images", pathlib.Path(folder) / "out"
+            subprocess.run(["/usr/bin/python3", REPO / "tools" / "generate_images", "--out", images, "--frames", "30",
                             "--seed", "7"], check=True, stdout=subprocess.DEVNULL)
-            done = demo("--source", pictures, "--out", out)
+            done = demo("--source", images, "--out", out)
             self.assertEqual(0, done.returncode, done.stdout + done.stderr)
             frames = int(re.search(r"^(\d+) frames, (\d+) objects", done.stdout, re.M).group(1))
             self.assertGreaterEqual(frames, 10)
@@ -65,12 +65,12 @@ class Demo(unittest.TestCase):
                 self.assertTrue(0.1 < float(row["depth_m"]) < 10.0, row)
             self.assertGreaterEqual(len(list(out.glob("*.png"))), 10)
 
-    def test_real_pictures_with_a_public_network(self):
-        pictures, model = SHARED / "rgbd" / "dining_room", SHARED / "models" / "fastestdet"
-        if not pictures.exists() or not model.exists():
+    def test_real_images_with_a_public_network(self):
+        images, model = SHARED / "rgbd" / "dining_room", SHARED / "models" / "fastestdet"
+        if not images.exists() or not model.exists():
             self.skipTest("the recordings beside the repository (../shared) are not here")
         with tempfile.TemporaryDirectory() as out:
-            done = demo("--source", pictures, "--model", model, "--rate", "3", "--out", out)
+            done = demo("--source", images, "--model", model, "--rate", "3", "--out", out)
             self.assertEqual(0, done.returncode, done.stdout + done.stderr)
             self.assertGreaterEqual(len(re.findall(r"^\d+ +chair ", done.stdout, re.M)), 5, done.stdout)
 

@@ -39,14 +39,14 @@ class RenderTool(unittest.TestCase):
         self.addCleanup(temporary.cleanup)
         self.folder = pathlib.Path(temporary.name)
 
-    def pictures(self, name, *arguments):
+    def images(self, name, *arguments):
         out = self.folder / name
         done = render(out, *SMALL, *arguments)
         self.assertEqual(0, done.returncode, done.stdout + done.stderr)
         return out
 
     def test_writes_pascal_voc(self):
-        out = self.pictures("voc", "--count", 10, "--seed", 7, "--depth", "--val", 0.4)
+        out = self.images("voc", "--count", 10, "--seed", 7, "--depth", "--val", 0.4)
         names = [f"{i:06d}" for i in range(1, 11)]
         for folder, suffix in (("JPEGImages", "jpg"), ("Annotations", "xml"), ("Depth", "png")):
             self.assertEqual([f"{name}.{suffix}" for name in names],
@@ -61,12 +61,12 @@ class RenderTool(unittest.TestCase):
         self.assertGreater(len(objects), 15)
         for name in names:
             header = (out / "Depth" / f"{name}.png").read_bytes()[16:25]
-            self.assertEqual((160, 120, 16), struct.unpack(">IIB", header), "16-bit depth of the picture's size")
+            self.assertEqual((160, 120, 16), struct.unpack(">IIB", header), "16-bit depth of the image's size")
 
     def check_annotation(self, out, name, labels):
         root = xml.etree.ElementTree.parse(out / "Annotations" / f"{name}.xml").getroot()
-        picture = out / "JPEGImages" / root.find("filename").text
-        self.assertEqual((160, 120), jpeg_size(picture))
+        image = out / "JPEGImages" / root.find("filename").text
+        self.assertEqual((160, 120), jpeg_size(image))
         self.assertEqual(["160", "120", "3"], [root.find(f"size/{key}").text for key in ("width", "height", "depth")])
         for found in root.findall("object"):
             self.assertIn(found.find("name").text, labels)
@@ -78,18 +78,18 @@ class RenderTool(unittest.TestCase):
                 self.assertIn(found.find(flag).text, ("0", "1"))
             self.assertTrue(0 < float(found.find("visible").text) <= 1)
             if 1 < left and 1 < top and right < 160 and bottom < 120:
-                self.assertEqual("0", found.find("truncated").text, f"{name}: within the picture")
+                self.assertEqual("0", found.find("truncated").text, f"{name}: within the image")
         return root.findall("object")
 
     def test_same_seed_same_files_whatever_the_threads(self):
-        first = files_of(self.pictures("first", "--count", 9, "--seed", 3, "--threads", 1))
-        second = files_of(self.pictures("second", "--count", 9, "--seed", 3, "--threads", 2))
-        other = files_of(self.pictures("other", "--count", 9, "--seed", 4))
+        first = files_of(self.images("first", "--count", 9, "--seed", 3, "--threads", 1))
+        second = files_of(self.images("second", "--count", 9, "--seed", 3, "--threads", 2))
+        other = files_of(self.images("other", "--count", 9, "--seed", 4))
         self.assertEqual(first, second)
         self.assertNotEqual(first["JPEGImages/000001.jpg"], other["JPEGImages/000001.jpg"])
 
     def test_world_of_a_file(self):
-        out = self.pictures("lab", "--count", 3, "--world", REPO / "config" / "worlds" / "lab.yaml", "--plain")
+        out = self.images("lab", "--count", 3, "--world", REPO / "config" / "worlds" / "lab.yaml", "--plain")
         self.assertEqual(3, len(list((out / "JPEGImages").iterdir())))
         broken = render(self.folder / "x", "--world", self.folder / "none.yaml")
         self.assertEqual(1, broken.returncode)
@@ -97,7 +97,7 @@ class RenderTool(unittest.TestCase):
         self.assertFalse((self.folder / "x").exists(), "nothing is made for a world that cannot be read")
 
     def test_resumes_and_refuses_what_does_not_fit(self):
-        out = self.pictures("set", "--count", 3, "--seed", 5)
+        out = self.images("set", "--count", 3, "--seed", 5)
         again = render(out, *SMALL, "--count", 3, "--seed", 5)
         self.assertEqual(1, again.returncode)
         self.assertIn("--resume", again.stderr)
@@ -107,8 +107,8 @@ class RenderTool(unittest.TestCase):
         (out / "Annotations" / "000002.xml").unlink()
         more = render(out, *SMALL, "--count", 6, "--seed", 5, "--resume")
         self.assertEqual(0, more.returncode, more.stderr)
-        self.assertIn("6 pictures, 4 of them new", more.stdout)
-        self.assertEqual(files_of(self.pictures("whole", "--count", 6, "--seed", 5)), files_of(out))
+        self.assertIn("6 images, 4 of them new", more.stdout)
+        self.assertEqual(files_of(self.images("whole", "--count", 6, "--seed", 5)), files_of(out))
 
     def test_interruption_leaves_a_complete_folder(self):
         out = self.folder / "cut"
@@ -120,7 +120,7 @@ class RenderTool(unittest.TestCase):
         process.send_signal(signal.SIGINT)
         stdout, stderr = process.communicate(timeout=60)
         self.assertEqual(130, process.returncode, stderr)
-        count = int(re.search(r": (\d+) pictures", stdout).group(1))
+        count = int(re.search(r": (\d+) images", stdout).group(1))
         self.assertTrue(3 <= count < 5000, stdout)
         listed = (out / "ImageSets" / "Main" / "trainval.txt").read_text().split()
         for folder in ("Annotations", "JPEGImages"):

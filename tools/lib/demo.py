@@ -1,4 +1,4 @@
-"""Detects objects, puts them into space, and shows the result as a table and as pictures.
+"""Detects objects, puts them into space, and shows the result as a table and as images.
 
 Without --source the simulated robot stands in its laboratory: detector and depth work on its camera, and the table
 tells how far each estimated position is from the truth. With a display it opens rviz.
@@ -37,9 +37,9 @@ def add_common(parser):
                         help="model folder, see models/README.md; default: models/shapes")
     parser.add_argument("--seconds", type=float, metavar="N",
                         help="stop after N seconds; default: until Ctrl-C with a display; without one the\n"
-                             f"simulation runs {SECONDS_WITHOUT_DISPLAY:.0f} s, a folder of pictures once through")
+                             f"simulation runs {SECONDS_WITHOUT_DISPLAY:.0f} s, a folder of images once through")
     parser.add_argument("--out", type=pathlib.Path, default=WS / "demo", metavar="FOLDER",
-                        help="where annotated pictures and table.csv go; default: .ws/demo")
+                        help="where annotated images and table.csv go; default: .ws/demo")
     parser.add_argument("--backend", choices=("auto", "openvino", "opencv"), default="auto",
                         help="default: the fastest that loads the model")
     parser.add_argument("--device", default="CPU", help="CPU, GPU, NPU or AUTO; default: CPU")
@@ -56,8 +56,8 @@ def add_simulation(group):
 
 def add_recording(group):
     group.add_argument("--source", type=pathlib.Path, metavar="PATH",
-                       help="folder of aligned colour and depth pictures (TUM associations.txt, or equal names in\n"
-                            "rgb/ and depth/), or an MRPT .rawlog file; tools/generate_pictures makes a folder")
+                       help="folder of aligned colour and depth images (TUM associations.txt, or equal names in\n"
+                            "rgb/ and depth/), or an MRPT .rawlog file; tools/generate_images makes a folder")
     group.add_argument("--rate", type=float, default=10.0, metavar="HZ", help="frames per second; default: 10")
     group.add_argument("--frame", metavar="FRAME",
                        help="tf frame of x y z; default: map where the recording knows its camera's poses\n"
@@ -105,7 +105,7 @@ def rviz_config(folder, fixed_frame):
 
 
 def simulation_view(folder):
-    """The simulation's rviz configuration with the detector's picture in the place of the camera's."""
+    """The simulation's rviz configuration with the detector's image in the place of the camera's."""
     text = (REPO / "config" / "rviz" / "simulation.rviz").read_text()
     changed = folder / "demo.rviz"
     changed.write_text(text.replace("Image Topic: /camera/color/image_raw", "Image Topic: /detections/image"))
@@ -192,7 +192,7 @@ def prepare(options):
     """Makes the folder of results. Returns whether rviz shall run."""
     with_rviz = not options.no_rviz and display_works()
     if not with_rviz and not options.no_rviz:
-        print("No display here: going on without rviz; table and pictures follow.")
+        print("No display here: going on without rviz; table and images follow.")
     options.out.mkdir(parents=True, exist_ok=True)
     for old in options.out.glob("[0-9]*.png"):
         old.unlink()
@@ -222,7 +222,7 @@ def run(options):
     table.close()
     if table.frames:
         print("\n" + "\n".join(table.summary()))
-        print(f"Annotated pictures and table.csv: {options.out}")
+        print(f"Annotated images and table.csv: {options.out}")
     return 0 if good else 1
 
 

@@ -1,4 +1,4 @@
-"""Joins what belongs to one picture: boxes, annotated picture, positions, and in the simulator the truth."""
+"""Joins what belongs to one image: boxes, annotated image, positions, and in the simulator the truth."""
 
 import collections
 import threading
@@ -23,7 +23,7 @@ def vector(message):
 
 
 class Watcher:
-    """Joins detections, their centres and surface points, and annotated pictures of one stamp; hands complete frames on."""
+    """Joins detections, their centres and surface points, and annotated images of one stamp; hands complete frames on."""
 
     KEPT = 20  # stamps waited for at the same time
     PARTS = frozenset({"boxes", "image", "objects", "surface"})  # of a complete frame
@@ -68,7 +68,7 @@ class Watcher:
         rows = self._rows(entry["boxes"], list(zip(entry["objects"].detections, entry["surface"].detections)))
         if self.complete == 0:
             self.table.header()
-        self._write_picture(entry["image"], rows)
+        self._write_image(entry["image"], rows)
         self._report(stamp, rows, entry)
         self.complete += 1
 
@@ -106,27 +106,27 @@ class Watcher:
         return float(axis @ (numpy.array(vector(pose.position)) - self._camera_position(header)))
 
     def _camera_position(self, header):
-        """Where the camera was when it took the picture, in the table's frame [m]."""
+        """Where the camera was when it took the image, in the table's frame [m]."""
         if header.frame_id == OPTICAL_FRAME:
             return numpy.zeros(3)
         found = self.tf.lookup_transform(header.frame_id, OPTICAL_FRAME, header.stamp, self.rospy.Duration(0.5))
         return numpy.array(vector(found.transform.translation))
 
-    def _write_picture(self, message, rows):
-        limit = 300  # pictures; a demo that runs for hours must not fill the disk
+    def _write_image(self, message, rows):
+        limit = 300  # images; a demo that runs for hours must not fill the disk
         if self.complete >= limit:
             return
-        picture = numpy.frombuffer(message.data, numpy.uint8).reshape(message.height, message.step)
-        picture = picture[:, :message.width * 3].reshape(message.height, message.width, 3).copy()
+        image = numpy.frombuffer(message.data, numpy.uint8).reshape(message.height, message.step)
+        image = image[:, :message.width * 3].reshape(message.height, message.width, 3).copy()
         for row in rows:
             if "depth" in row:
                 x0, y0, x1, y1 = row["box"]
                 text, font, scale = f"{row['depth']:.2f} m", cv2.FONT_HERSHEY_SIMPLEX, 0.5
                 (width, _), _ = cv2.getTextSize(text, font, scale, 1)
                 origin = (int((x0 + x1 - width) / 2), int((y0 + y1) / 2))
-                cv2.putText(picture, text, origin, font, scale, (0, 0, 0), 3, cv2.LINE_AA)
-                cv2.putText(picture, text, origin, font, scale, (255, 255, 255), 1, cv2.LINE_AA)
-        cv2.imwrite(str(self.options.out / f"{self.complete:06d}.png"), picture)
+                cv2.putText(image, text, origin, font, scale, (0, 0, 0), 3, cv2.LINE_AA)
+                cv2.putText(image, text, origin, font, scale, (255, 255, 255), 1, cv2.LINE_AA)
+        cv2.imwrite(str(self.options.out / f"{self.complete:06d}.png"), image)
 
 
 class TruthWatcher(Watcher):

@@ -65,7 +65,7 @@ class Table:
         """Lines for people."""
         if not self.frames:
             return []
-        return [f"{self.frames} frames, {self.objects} objects; from picture to 3D detections "
+        return [f"{self.frames} frames, {self.objects} objects; from image to 3D detections "
                 f"{statistics.median(self.latencies_ms):.1f} ms (median)"]
 
 

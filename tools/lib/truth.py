@@ -1,4 +1,4 @@
-"""Compares detections with the simulator's ground truth; knows neither ROS nor pictures."""
+"""Compares detections with the simulator's ground truth; knows neither ROS nor images."""
 
 import collections
 

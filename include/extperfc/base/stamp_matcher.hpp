@@ -9,9 +9,9 @@
 
 namespace extperfc {
 
-/// Pairs items of a slow stream (results) with the item of a fast stream (pictures) nearest in time.
+/// Pairs items of a slow stream (results) with the item of a fast stream (images) nearest in time.
 ///
-/// Unlike a symmetric approximate synchroniser it never waits for a later picture once one lies within the
+/// Unlike a symmetric approximate synchroniser it never waits for a later image once one lies within the
 /// tolerance, so a pair leaves as soon as both halves are there. Both sides are bounded; what falls out
 /// unmatched is counted. One thread at a time. Stamps are nanoseconds.
 template <typename Slow, typename Fast>
@@ -19,21 +19,20 @@ class StampMatcher {
  public:
   struct Limits {
     std::int64_t tolerance_ns{0};
-    std::size_t fast_kept{
-        30};  ///< pictures remembered: delay of the slow stream x picture rate, with a margin
-    std::size_t slow_kept{5};  ///< results that wait for their picture
+    std::size_t fast_kept{30};  ///< images remembered: delay of the slow stream x image rate, with a margin
+    std::size_t slow_kept{5};   ///< results that wait for their image
   };
   using Pair = std::pair<Slow, Fast>;
 
   explicit StampMatcher(Limits limits) : limits_(limits) {}
 
-  /// A result: returned with its picture when that is known; otherwise kept while its picture may still come.
+  /// A result: returned with its image when that is known; otherwise kept while its image may still come.
   std::optional<Pair> add_slow(std::int64_t stamp_ns, Slow item) {
     reset_if_backwards(stamp_ns, newest_slow_ns_);
     newest_slow_ns_ = stamp_ns;
     if (const Fast* match = nearest(stamp_ns)) return Pair(std::move(item), *match);
     if (newest_fast_ns_ && *newest_fast_ns_ > stamp_ns + limits_.tolerance_ns) {
-      ++unmatched_;  // pictures are already past it
+      ++unmatched_;  // images are already past it
       return std::nullopt;
     }
     waiting_.push_back({stamp_ns, std::move(item)});
@@ -41,7 +40,7 @@ class StampMatcher {
     return std::nullopt;
   }
 
-  /// A picture: returns the waiting result that it completes, if any.
+  /// An image: returns the waiting result that it completes, if any.
   std::optional<Pair> add_fast(std::int64_t stamp_ns, Fast item) {
     reset_if_backwards(stamp_ns, newest_fast_ns_);
     newest_fast_ns_ = stamp_ns;
@@ -61,7 +60,7 @@ class StampMatcher {
     return completed;
   }
 
-  /// Results that no picture was found for.
+  /// Results that no image was found for.
   [[nodiscard]] std::uint64_t unmatched() const { return unmatched_; }
 
  private:

@@ -35,7 +35,7 @@ struct BoxDepthParams {
   StereoNoiseModel noise;
 };
 
-/// What the depth picture says about one box.
+/// What the depth image says about one box.
 struct BoxDepth {
   double depth_m{0};         ///< along the optical axis, to the visible surface
   double sigma_m{0};         ///< standard deviation of depth_m, from the noise model and the spread
@@ -43,11 +43,11 @@ struct BoxDepth {
   double valid_fraction{0};  ///< valid pixels / pixels of the region looked at, [0, 1]
 };
 
-/// Depth of the object in `box`. Nothing when no valid estimate exists: the box lies outside the picture, is
+/// Depth of the object in `box`. Nothing when no valid estimate exists: the box lies outside the image, is
 /// not finite or has no area, or fewer than min_valid_px pixels are valid.
 ///
-/// `depth` is kDepth16Mm or kDepth32M, of the same size as the colour picture that `box` refers to. Zeros,
-/// NaN, infinities and values outside [min, max] are not valid. The box is clipped to the picture, so
+/// `depth` is kDepth16Mm or kDepth32M, of the same size as the colour image that `box` refers to. Zeros,
+/// NaN, infinities and values outside [min, max] are not valid. The box is clipped to the image, so
 /// "centre" is that of its visible part; nearest_mode looks at the whole box where the central part has too
 /// few valid pixels. Regions of more than 1024 pixels are read on a regular grid: bounded time, no heap.
 /// Precondition: validate(params) passed.

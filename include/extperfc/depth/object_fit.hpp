@@ -49,7 +49,7 @@ struct ObjectFit {
   Eigen::Vector3d support{0, 0, 0};  ///< point of the support under the object, optical frame [m]
 };
 
-/// Pose and size of the object in `box`, from the depth picture and the shape that the detector names.
+/// Pose and size of the object in `box`, from the depth image and the shape that the detector names.
 ///
 /// 1. Support: the plane with a normal near `up` that most pixels around the box lie on (RANSAC, Fischler and
 ///    Bolles 1981), then least squares with `up` as prior knowledge of the normal.
@@ -59,9 +59,9 @@ struct ObjectFit {
 ///    with Cauchy weights.
 ///
 /// The part of the object that is hidden comes from the shape alone, so a lying cone or a long box is taken
-/// for something else, or refused. `depth` is kDepth16Mm or kDepth32M, aligned to the picture of `box`; `up`
+/// for something else, or refused. `depth` is kDepth16Mm or kDepth32M, aligned to the image of `box`; `up`
 /// is a unit vector against gravity in the optical frame. Errors: kInvalidArgument for a parameter out of its
-/// range, another picture format, an empty box or a zero `up`; kNotFound, with a reason in one line, when
+/// range, another image format, an empty box or a zero `up`; kNotFound, with a reason in one line, when
 /// there is no depth, no support, nothing on it, or what stands there is not of this shape or size. Bounded
 /// time: at most about 4,000 pixels are read; some 5 ms, a cube 10 ms. Thread-safe.
 [[nodiscard]] Result<ObjectFit> fit_object(const ImageView& depth, const CameraModel& camera, const Box2& box,

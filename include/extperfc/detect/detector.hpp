@@ -21,17 +21,17 @@ struct StageTimes {
 };
 
 struct DetectorOutput {
-  Detections detections;  ///< best first, boxes in pixels of the picture, clipped to it
+  Detections detections;  ///< best first, boxes in pixels of the image, clipped to it
   StageTimes times;
 };
 
-/// A model with its pre- and post-processing: picture in, boxes out.
+/// A model with its pre- and post-processing: image in, boxes out.
 class Detector {
  public:
-  /// Loads the model and runs it once on a grey picture; see make_backend() for the errors.
+  /// Loads the model and runs it once on a grey image; see make_backend() for the errors.
   [[nodiscard]] static Result<Detector> create(ModelSpec spec, const InferenceOptions& options);
 
-  /// One picture, `slot` in [0, slots()). Different slots may be used by different threads at the same time.
+  /// One image, `slot` in [0, slots()). Different slots may be used by different threads at the same time.
   [[nodiscard]] Result<DetectorOutput> detect(const ImageView& image, int slot = 0);
 
   [[nodiscard]] const ModelSpec& spec() const { return spec_; }

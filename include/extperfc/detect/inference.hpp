@@ -55,7 +55,7 @@ class InferenceBackend {
   [[nodiscard]] virtual std::string execution() const = 0;
   /// Number of slots, at least 1.
   [[nodiscard]] virtual int slots() const = 0;
-  /// Input buffer [3, height, width] of a slot; write the preprocessed picture here: no copy follows.
+  /// Input buffer [3, height, width] of a slot; write the preprocessed image here: no copy follows.
   [[nodiscard]] virtual float* input(int slot) = 0;
   /// Runs the network on the slot's input. Outputs are in the order of ModelSpec::output.names.
   [[nodiscard]] virtual Result<std::vector<TensorView>> infer(int slot) = 0;

@@ -10,7 +10,7 @@ namespace extperfc::simulate {
 /// What a random world may hold. Textures, colours, light, sizes and places are always drawn at random.
 struct RandomWorldParams {
   enum class Kind {
-    kTable,  ///< a room with things on a table before the robot, for training pictures
+    kTable,  ///< a room with things on a table before the robot, for training images
     kFloor,  ///< rooms along a corridor with doors and furniture, for mapping and navigation
   };
   Kind kind{Kind::kTable};

@@ -108,7 +108,7 @@ struct JointSample {
 /// A fault on demand. docs/simulation.md tells what each target and value mean.
 enum class FaultKind {
   kNone,
-  kCameraFreeze,  ///< the same picture again, with new stamps
+  kCameraFreeze,  ///< the same image again, with new stamps
   kCameraDrop,    ///< value: share of frames that are lost, [0, 1]
   kCameraNan,     ///< value: share of depth pixels without a measurement, [0, 1] (NaN in 32FC1, 0 in 16UC1)
   kLidarRings,    ///< target: ring numbers, e.g. "3,7"; their points are missing

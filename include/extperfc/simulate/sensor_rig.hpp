@@ -34,12 +34,12 @@ struct CameraParams {
   std::uint32_t sensor{0};  ///< number of this camera: tells its noise from another's
   bool shadows{true};
   bool soft_light{true};      ///< a lamp with a size and less light in corners; false: sharp shadows, cheaper
-  int supersampling{1};       ///< 1 or 2: 2 x 2 rays per pixel, for training pictures
+  int supersampling{1};       ///< 1 or 2: 2 x 2 rays per pixel, for training images
   double image_noise{0.006};  ///< standard deviation of a colour value, as a share of full scale; 0: none
   DepthNoiseParams depth;
 };
 
-/// One picture. All arrays are width x height, row by row.
+/// One image. All arrays are width x height, row by row.
 struct CameraImages {
   int width{0};
   int height{0};
@@ -68,14 +68,14 @@ struct LidarPoint {
   float time;          ///< since the start of the sweep [s]
 };
 
-/// What an instance number of a picture stands for.
+/// What an instance number of an image stands for.
 struct Instance {
   std::string name;   ///< of the body or person; "robot" for the robot's links
   std::string label;  ///< class; empty: background
   int body{-1};       ///< index into WorldSpec::bodies; -1: a person or the robot
 };
 
-/// Visible box of an instance in a picture: pixels, both ends included.
+/// Visible box of an instance in an image: pixels, both ends included.
 struct VisibleBox {
   int instance{0};
   int x_min{0}, y_min{0}, x_max{0}, y_max{0};

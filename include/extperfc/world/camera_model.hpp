@@ -17,7 +17,7 @@ struct CameraModel {
   double fy{0};                        ///< pixels
   double cx{0};                        ///< pixels
   double cy{0};                        ///< pixels
-  std::array<double, 5> distortion{};  ///< all zero for a rectified picture
+  std::array<double, 5> distortion{};  ///< all zero for a rectified image
 
   /// An error that names the first value that cannot be (sizes and focal lengths must be positive and
   /// finite).

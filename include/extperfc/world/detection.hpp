@@ -5,8 +5,8 @@
 
 namespace extperfc {
 
-/// Axis-aligned rectangle in pixels of the full picture; x right, y down, pixel edges (not centres), so a box
-/// around the single pixel (0, 0) is {0, 0, 1, 1}. May reach beyond the picture.
+/// Axis-aligned rectangle in pixels of the full image; x right, y down, pixel edges (not centres), so a box
+/// around the single pixel (0, 0) is {0, 0, 1, 1}. May reach beyond the image.
 struct Box2 {
   float x_min{0};
   float y_min{0};
@@ -29,11 +29,11 @@ struct Box2 {
   return all > 0.0F ? shared / all : 0.0F;
 }
 
-/// One object in one picture.
+/// One object in one image.
 struct Detection {
   int class_index{0};  ///< into the model's class names
   float score{0};      ///< [0, 1]
-  Box2 box;            ///< pixels of the picture that was given, not of the network's input
+  Box2 box;            ///< pixels of the image that was given, not of the network's input
 };
 
 using Detections = std::vector<Detection>;

@@ -19,8 +19,8 @@ struct MapThresholds {
                                     const MapThresholds& thresholds = {});
 
 /// Reads a map that map_server reads: a YAML file (image, resolution, origin, negate, occupied_thresh,
-/// free_thresh, mode trinary | scale | raw) and the PGM picture (binary or text, up to 16 bits) that it
-/// names. Errors name the file, the key and the remedy (other picture formats: convert them to PGM).
+/// free_thresh, mode trinary | scale | raw) and the PGM image (binary or text, up to 16 bits) that it
+/// names. Errors name the file, the key and the remedy (other image formats: convert them to PGM).
 [[nodiscard]] Result<OccupancyGrid> load_map(const std::filesystem::path& yaml);
 
 }  // namespace extperfc

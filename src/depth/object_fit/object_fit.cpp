@@ -24,7 +24,7 @@ const char* name_of(FitShape shape) {
 Result<void> check_input(const ImageView& depth, const CameraModel& camera, const Box2& box,
                          const Eigen::Vector3d& up) {
   if (depth.empty() || !is_depth(depth.format))
-    return fail(ErrorCode::kInvalidArgument, "object fit: give a depth picture, 16UC1 or 32FC1");
+    return fail(ErrorCode::kInvalidArgument, "object fit: give a depth image, 16UC1 or 32FC1");
   if (auto valid = camera.validate(); !valid) return valid;
   if (!(box.area() > 0) || !std::isfinite(box.area()))
     return fail(ErrorCode::kInvalidArgument, "object fit: the box has no area");

@@ -1,1 +1,1 @@
-"""Training of the small shape detector (cone, cube, sphere) on generated pictures."""
+"""Training of the small shape detector (cone, cube, sphere) on generated images."""

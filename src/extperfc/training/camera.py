@@ -1,4 +1,4 @@
-"""What light and a camera do to a picture: exposure, white balance, blur, noise, compression."""
+"""What light and a camera do to an image: exposure, white balance, blur, noise, compression."""
 import cv2
 import numpy as np
 
@@ -15,7 +15,7 @@ def _defocus(rng, image, depth):
 
 
 def _blur(rng, image):
-    """Gaussian or motion blur of the whole picture."""
+    """Gaussian or motion blur of the whole image."""
     kind, unit = rng.random(), image.shape[1] / 448
     if kind < 0.35:
         return cv2.GaussianBlur(image, (0, 0), unit * rng.uniform(0.4, 1.6))
@@ -32,7 +32,7 @@ def _blur(rng, image):
 
 
 def _lighting(rng, shape):
-    """A slow change of light over the picture, with vignetting."""
+    """A slow change of light over the image, with vignetting."""
     height, width = shape[:2]
     gain = 1 + rng.uniform(0, 0.3) * noise(rng, 32, 2, 2)
     ys, xs = np.mgrid[-1:1:32j, -1:1:32j]
@@ -41,7 +41,7 @@ def _lighting(rng, shape):
 
 
 def develop(rng, linear, depth):
-    """Linear light (H, W, 3) to an 8-bit RGB picture as a random camera would take it."""
+    """Linear light (H, W, 3) to an 8-bit RGB image as a random camera would take it."""
     image = linear * _lighting(rng, linear.shape)
     sample = image[::5, ::5].mean(2)
     level = np.exp(rng.normal(np.log(0.28), 0.33))

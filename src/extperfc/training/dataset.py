@@ -1,4 +1,4 @@
-"""The generated data set: manifest, cache of encoded pictures, letterbox and augmentation. Needs no torch."""
+"""The generated data set: manifest, cache of encoded images, letterbox and augmentation. Needs no torch."""
 import hashlib
 import json
 import os
@@ -11,14 +11,14 @@ import numpy as np
 from . import scenes
 
 WIDTH, HEIGHT, PAD = 320, 256, 114  # network input [px] and padding value
-SHARD = 100  # pictures per label file
+SHARD = 100  # images per label file
 GENERATOR_FILES = ('textures.py', 'solids.py', 'render.py', 'polygons.py', 'things.py', 'others.py', 'camera.py', 'rooms.py', 'scenes.py')
-SPLITS = {'train': (0, 20000), 'val': (1000000, 400), 'test': (2000000, 1000)}  # first seed, pictures
+SPLITS = {'train': (0, 20000), 'val': (1000000, 400), 'test': (2000000, 1000)}  # first seed, images
 ROOMS = (3000000, 1000)  # likewise for the ordinary views of sequence.py, for evaluation only
 
 
 def default_cache():
-    """Folder of the picture cache, outside the repository."""
+    """Folder of the image cache, outside the repository."""
     return Path(os.environ.get('XDG_CACHE_HOME', Path.home() / '.cache')) / 'extperfc'
 
 
@@ -30,18 +30,18 @@ def generator_sha256():
     return digest.hexdigest()
 
 
-def picture_size(split):
-    """Width and height of a split's pictures [px]: training is smaller and faster, the others as cameras have it."""
+def image_size(split):
+    """Width and height of a split's images [px]: training is smaller and faster, the others as cameras have it."""
     return scenes.SIZE if split == 'train' else (640, 480)
 
 
 def shard_path(cache, split, index, version=scenes.VERSION):
-    """Label file of a shard; its presence says that the shard's pictures are complete."""
+    """Label file of a shard; its presence says that the shard's images are complete."""
     return Path(cache) / f'shapes-v{version}' / split / f'{index:05d}.json'
 
 
 def generate(cache, split, count=None, report=print):
-    """Renders what is missing of a split into the cache; returns the number of pictures."""
+    """Renders what is missing of a split into the cache; returns the number of images."""
     cv2.setNumThreads(1)
     first, default = SPLITS[split]
     count = count or default
@@ -53,10 +53,10 @@ def generate(cache, split, count=None, report=print):
         path.parent.mkdir(parents=True, exist_ok=True)
         entries = []
         for seed in range(first + shard * SHARD, first + min(count, (shard + 1) * SHARD)):
-            picture = scenes.make_picture(seed, picture_size(split))
+            sample = scenes.make_image(seed, image_size(split))
             name = f'{seed:08d}.jpg'
-            cv2.imwrite(str(path.parent / name), picture.image[..., ::-1], [cv2.IMWRITE_JPEG_QUALITY, 93])
-            entries.append({'file': name, 'labels': picture.labels, 'boxes': picture.boxes, 'ignored': picture.ignored})
+            cv2.imwrite(str(path.parent / name), sample.image[..., ::-1], [cv2.IMWRITE_JPEG_QUALITY, 93])
+            entries.append({'file': name, 'labels': sample.labels, 'boxes': sample.boxes, 'ignored': sample.ignored})
         partial = path.with_suffix('.partial')
         partial.write_text(json.dumps(entries, default=int))
         partial.rename(path)
@@ -75,7 +75,7 @@ def index(cache, split, versions=(scenes.VERSION,)):
 
 
 def load(entry):
-    """Picture (H, W, 3) in RGB and boxes (N, 5): class (-1: ignored), x0, y0, x1, y1 of an entry."""
+    """Image (H, W, 3) in RGB and boxes (N, 5): class (-1: ignored), x0, y0, x1, y1 of an entry."""
     image = cv2.imread(entry['file'], cv2.IMREAD_COLOR)[..., ::-1]
     rows = [[label] + box for label, box in zip(entry['labels'], entry['boxes'])]
     boxes = np.array(rows + [[-1] + box for box in entry.get('ignored', [])], np.float32)
@@ -85,28 +85,28 @@ def load(entry):
 def manifest(cache=None):
     """Description of the data set; class counts only for splits in the cache."""
     out = {'generator': 'extperfc.training.scenes', 'version': scenes.VERSION, 'sha256': generator_sha256(),
-           'sha256_of': list(GENERATOR_FILES), 'picture_size': list(scenes.SIZE), 'classes': list(scenes.CLASSES),
-           'splits': {name: {'first_seed': first, 'pictures': count} for name, (first, count) in SPLITS.items()}}
+           'sha256_of': list(GENERATOR_FILES), 'image_size': list(scenes.SIZE), 'classes': list(scenes.CLASSES),
+           'splits': {name: {'first_seed': first, 'images': count} for name, (first, count) in SPLITS.items()}}
     for name, split in list(out['splits'].items()):
         entries = index(cache, name) if cache else []
         if entries:
             labels = [label for entry in entries for label in entry['labels']]
-            split['pictures'] = len(entries)
+            split['images'] = len(entries)
             split['objects'] = {cls: labels.count(i) for i, cls in enumerate(scenes.CLASSES)}
     digest = hashlib.sha256((Path(__file__).parent / 'sequence.py').read_bytes()).hexdigest()
-    out['splits']['rooms'] = {'first_seed': ROOMS[0], 'pictures': ROOMS[1],
+    out['splits']['rooms'] = {'first_seed': ROOMS[0], 'images': ROOMS[1],
                               'generator': 'extperfc.training.sequence', 'sha256': digest}
     return out
 
 
 def placement(width, height):
-    """Letterbox of a picture: scale, left, top [px of the network input]."""
+    """Letterbox of an image: scale, left, top [px of the network input]."""
     scale = min(WIDTH / width, HEIGHT / height)
     return scale, (WIDTH - round(width * scale)) // 2, (HEIGHT - round(height * scale)) // 2
 
 
 def letterbox(image):
-    """The picture as the network sees it (HEIGHT, WIDTH, 3): aspect kept, centred, padded."""
+    """The image as the network sees it (HEIGHT, WIDTH, 3): aspect kept, centred, padded."""
     height, width = image.shape[:2]
     scale, left, top = placement(width, height)
     size = (round(width * scale), round(height * scale))
@@ -159,7 +159,7 @@ class Augmenter:
         return image, boxes
 
     def _into(self, canvas, area, scale):
-        """Pastes a picture at a scale and random shift into an area of the canvas; returns its boxes."""
+        """Pastes an image at a scale and random shift into an area of the canvas; returns its boxes."""
         image, boxes = self._one()
         x0, y0, x1, y1 = area
         ratio = np.exp(self.rng.normal(0, 0.07))
@@ -184,7 +184,7 @@ class Augmenter:
         return cv2.LUT(np.ascontiguousarray(image), np.uint8(np.clip(table, 0, 255))[:, None])
 
     def _cutout(self, image, boxes):
-        """Covers small parts of the picture, none of them much of an object."""
+        """Covers small parts of the image, none of them much of an object."""
         for _ in range(int(self.rng.integers(1, 5))):
             size = self.rng.integers(6, 50, 2)
             x, y = self.rng.integers(0, (WIDTH - 6, HEIGHT - 6))
@@ -197,7 +197,7 @@ class Augmenter:
         return image
 
     def _mosaic(self, canvas):
-        """Fills the canvas with two or four pictures; returns their boxes."""
+        """Fills the canvas with two or four images; returns their boxes."""
         x, y = int(self.rng.integers(110, WIDTH - 110)), int(self.rng.integers(90, HEIGHT - 90))
         areas = ((0, 0, x, y), (x, 0, WIDTH, y), (0, y, x, HEIGHT), (x, y, WIDTH, HEIGHT))
         if self.rng.random() < 0.3:

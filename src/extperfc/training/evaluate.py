@@ -13,13 +13,13 @@ VIEWS = (0.05, 0.35, 0.65, 0.95)  # places on the camera's arc
 
 
 class Detector:
-    """Runs a shapes.onnx on RGB pictures (H, W, 3) uint8."""
+    """Runs a shapes.onnx on RGB images (H, W, 3) uint8."""
 
     def __init__(self, path):
         self.net = cv2.dnn.readNetFromONNX(str(path))
 
     def __call__(self, image, score=0.35, nms_iou=0.5):
-        """Detections (N, 6): class, score, x0, y0, x1, y1 in pixels of the picture, best first."""
+        """Detections (N, 6): class, score, x0, y0, x1, y1 in pixels of the image, best first."""
         height, width = image.shape[:2]
         blob = cv2.dnn.blobFromImage(dataset.letterbox(image), 1 / 255.0)
         self.net.setInput(blob, 'images')
@@ -59,7 +59,7 @@ def overlap(a, b):
 
 
 def match(found, truth, ignored, iou):
-    """For detections of one class and picture, best first: 1 true, 0 false, -1 not counted (on an ignored object)."""
+    """For detections of one class and image, best first: 1 true, 0 false, -1 not counted (on an ignored object)."""
     result = np.zeros(len(found), int)
     free = np.ones(len(truth), bool)
     shared = overlap(found[:, 2:], truth)
@@ -88,23 +88,23 @@ def average_precision(scores, results, total):
     return float(np.mean([precision[p] if p < len(precision) else 0.0 for p in places]))
 
 
-def rows(picture):
-    """Boxes (N, 5) of a picture: class (-1: ignored), x0, y0, x1, y1."""
-    labelled = [[label] + box for label, box in zip(picture.labels, picture.boxes)]
-    return np.array(labelled + [[-1] + box for box in picture.ignored], np.float32).reshape(-1, 5)
+def rows(sample):
+    """Boxes (N, 5) of an image: class (-1: ignored), x0, y0, x1, y1."""
+    labelled = [[label] + box for label, box in zip(sample.labels, sample.boxes)]
+    return np.array(labelled + [[-1] + box for box in sample.ignored], np.float32).reshape(-1, 5)
 
 
 def rooms(count):
-    """Yields pictures and boxes of ordinary views: the scenes of tools/generate_pictures, none of them trained on."""
+    """Yields images and boxes of ordinary views: the scenes of tools/generate_images, none of them trained on."""
     for seed in range(dataset.ROOMS[0], dataset.ROOMS[0] + (count + len(VIEWS) - 1) // len(VIEWS)):
         scene = sequence.Scene(seed)
         for share in VIEWS:
-            picture = scene.render(share)[0]
-            yield picture.image, rows(picture)
+            sample = scene.render(share)[0]
+            yield sample.image, rows(sample)
 
 
-def pictures(options):
-    """Yields pictures and boxes (N, 5) of a split, from the cache or rendered from their seeds."""
+def images(options):
+    """Yields images and boxes (N, 5) of a split, from the cache or rendered from their seeds."""
     if options.split == 'rooms':
         yield from rooms(options.count or dataset.ROOMS[1])
         return
@@ -116,8 +116,8 @@ def pictures(options):
             yield dataset.load(entry)
         return
     for seed in range(first, first + count):
-        picture = scenes.make_picture(seed, dataset.picture_size(options.split))
-        yield picture.image, rows(picture)
+        sample = scenes.make_image(seed, dataset.image_size(options.split))
+        yield sample.image, rows(sample)
 
 
 def collect(detector, source, use_ignored=True):
@@ -158,12 +158,12 @@ def summary(scores, results, totals):
 
 
 def run(model, options):
-    """Evaluates a model file; returns the table, the threshold and the number of pictures."""
+    """Evaluates a model file; returns the table, the threshold and the number of images."""
     count = 0
 
     def counted():
         nonlocal count
-        for item in pictures(options):
+        for item in images(options):
             count += 1
             yield item
     table, threshold = summary(*collect(Detector(model), counted()))
@@ -174,11 +174,11 @@ def main(options):
     """Prints the table and, when asked, writes it as JSON."""
     begin = time.time()
     table, threshold, count = run(options.model, options)
-    print(f'{options.split}: {count} pictures, generator version {scenes.VERSION}, {time.time() - begin:.0f} s')
+    print(f'{options.split}: {count} images, generator version {scenes.VERSION}, {time.time() - begin:.0f} s')
     print(f'{"class":8} {"objects":>8} {"AP50":>7} {"AP50:95":>8}')
     for name, row in table.items():
         print(f'{name:8} {row["objects"]:8d} {row["ap50"]:7.3f} {row["ap"]:8.3f}')
     print('best F1 {f1:.3f} at score {score:.2f} (precision {precision:.3f}, recall {recall:.3f})'.format(**threshold))
     if options.json:
-        options.json.write_text(json.dumps({'split': options.split, 'pictures': count, 'table': table,
+        options.json.write_text(json.dumps({'split': options.split, 'images': count, 'table': table,
                                             'threshold': threshold}, indent=1) + '\n')

@@ -20,7 +20,7 @@ input: {{name: images, width: {width}, height: {height}, color: rgb, resize: let
 output: {{layout: yolo_v8, names: [output]}}
 classes: [cone, cube, sphere]
 thresholds: {{score: {score:.2f}, nms_iou: 0.5}}
-source: trained from random weights on generated pictures (tools/train_shapes, manifest.json)
+source: trained from random weights on generated images (tools/train_shapes, manifest.json)
 license: BSD-3-Clause
 '''
 

@@ -45,7 +45,7 @@ class Stage(nn.Module):
 
 
 class Pool(nn.Module):
-    """Pools the coarsest map over growing neighbourhoods, so that every cell sees the whole picture."""
+    """Pools the coarsest map over growing neighbourhoods, so that every cell sees the whole image."""
 
     def __init__(self, channels):
         super().__init__()
@@ -59,7 +59,7 @@ class Pool(nn.Module):
 
 
 class Backbone(nn.Module):
-    """Maps at strides 8, 16 and 32 of a picture (B, 3, H, W)."""
+    """Maps at strides 8, 16 and 32 of an image (B, 3, H, W)."""
 
     def __init__(self, widths):
         super().__init__()

@@ -47,7 +47,7 @@ class Light:
 
 @dataclass
 class Frame:
-    """Picture, depth [m], and the number of the thing at each pixel (0: background)."""
+    """Image, depth [m], and the number of the thing at each pixel (0: background)."""
 
     width: int
     height: int

@@ -7,7 +7,7 @@ from .textures import pick
 
 
 def _sky(rng, frame, turn):
-    """Fills the picture above the horizon: gradient, clouds, a line of trees or houses."""
+    """Fills the image above the horizon: gradient, clouds, a line of trees or houses."""
     rays = frame.rays((slice(0, frame.height), slice(0, frame.width)))
     up = rays @ np.float32(turn[:, 2])
     t = np.clip(up * 2, 0, 1)[..., None]
@@ -25,7 +25,7 @@ def _sky(rng, frame, turn):
 
 
 def collage(rng, frame):
-    """Fills the picture with a texture and random shapes, lines and words."""
+    """Fills the image with a texture and random shapes, lines and words."""
     texture = textures.clutter(rng) if rng.random() < .4 else pick(rng, textures.GROUND + textures.WALL)(rng)
     image = cv2.resize(texture, (frame.width, frame.height))
     unit = frame.width / 448

@@ -1,6 +1,6 @@
-"""Seeded generator of pictures with cones, cubes and spheres among other things.
+"""Seeded generator of images with cones, cubes and spheres among other things.
 
-World frame: z up, the floor or table top at z = 0, metres. A picture depends on nothing but its seed and size.
+World frame: z up, the floor or table top at z = 0, metres. An image depends on nothing but its seed and size.
 """
 from dataclasses import dataclass
 
@@ -12,12 +12,12 @@ from .textures import pick
 
 VERSION = 4
 CLASSES = things.CLASSES
-SIZE = (448, 336)  # width, height of training pictures [px]
+SIZE = (448, 336)  # width, height of training images [px]
 
 
 @dataclass
-class Picture:
-    """A picture (H, W, 3) in RGB with depth [m] and, per labelled thing, class, box x0, y0, x1, y1 and mask number."""
+class LabelledImage:
+    """An image (H, W, 3) in RGB with depth [m] and, per labelled thing, class, box x0, y0, x1, y1 and mask number."""
 
     image: np.ndarray
     depth: np.ndarray
@@ -71,8 +71,8 @@ class World:
         self.drawn.append((self.count, thing.label, max(1.0, cv2.contourArea(hull))))
         return self.count
 
-    def picture(self, image, min_share=0.35, min_size=12):
-        """The labelled picture; things too hidden or too small are only listed as ignored (sizes at 320 px width)."""
+    def labelled(self, image, min_share=0.35, min_size=12):
+        """The labelled image; things too hidden or too small are only listed as ignored (sizes at 320 px width)."""
         labels, boxes, numbers, ignored = [], [], [], []
         least = min_size * self.frame.width / 320
         for number, label, area in self.drawn:
@@ -90,7 +90,7 @@ class World:
                 numbers.append(number)
             else:
                 ignored.append([x, y, x + w, y + h])
-        return Picture(image, self.frame.depth, self.frame.ids, labels, boxes, numbers, ignored)
+        return LabelledImage(image, self.frame.depth, self.frame.ids, labels, boxes, numbers, ignored)
 
 
 def look(pitch, roll, yaw=0.0):
@@ -170,13 +170,13 @@ def _orientation(rng, thing):
 
 
 def _pixels(rng, frame):
-    """A wanted size in the picture, log-uniform from 16 px at 320 px width to 70 % of the height."""
+    """A wanted size in the image, log-uniform from 16 px at 320 px width to 70 % of the height."""
     low, high = 16 * frame.width / 320, 0.7 * frame.height
     return np.exp(rng.uniform(np.log(low), np.log(high)))
 
 
 def _wanted(rng):
-    """How many things of each kind a picture gets, shuffled: list of makers."""
+    """How many things of each kind an image gets, shuffled: list of makers."""
     count = int(pick(rng, (0, 1, 1, 2, 2, 3, 3, 4, 5, 6, 6)))
     makers = [pick(rng, things.MAKERS + things.MAKERS + (things.cone,)) for _ in range(count)]
     makers += [others.other] * int(pick(rng, (0, 0, 1, 1, 2, 2, 3, 4, 6, 9)))
@@ -230,8 +230,8 @@ def _in_air(rng, world):
         world.draw(thing, turn, place, _pixels(rng, frame) * distance / frame.focal)
 
 
-def make_picture(seed, size=SIZE):
-    """The picture of a seed; one seed in two sizes shows the same scene."""
+def make_image(seed, size=SIZE):
+    """The image of a seed; one seed in two sizes shows the same scene."""
     rng = np.random.default_rng(seed)
     pitch = np.radians(pick(rng, (rng.uniform(-3, 20), rng.uniform(5, 40), rng.uniform(20, 60), rng.uniform(50, 88))))
     turn = look(pitch, rng.normal(0, np.radians(4)))
@@ -244,4 +244,4 @@ def make_picture(seed, size=SIZE):
         rooms.collage(rng, world.frame)
         _in_air(rng, world)
     image = camera.develop(rng, world.frame.colour, world.frame.depth)
-    return world.picture(image)
+    return world.labelled(image)

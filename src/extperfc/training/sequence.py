@@ -128,7 +128,7 @@ class Scene:
         return scenes.look(pitch, .02 * np.sin(5 * share), np.arctan2(ahead[1], ahead[0])), place
 
     def _room(self, world):
-        """Floor, walls with window, picture, door; the table."""
+        """Floor, walls with window, painting, door; the table."""
         ground = -0.74 if self.table else 0.0
         half, tall = 3.2, 2.6
         world.plane(np.array([-half, -half, ground]), np.array([2 * half, 0, 0]), np.array([0, 2 * half, 0]), self.floor,
@@ -152,7 +152,7 @@ class Scene:
             world.plane(np.array([-x, -y, 0]), np.array([2 * x, 0, 0]), np.array([0, 2 * y, 0]), self.top, (1.0, 1.0), 1, .15)
 
     def render(self, share):
-        """The picture at a share of the arc: `scenes.Picture` and the truth of each labelled thing (list of dicts)."""
+        """The image at a share of the arc: `scenes.LabelledImage` and the truth of each labelled thing (list of dicts)."""
         rng = np.random.default_rng([self.seed, 1])
         turn, place = self.pose(share)
         light = scenes.random_light(rng, turn)
@@ -164,15 +164,15 @@ class Scene:
         for item in self.placed:
             world.shade(item.thing.points() @ item.turn.T * item.scale + item.place)
         numbers = {world.draw(i.thing, i.turn, i.place, i.scale): i for i in self.placed}
-        picture = world.picture(_develop(world.frame))
+        sample = world.labelled(_develop(world.frame))
         truth = []
-        for number, label, box in zip(picture.numbers, picture.labels, picture.boxes):
+        for number, label, box in zip(sample.numbers, sample.labels, sample.boxes):
             item = numbers[number]
             middle = (item.thing.points().max(0) + item.thing.points().min(0)) / 2
             centre = world.to_camera([item.place + item.scale * (item.turn @ middle)])[0]
             truth.append({'class': scenes.CLASSES[label], 'kind': item.kind, 'box': [int(v) for v in box],
                           'position': [round(float(v), 4) for v in centre], 'size': [round(float(v), 4) for v in item.extent()]})
-        return picture, truth
+        return sample, truth
 
 
 def _develop(frame):
@@ -238,10 +238,10 @@ def write(folder, frames, seed, noise=True, count=7):
         (folder / name).mkdir(parents=True, exist_ok=True)
     scene, rng, truth, lines, poses = Scene(seed, count), np.random.default_rng([seed, 2]), [], [], []
     for index in range(frames):
-        picture, objects = scene.render(index / max(1, frames - 1))
+        sample, objects = scene.render(index / max(1, frames - 1))
         name, stamp = f'{index:06d}.png', index / RATE_HZ
-        cv2.imwrite(str(folder / 'rgb' / name), picture.image[..., ::-1], [cv2.IMWRITE_PNG_COMPRESSION, 1])
-        cv2.imwrite(str(folder / 'depth' / name), sensed_depth(rng, picture.depth, noise))
+        cv2.imwrite(str(folder / 'rgb' / name), sample.image[..., ::-1], [cv2.IMWRITE_PNG_COMPRESSION, 1])
+        cv2.imwrite(str(folder / 'depth' / name), sensed_depth(rng, sample.depth, noise))
         lines.append(f'{stamp:.6f} rgb/{name} {stamp:.6f} depth/{name}\n')
         poses.append(pose_line(stamp, *scene.pose(index / max(1, frames - 1))))
         truth.append({'frame': index, 'stamp': round(stamp, 6), 'objects': objects})

@@ -78,7 +78,7 @@ def speckle(rng):
 
 
 def wood(rng):
-    """Wood grain along the first axis of the picture."""
+    """Wood grain along the first axis of the image."""
     tone = pick(rng, ([.72, .53, .34], [.5, .33, .2], [.85, .72, .52], [.35, .22, .14], [.62, .58, .52]))
     lines = cv2.resize(rng.standard_normal((int(rng.integers(20, 90)), 3), dtype=np.float32), (SIZE, SIZE))
     lines += 0.4 * noise(rng, SIZE, 3, 4)
@@ -188,7 +188,7 @@ def cardboard(rng):
 
 
 def window(rng):
-    """A wall with a bright window, a door or pictures."""
+    """A wall with a bright window, a door or paintings."""
     out = plaster(rng)
     for _ in range(int(rng.integers(1, 3))):
         x, y = rng.integers(0, 130, 2)

@@ -13,13 +13,13 @@ from . import dataset, network
 from .loss import detection_loss
 
 WARMUP_STEPS = 300
-REFRESH = 4000  # samples after which the worker looks for new pictures in the cache
+REFRESH = 4000  # samples after which the worker looks for new images in the cache
 OBJECTS = 28  # most objects of one sample
-MOSAICS = 0.45  # share of samples made of several pictures, which hold more objects; none at the end
+MOSAICS = 0.45  # share of samples made of several images, which hold more objects; none at the end
 
 
 class Samples(IterableDataset):
-    """Endless augmented samples: picture (H, W, 3) uint8, truth (OBJECTS, 5), valid (OBJECTS,); class -1 is ignored."""
+    """Endless augmented samples: image (H, W, 3) uint8, truth (OBJECTS, 5), valid (OBJECTS,); class -1 is ignored."""
 
     def __init__(self, options, seed, mosaic):
         self.options, self.seed, self.mosaic = options, seed, mosaic
@@ -66,7 +66,7 @@ class Trainer:
 
     def __init__(self, options):
         if not dataset.index(options.cache, 'train', options.versions):
-            raise SystemExit(f'no pictures in {options.cache}: run `tools/train_shapes generate` first')
+            raise SystemExit(f'no images in {options.cache}: run `tools/train_shapes generate` first')
         torch.manual_seed(options.seed)
         torch.set_num_threads(options.threads)
         self.options = options

@@ -36,14 +36,14 @@ void draw(cv::Mat& canvas, const Detection& detection, const std::string& name) 
   cv::putText(canvas, text, origin, cv::FONT_HERSHEY_SIMPLEX, kFontScale, cv::Scalar::all(0), 1, cv::LINE_AA);
 }
 
-/// A bgr8 copy: never draw into somebody else's picture. Throws what cv_bridge throws.
+/// A bgr8 copy: never draw into somebody else's image. Throws what cv_bridge throws.
 cv::Mat bgr_copy(const SharedImage& image) {
   if (image.view.format == PixelFormat::kYuv422Yuy2) {  // unknown to cv_bridge
     cv::Mat bgr;
     cv::cvtColor(image.holder->image, bgr, cv::COLOR_YUV2BGR_YUY2);
     return bgr;
   }
-  // cvtColor shares the pixels when the picture was bgr8 already.
+  // cvtColor shares the pixels when the image was bgr8 already.
   return cv_bridge::cvtColor(image.holder, sensor_msgs::image_encodings::BGR8)->image.clone();
 }
 
@@ -57,7 +57,7 @@ Result<sensor_msgs::ImagePtr> annotate(const SharedImage& image, const Detection
       draw(canvas.image, detection, class_name(class_names, detection.class_index));
     return canvas.toImageMsg();
   } catch (const std::exception& error) {
-    return fail(ErrorCode::kUnsupported, std::string("cannot draw into this picture: ") + error.what());
+    return fail(ErrorCode::kUnsupported, std::string("cannot draw into this image: ") + error.what());
   }
 }
 

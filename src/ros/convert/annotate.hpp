@@ -11,8 +11,8 @@
 
 namespace extperfc::convert {
 
-/// A bgr8 copy of the picture with boxes, class names and scores drawn in. Throws nothing; kUnsupported when
-/// the picture's encoding has no conversion to bgr8.
+/// A bgr8 copy of the image with boxes, class names and scores drawn in. Throws nothing; kUnsupported when
+/// the image's encoding has no conversion to bgr8.
 [[nodiscard]] Result<sensor_msgs::ImagePtr> annotate(const SharedImage& image, const Detections& detections,
                                                      const std::vector<std::string>& class_names);
 

@@ -15,7 +15,7 @@ std::string size_text(unsigned width, unsigned height) {
 
 Result<void> check_layout(const sensor_msgs::Image& message, PixelFormat format) {
   if (message.width == 0 || message.height == 0 || message.data.empty())
-    return fail(ErrorCode::kInvalidArgument, "the picture is empty (" +
+    return fail(ErrorCode::kInvalidArgument, "the image is empty (" +
                                                  size_text(message.width, message.height) + ", " +
                                                  std::to_string(message.data.size()) + " bytes)");
   const std::size_t row_bytes = static_cast<std::size_t>(message.width) * bytes_per_pixel(format);
@@ -26,7 +26,7 @@ Result<void> check_layout(const sensor_msgs::Image& message, PixelFormat format)
                                                  std::to_string(message.step));
   if (message.data.size() < static_cast<std::size_t>(message.step) * message.height)
     return fail(ErrorCode::kInvalidArgument,
-                "a picture of " + size_text(message.width, message.height) + " with step " +
+                "an image of " + size_text(message.width, message.height) + " with step " +
                     std::to_string(message.step) + " needs " +
                     std::to_string(static_cast<std::size_t>(message.step) * message.height) +
                     " bytes, but the message has " + std::to_string(message.data.size()));
@@ -60,7 +60,7 @@ Result<SharedImage> share_image(const sensor_msgs::ImageConstPtr& message) {
     shared.view = {mat.data, mat.cols, mat.rows, mat.step[0], *format};
     return shared;
   } catch (const std::exception& error) {  // cv_bridge and OpenCV both throw
-    return fail(ErrorCode::kUnsupported, std::string("cv_bridge cannot wrap the picture: ") + error.what());
+    return fail(ErrorCode::kUnsupported, std::string("cv_bridge cannot wrap the image: ") + error.what());
   }
 }
 
@@ -78,7 +78,7 @@ Result<CameraModel> to_camera_model(const sensor_msgs::CameraInfo& info) {
         info.D.size() > camera.distortion.size())
       return fail(ErrorCode::kUnsupported,
                   "distortion model '" + info.distortion_model + "' with " + std::to_string(info.D.size()) +
-                      " coefficients is not supported; use plumb_bob or rectified pictures");
+                      " coefficients is not supported; use plumb_bob or rectified images");
     std::copy(info.D.begin(), info.D.end(), camera.distortion.begin());
   }
   if (auto valid = camera.validate(); !valid) return tl::unexpected(valid.error());

@@ -44,13 +44,13 @@ std::optional<depth::FitShape> shape_of(const std::vector<std::string>& names, i
 
 }  // namespace
 
-/// Puts detected boxes into space with the depth picture that belongs to them.
+/// Puts detected boxes into space with the depth image that belongs to them.
 ///
 /// Subscribes (only while somebody listens to one of the outputs):
 ///   detections                               vision_msgs/Detection2DArray
 ///   camera/aligned_depth_to_color/image_raw  sensor_msgs/Image 16UC1 [mm] or 32FC1 [m], aligned to the
-///   colour picture camera/color/camera_info                 sensor_msgs/CameraInfo of the colour camera, the
-///   size of the depth picture vision_info                              vision_msgs/VisionInfo: class names
+///   colour image camera/color/camera_info                 sensor_msgs/CameraInfo of the colour camera, the
+///   size of the depth image vision_info                              vision_msgs/VisionInfo: class names
 ///   for the markers
 /// Publishes:
 ///   detections_3d     vision_msgs/Detection3DArray   stamp of the detections
@@ -70,14 +70,14 @@ std::optional<depth::FitShape> shape_of(const std::vector<std::string>& names, i
 ///   min_depth_m, max_depth_m   values outside are no measurement [m]                0.105, 10; [0, 100]
 ///   min_valid_px        fewer valid pixels give no estimate                         5, >= 1
 ///   noise_focal_px, noise_baseline_m, noise_subpixel_px   depth noise (D435i)       424, 0.05, 0.08
-///   target_frame        frame of the results                                        "": the picture's
+///   target_frame        frame of the results                                        "": the image's
 ///   stamp_tolerance_s   largest stamp difference of detection and depth [s]         0.02, [0, 1]
-///   transform_timeout_s wait for the transform at the picture's stamp [s]           0.1, [0, 5]
-///   depth_queue         depth pictures remembered while the detector works          30, [1, 300]
+///   transform_timeout_s wait for the transform at the image's stamp [s]           0.1, [0, 5]
+///   depth_queue         depth images remembered while the detector works          30, [1, 300]
 ///   marker_lifetime_s   [s]                                                         1, [0, 60]
 ///   timeout_s           silence after which diagnostics warn [s]                    5, [0.1, 3600]
-/// Frames: needs optical frame -> target_frame at the picture's stamp when target_frame is set.
-/// Diagnostics: rates, latency, how pictures arrive, boxes without depth, results without a matching picture;
+/// Frames: needs optical frame -> target_frame at the image's stamp when target_frame is set.
+/// Diagnostics: rates, latency, how images arrive, boxes without depth, results without a matching image;
 /// ERROR while
 ///   inputs do not fit together (sizes, encodings, stamps, transforms).
 /// Threads: callbacks only match stamps; one worker computes. The newest matched pair replaces a waiting one.
@@ -314,7 +314,7 @@ void BoxDepthNodelet::locate(const Detection& detection, const ImageView& depth,
              : convert::to_message(detection, object, target_T_optical, header));
 }
 
-/// The shape that the depth picture shows; nothing for other classes, and where the shape does not fit.
+/// The shape that the depth image shows; nothing for other classes, and where the shape does not fit.
 std::optional<depth::ObjectFit> BoxDepthNodelet::fit(const Detection& detection, const ImageView& depth,
                                                      const CameraModel& camera,
                                                      const Eigen::Isometry3d& target_T_optical,
@@ -355,7 +355,7 @@ Result<CameraModel> BoxDepthNodelet::camera_for(const ImageView& depth) {
   if (camera && (camera->width != depth.width || camera->height != depth.height))
     return fail(ErrorCode::kInvalidArgument,
                 "camera info is for " + std::to_string(camera->width) + " x " +
-                    std::to_string(camera->height) + " pixels, but the depth picture has " +
+                    std::to_string(camera->height) + " pixels, but the depth image has " +
                     std::to_string(depth.width) + " x " + std::to_string(depth.height) +
                     ": use depth aligned to colour, and the colour camera's info");
   return camera;
@@ -368,7 +368,7 @@ Result<Eigen::Isometry3d> BoxDepthNodelet::transform_at(const std_msgs::Header& 
         params_.target_frame, header.frame_id, header.stamp, ros::Duration(params_.transform_timeout_s)));
   } catch (const tf2::TransformException& error) {
     return fail(ErrorCode::kNotFound, "no transform from " + header.frame_id + " to " + params_.target_frame +
-                                          " at the picture's stamp; is tf published?");
+                                          " at the image's stamp; is tf published?");
   }
 }
 
@@ -384,11 +384,11 @@ void BoxDepthNodelet::report(diagnostic_updater::DiagnosticStatusWrapper& status
   const std::lock_guard lock(state_mutex_);
   status.add("boxes without depth", without_depth_);
   if (params_.fit_objects) status.add("shapes that do not fit", not_fitted_);
-  status.add("detections without a depth picture", matcher_->unmatched());
+  status.add("detections without a depth image", matcher_->unmatched());
   if (matcher_->unmatched() > unmatched_at_report_)
     status.mergeSummaryf(
         diagnostic_msgs::DiagnosticStatus::WARN,
-        "%s has no picture within %.3f s of the stamp of some detections: are both stamped by the same "
+        "%s has no image within %.3f s of the stamp of some detections: are both stamped by the same "
         "camera driver? raise stamp_tolerance_s if so",
         nh.resolveName(kDepthTopic).c_str(), params_.stamp_tolerance_s);
   unmatched_at_report_ = matcher_->unmatched();

@@ -27,14 +27,14 @@
 
 namespace extperfc {
 
-/// Finds objects in a colour picture with a neural network.
+/// Finds objects in a colour image with a neural network.
 ///
 /// Subscribes (only while somebody listens to one of the outputs):
 ///   camera/color/image_raw   sensor_msgs/Image   rgb8, bgr8, rgba8, bgra8, mono8, mono16, bayer_*8,
 ///   yuv422(_yuy2)
 /// Publishes:
-///   detections               vision_msgs/Detection2DArray   stamp and frame of the picture; id = index into
-///   the classes detections/image         sensor_msgs/Image bgr8         picture with boxes, drawn only while
+///   detections               vision_msgs/Detection2DArray   stamp and frame of the image; id = index into
+///   the classes detections/image         sensor_msgs/Image bgr8         image with boxes, drawn only while
 ///   somebody listens vision_info              vision_msgs/VisionInfo         latched; names the parameter
 ///   that holds the class names diagnostics              diagnostic_msgs/DiagnosticArray
 /// Parameters (private; unknown keys are refused):
@@ -50,10 +50,10 @@ namespace extperfc {
 ///   timeout_s        silence after which diagnostics warn [s]       5, [0.1, 3600]
 ///   classes          WRITTEN by the nodelet: list of class names
 /// Frames: none of its own; boxes are in pixels.
-/// Diagnostics: model, what executes, rates, work and latency percentiles, drops, how pictures arrive; WARN
+/// Diagnostics: model, what executes, rates, work and latency percentiles, drops, how images arrive; WARN
 /// when the
-///   topic is silent, ERROR while pictures are refused.
-/// Threads: the callback only stores the picture; one worker per back-end slot. The newest picture replaces a
+///   topic is silent, ERROR while images are refused.
+/// Threads: the callback only stores the image; one worker per back-end slot. The newest image replaces a
 /// waiting one.
 class DetectorNodelet : public nodelet::Nodelet {
  public:
@@ -65,14 +65,14 @@ class DetectorNodelet : public nodelet::Nodelet {
     }
     raw_subscriber_.shutdown();
     decoding_subscriber_.shutdown();
-    pictures_.close();
+    images_.close();
     for (auto& worker : workers_) worker.join();
   }
 
  private:
   using ImageEvent = ros::MessageEvent<const sensor_msgs::Image>;
   static constexpr const char* kImageTopic = "camera/color/image_raw";
-  /// More than ever wait, because the callback only stores a pointer: pictures are dropped, and counted, in
+  /// More than ever wait, because the callback only stores a pointer: images are dropped, and counted, in
   /// one place.
   static constexpr std::uint32_t kQueue = 20;
 
@@ -102,14 +102,14 @@ class DetectorNodelet : public nodelet::Nodelet {
   std::mutex subscription_mutex_;
   bool closing_{false};
   std::unique_ptr<image_transport::ImageTransport> transport_;
-  ros::Subscriber raw_subscriber_;                   ///< raw pictures: pointers inside one manager
+  ros::Subscriber raw_subscriber_;                   ///< raw images: pointers inside one manager
   image_transport::Subscriber decoding_subscriber_;  ///< any other transport
   image_transport::Publisher annotated_publisher_;
   ros::Publisher detections_publisher_;
   ros::Publisher info_publisher_;
 
-  LatestSlot<sensor_msgs::ImageConstPtr> pictures_;
-  std::mutex take_mutex_;  ///< a picture and its ticket are taken together
+  LatestSlot<sensor_msgs::ImageConstPtr> images_;
+  std::mutex take_mutex_;  ///< an image and its ticket are taken together
   InOrder order_;
   std::vector<std::thread> workers_;
 };
@@ -184,7 +184,7 @@ void DetectorNodelet::update_subscription() {
 
 void DetectorNodelet::on_image(const sensor_msgs::ImageConstPtr& message, bool by_pointer) {
   input_.received(message->header.stamp, message->data.data(), by_pointer);
-  pictures_.put(message);
+  images_.put(message);
 }
 
 void DetectorNodelet::work(int slot) {
@@ -193,7 +193,7 @@ void DetectorNodelet::work(int slot) {
 
 std::optional<DetectorNodelet::Job> DetectorNodelet::next_job() {
   const std::lock_guard lock(take_mutex_);
-  auto message = pictures_.take();
+  auto message = images_.take();
   if (!message) return std::nullopt;
   return Job{std::move(*message), order_.begin()};
 }
@@ -207,7 +207,7 @@ void DetectorNodelet::process(const Job& job, int slot) {
     if (output) {
       publish(job.message->header, *image, *output, work_ms);
     } else if (work_health_.failed(output.error().message)) {
-      NODELET_ERROR("picture refused: %s", output.error().message.c_str());
+      NODELET_ERROR("refused an image: %s", output.error().message.c_str());
     }
   });
 }
@@ -229,7 +229,7 @@ void DetectorNodelet::report(diagnostic_updater::DiagnosticStatusWrapper& status
   status.summary(diagnostic_msgs::DiagnosticStatus::OK, "running");
   status.add("model", detector_->spec().name);
   status.add("executes", detector_->execution());
-  status.add("dropped", pictures_.dropped());
+  status.add("dropped", images_.dropped());
   input_.report(status, getNodeHandle().resolveName(kImageTopic), params_.timeout_s);
   work_health_.report(status);
 }

@@ -14,11 +14,11 @@ struct BoxDepthNodeletParams {
   std::string target_frame;  ///< empty = the camera's optical frame
   bool fit_objects{false};   ///< fit standing cubes, spheres and cones; needs a target frame whose z is up
   double stamp_tolerance_s{
-      0.02};  ///< largest difference between a detection's and its depth picture's stamp [s]
-  double transform_timeout_s{0.1};  ///< how long to wait for a transform at the picture's stamp [s]
+      0.02};  ///< largest difference between a detection's and its depth image's stamp [s]
+  double transform_timeout_s{0.1};  ///< how long to wait for a transform at the image's stamp [s]
   double marker_lifetime_s{1.0};    ///< [s]
   double timeout_s{5.0};            ///< silence on an input after which diagnostics warn [s]
-  int depth_queue{30};              ///< depth pictures remembered while the detector works
+  int depth_queue{30};              ///< depth images remembered while the detector works
 };
 
 /// Reads `private_handle`; every problem is reported at once.

@@ -134,7 +134,7 @@ void read_camera(ParamReader& reader, CameraInterfaceParams& params) {
   reader.read("supersampling", params.camera.supersampling, {1, 2});
   reader.read("image_noise", params.camera.image_noise, {0.0, 1.0});
   read_depth_noise(reader, params.camera.depth);
-  constexpr double kD435iFocalPx = 615.0;  // of the colour picture, at 640 pixels width
+  constexpr double kD435iFocalPx = 615.0;  // of the colour image, at 640 pixels width
   model.fx = model.fy = focal_px > 0.0 ? focal_px : kD435iFocalPx * model.width / 640.0;
   model.cx = 0.5 * (model.width - 1);
   model.cy = 0.5 * (model.height - 1);

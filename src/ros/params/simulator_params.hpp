@@ -88,7 +88,7 @@ struct SimulatorNodeletParams {
 [[nodiscard]] Result<std::filesystem::path> find_world(const std::string& name,
                                                        const std::filesystem::path& worlds);
 
-/// The class names of the ground truth go to `<private>/classes`, the names of what a label picture's
+/// The class names of the ground truth go to `<private>/classes`, the names of what a label image's
 /// numbers mean to `<private>/instances`.
 void store_truth_names(const ros::NodeHandle& private_handle, const std::vector<std::string>& classes,
                        const std::vector<std::string>& instances);

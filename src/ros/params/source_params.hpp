@@ -13,7 +13,7 @@ namespace extperfc::ros_params {
 
 /// Parameters of the nodelets that play recordings.
 struct SourceParams {
-  std::filesystem::path path;      ///< folder of pictures, or rawlog file
+  std::filesystem::path path;      ///< folder of images, or rawlog file
   double rate_hz{10.0};            ///< frames per second; 0 = as recorded
   bool loop{true};                 ///< start again at the end
   bool wait_for_subscriber{true};  ///< begin when somebody listens, so that nothing is missed

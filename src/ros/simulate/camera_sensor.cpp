@@ -71,13 +71,13 @@ CameraSensor::CameraSensor(const ros::NodeHandle& handle, const ros_params::Came
   detections_publisher_ = nh.advertise<vision_msgs::Detection2DArray>("sim/truth/detections", 2);
 }
 
-bool CameraSensor::pictures_wanted() const {
+bool CameraSensor::images_wanted() const {
   return color_publisher_.getNumSubscribers() > 0 || depth_publisher_.getNumSubscribers() > 0 ||
          labels_publisher_.getNumSubscribers() > 0 || detections_publisher_.getNumSubscribers() > 0;
 }
 
 bool CameraSensor::wanted() const {
-  return pictures_wanted() || color_info_publisher_.getNumSubscribers() > 0 ||
+  return images_wanted() || color_info_publisher_.getNumSubscribers() > 0 ||
          depth_info_publisher_.getNumSubscribers() > 0;
 }
 
@@ -85,19 +85,19 @@ bool CameraSensor::measure(simulate::SensorRig& rig, const SensorJob& job) {
   std_msgs::Header header;
   header.stamp = job.stamp;
   header.frame_id = frames::kCamera;
-  const bool pictures = pictures_wanted();
-  if (pictures && !faults_.frozen(job.faults)) {
+  const bool wanted = images_wanted();
+  if (wanted && !faults_.frozen(job.faults)) {
     rig.camera(params_.camera, job.now->world_T_link[static_cast<std::size_t>(link_)], images_);
     const std::lock_guard lock(last_mutex_);
     ++rendered_;
   }
-  if (pictures) publish_truth(rig, header);
-  if (pictures && faults_.apply(job.faults, job.now->time_s, images_) == Fate::kLost) return false;
+  if (wanted) publish_truth(rig, header);
+  if (wanted && faults_.apply(job.faults, job.now->time_s, images_) == Fate::kLost) return false;
   const auto info =
       boost::make_shared<sensor_msgs::CameraInfo>(convert::to_camera_info(params_.camera.model, header));
   color_info_publisher_.publish(info);
   depth_info_publisher_.publish(info);
-  if (pictures) publish_pictures(header);
+  if (wanted) publish_images(header);
   return true;
 }
 
@@ -131,7 +131,7 @@ sensor_msgs::ImagePtr CameraSensor::depth_message(const std_msgs::Header& header
 }
 
 /// Depth before colour, so that it waits for the detections and not they for it.
-void CameraSensor::publish_pictures(const std_msgs::Header& header) {
+void CameraSensor::publish_images(const std_msgs::Header& header) {
   sensor_msgs::ImagePtr depth;
   sensor_msgs::ImagePtr color;
   if (depth_publisher_.getNumSubscribers() > 0) depth_publisher_.publish(depth = depth_message(header));
@@ -147,7 +147,7 @@ void CameraSensor::publish_pictures(const std_msgs::Header& header) {
 
 std::vector<std::pair<std::string, std::string>> CameraSensor::details() const {
   const std::lock_guard lock(last_mutex_);
-  return {{"pictures rendered", std::to_string(rendered_)},
+  return {{"images rendered", std::to_string(rendered_)},
           {"color last", place_of(last_color_)},
           {"depth last", place_of(last_depth_)}};
 }

@@ -23,8 +23,8 @@ namespace extperfc {
 ///   camera/aligned_depth_to_color/camera_info
 ///   sim/truth/labels (16UC1: what each pixel shows, an index into ~instances)
 ///   sim/truth/detections (vision_msgs/Detection2DArray: visible boxes of what has a class)
-/// Faults spoil the pictures, not the truth, and while the camera is frozen the truth is that of its picture.
-/// Nothing is rendered unless somebody listens to a picture or to the detections.
+/// Faults spoil the images, not the truth, and while the camera is frozen the truth is that of its image.
+/// Nothing is rendered unless somebody listens to an image or to the detections.
 class CameraSensor : public Sensor {
  public:
   /// Errors: the robot has no camera frame.
@@ -41,9 +41,9 @@ class CameraSensor : public Sensor {
  private:
   CameraSensor(const ros::NodeHandle& handle, const ros_params::CameraInterfaceParams& params, int link,
                std::uint64_t seed, const TruthClasses& classes);
-  [[nodiscard]] bool pictures_wanted() const;
+  [[nodiscard]] bool images_wanted() const;
   void publish_truth(simulate::SensorRig& rig, const std_msgs::Header& header);
-  void publish_pictures(const std_msgs::Header& header);
+  void publish_images(const std_msgs::Header& header);
   [[nodiscard]] sensor_msgs::ImagePtr depth_message(const std_msgs::Header& header) const;
 
   const ros_params::CameraInterfaceParams params_;

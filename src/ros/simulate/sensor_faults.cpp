@@ -16,7 +16,7 @@ namespace {
 constexpr std::size_t kRings = 16;
 
 /// Well mixed 64 bits of a number (the finaliser of SplitMix64): a generator that starts anew for every
-/// pixel would cost more than the picture.
+/// pixel would cost more than the image.
 std::uint64_t mix(std::uint64_t x) {
   x += 0x9e3779b97f4a7c15ULL;
   x = (x ^ (x >> 30)) * 0xbf58476d1ce4e5b9ULL;
@@ -45,9 +45,9 @@ bool is_lost(const Fault* drop, std::uint64_t seed, double time_s) {
 }
 
 void lose_depth(const Fault& fault, std::uint64_t seed, double time_s, std::vector<std::uint16_t>& depth_mm) {
-  const std::uint64_t picture = draw(seed, fault.kind, time_s);
+  const std::uint64_t image = draw(seed, fault.kind, time_s);
   for (std::size_t i = 0; i < depth_mm.size(); ++i)
-    if (share(mix(picture + i)) < fault.value) depth_mm[i] = 0;
+    if (share(mix(image + i)) < fault.value) depth_mm[i] = 0;
 }
 
 /// What is no ring was refused when the fault was set.

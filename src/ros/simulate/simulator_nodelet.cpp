@@ -28,7 +28,7 @@ namespace extperfc {
 ///   sim/set_real_time_factor (SetRealTimeFactor), sim/set_fault (SetFault), sim/move_body (MoveBody);
 ///   robot/... see RobotInterface.
 /// Parameters (private; unknown keys are refused): config/simulator.yaml lists all of them with unit, range
-///   and default. `classes` and `instances` are WRITTEN: names of class ids and of the label picture's
+///   and default. `classes` and `instances` are WRITTEN: names of class ids and of the label image's
 ///   numbers.
 /// Frames: odom -> base_footprint, and map -> odom when base/publish_map_frame is set; the robot's own frames
 ///   come from robot_state_publisher. The world's frame is map.

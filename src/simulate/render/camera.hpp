@@ -7,7 +7,7 @@
 
 #include "simulate/render/depth_noise.hpp"
 #include "simulate/render/hash_noise.hpp"
-#include "simulate/render/picture_planes.hpp"
+#include "simulate/render/image_planes.hpp"
 #include "simulate/render/scene.hpp"
 #include "simulate/render/shading.hpp"
 
@@ -34,7 +34,7 @@ class RayTable {
   std::vector<float> slopes_;
 };
 
-/// Pictures of a scene. Keeps its buffers from picture to picture.
+/// Images of a scene. Keeps its buffers from image to image.
 class Camera {
  public:
   /// `noise`: one key per stream, see NoiseStream.
@@ -51,7 +51,7 @@ class Camera {
   void finish(const CameraParams& params, NoiseKey key, CameraImages& images);
 
   std::vector<RayTable> tables_;  ///< of the last few cameras
-  PicturePlanes planes_;
+  ImagePlanes planes_;
   Plane scratch_;
   DepthNoise depth_noise_;
   std::vector<float> rows_;

@@ -21,7 +21,7 @@ class DepthNoise {
   /// Matching noise of a row of pixels: the same in patches, standard deviation 1.
   void draw_noise(NoiseKey key, int patch, int y, int width);
   /// Pixels that the right eye does not see, because something nearer lies to the right of them.
-  /// `shift_per_disparity`: pixels of the picture per pixel of the infrared pair.
+  /// `shift_per_disparity`: pixels of the image per pixel of the infrared pair.
   void find_shadow(const float* disparities, int width, float shift_per_disparity);
 
   std::array<std::vector<float>, 3> disparities_;

@@ -4,8 +4,8 @@
 #include <cmath>
 #include <cstring>
 
+#include "simulate/render/image_planes.hpp"
 #include "simulate/render/lanes.hpp"
-#include "simulate/render/picture_planes.hpp"
 
 namespace extperfc::simulate::render {
 

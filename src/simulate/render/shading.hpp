@@ -11,7 +11,7 @@
 /// k / 4 of it.
 namespace extperfc::simulate::render {
 
-/// Camera and light of one picture.
+/// Camera and light of one image.
 struct View {
   float origin[3];
   float right[3], down[3], forward[3];  ///< axes of the optical frame in the world

@@ -9,7 +9,7 @@
 
 namespace extperfc::simulate::render_tool {
 
-const char* const kHelp = R"(Writes training pictures with Pascal VOC boxes from random worlds.
+const char* const kHelp = R"(Writes training images with Pascal VOC boxes from random worlds.
 
   extperfc-render OUT [options]
 
@@ -17,7 +17,7 @@ OUT gets JPEGImages/000001.jpg, Annotations/000001.xml, ImageSets/Main/{train,va
 render.txt (the settings). The same settings write the same files, whatever the number of threads.
 
 Options:
-  --count NUMBER          pictures, 100 by default
+  --count NUMBER          images, 100 by default
   --seed NUMBER           of worlds, views and noise, 1 by default
   --size WIDTHxHEIGHT     640x480 by default; the lens is that of a D435i
   --world FILE            views of this world instead of random ones (config/worlds/README.md)
@@ -31,9 +31,9 @@ Options:
   --resume                goes on with a folder of the same settings, also with a larger --count
   --help                  this text
 
-In the XML: `truncated` reaches over the picture's border, `occluded` is hidden by more than 5 %, `difficult` is visible
+In the XML: `truncated` reaches over the image's border, `occluded` is hidden by more than 5 %, `difficult` is visible
 by less than 30 %, smaller than 12 pixels, or a cone that shows its base only; `visible` is the share that is seen, 0 to 1.
-Ctrl-C ends after the pictures in work; the folder is complete up to there.
+Ctrl-C ends after the images in work; the folder is complete up to there.
 Exit status: 0 fine, 1 something went wrong, 2 wrong arguments, 130 interrupted.
 )";
 

@@ -11,7 +11,7 @@ namespace extperfc::simulate::render_tool {
 
 struct Options {
   std::filesystem::path out;
-  int count{100};  ///< pictures, [1, 999999]
+  int count{100};  ///< images, [1, 999999]
   std::uint64_t seed{1};
   int width{640};               ///< [64, 4096]
   int height{480};              ///< [64, 4096]
@@ -32,7 +32,7 @@ extern const char* const kHelp;
 /// From the words behind the program's name. Errors: unknown option, value missing or out of its range.
 [[nodiscard]] Result<Options> parse_options(const std::vector<std::string>& words);
 
-/// What decides about the pictures, as text: two runs with the same text write the same files.
+/// What decides about the images, as text: two runs with the same text write the same files.
 /// Reads the world's file.
 [[nodiscard]] std::string fingerprint(const Options& options);
 

@@ -16,8 +16,8 @@
 
 #include "extperfc/simulate/world_spec.hpp"
 
+#include "simulate/render_tool/image_maker.hpp"
 #include "simulate/render_tool/options.hpp"
-#include "simulate/render_tool/picture_maker.hpp"
 #include "simulate/render_tool/voc_folder.hpp"
 
 using namespace extperfc;                         // NOLINT: a program, not a header
@@ -47,7 +47,7 @@ void listen_for_interrupts() {
   sigaction(SIGTERM, &action, nullptr);
 }
 
-/// Work shared between threads: a world's pictures at a time.
+/// Work shared between threads: a world's images at a time.
 class Job {
  public:
   Job(const Options& options, const VocFolder& folder, std::shared_ptr<const WorldSpec> world)
@@ -71,10 +71,10 @@ class Job {
 
  private:
   void work() {
-    PictureMaker maker(options_, world_);
-    for (int first = next_.fetch_add(PictureMaker::kPicturesPerWorld); first < options_.count && !ended();
-         first = next_.fetch_add(PictureMaker::kPicturesPerWorld))
-      for (int number = first; number < std::min(first + PictureMaker::kPicturesPerWorld, options_.count);
+    ImageMaker maker(options_, world_);
+    for (int first = next_.fetch_add(ImageMaker::kImagesPerWorld); first < options_.count && !ended();
+         first = next_.fetch_add(ImageMaker::kImagesPerWorld))
+      for (int number = first; number < std::min(first + ImageMaker::kImagesPerWorld, options_.count);
            ++number)
         if (!ended()) make(maker, number);
     const std::lock_guard<std::mutex> lock(mutex_);
@@ -82,14 +82,13 @@ class Job {
     changed_.notify_all();
   }
 
-  void make(PictureMaker& maker, int number) {
+  void make(ImageMaker& maker, int number) {
     if (folder_.has(number)) {
       ++kept_;
       return;
     }
-    const auto picture = maker.make(number);
-    const auto written =
-        picture ? folder_.write(number, **picture) : Result<void>(tl::unexpected(picture.error()));
+    const auto image = maker.make(number);
+    const auto written = image ? folder_.write(number, **image) : Result<void>(tl::unexpected(image.error()));
     if (written) {
       ++written_;
       return;
@@ -115,7 +114,7 @@ class Job {
     const int done = kept_ + written_;
     const double rate = written_ / seconds;
     const int left = rate > 0 ? static_cast<int>((options_.count - done) / rate) : 0;
-    std::fprintf(stderr, "%s%d of %d pictures, %.1f per second, %d:%02d left%s", terminal ? "\r\033[K" : "",
+    std::fprintf(stderr, "%s%d of %d images, %.1f per second, %d:%02d left%s", terminal ? "\r\033[K" : "",
                  done, options_.count, rate, left / 60, left % 60, terminal ? "" : "\n");
   }
 
@@ -149,8 +148,8 @@ int render(const Options& options) {
   const auto listed = folder->write_sets();
   if (!done) return complain(done.error().message, kProblem);
   if (!listed) return complain(listed.error().message, kProblem);
-  std::printf("%s: %d pictures, %d of them new, in %.1f s (%.1f per second)%s\n", options.out.c_str(),
-              *listed, job.written(), seconds, job.written() / seconds,
+  std::printf("%s: %d images, %d of them new, in %.1f s (%.1f per second)%s\n", options.out.c_str(), *listed,
+              job.written(), seconds, job.written() / seconds,
               interrupted ? "; interrupted: --resume goes on" : "");
   return interrupted ? kInterrupted : 0;
 }

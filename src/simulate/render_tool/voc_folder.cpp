@@ -39,7 +39,7 @@ Result<void> write_text(const fs::path& file, const std::string& text) {
 Result<void> write_image(const fs::path& file, const cv::Mat& image, const std::vector<int>& settings) {
   std::vector<std::uint8_t> bytes;
   if (!cv::imencode(file.extension().string(), image, bytes, settings))
-    return fail(ErrorCode::kUnsupported, "OpenCV cannot write " + file.extension().string() + " pictures");
+    return fail(ErrorCode::kUnsupported, "OpenCV cannot write " + file.extension().string() + " images");
   return write_file(file, reinterpret_cast<const char*>(bytes.data()), bytes.size());
 }
 
@@ -103,21 +103,21 @@ void add_object(std::ostringstream& out, const Annotation& note) {
 
 }  // namespace
 
-std::string picture_name(int number) {
+std::string image_name(int number) {
   std::array<char, 16> text{};
   std::snprintf(text.data(), text.size(), "%06d", number + 1);
   return text.data();
 }
 
-std::string voc_xml(const std::string& file_name, const Picture& picture) {
+std::string voc_xml(const std::string& file_name, const AnnotatedImage& image) {
   std::ostringstream out;
   out.imbue(std::locale::classic());
   out.precision(3);
   out << "<annotation>\n  <folder>JPEGImages</folder>\n  <filename>" << file_name
       << "</filename>\n  <source><database>extperfc-render</database></source>\n  <size>\n    <width>"
-      << picture.images.width << "</width>\n    <height>" << picture.images.height
+      << image.images.width << "</width>\n    <height>" << image.images.height
       << "</height>\n    <depth>3</depth>\n  </size>\n  <segmented>0</segmented>\n";
-  for (const Annotation& note : picture.annotations) add_object(out, note);
+  for (const Annotation& note : image.annotations) add_object(out, note);
   out << "</annotation>\n";
   return out.str();
 }
@@ -136,21 +136,21 @@ Result<VocFolder> VocFolder::open(const Options& options) {
 
 bool VocFolder::has(int number) const {
   std::error_code error;
-  return fs::exists(options_.out / "Annotations" / (picture_name(number) + ".xml"), error);
+  return fs::exists(options_.out / "Annotations" / (image_name(number) + ".xml"), error);
 }
 
-Result<void> VocFolder::write(int number, const Picture& picture) const {
-  const std::string name = picture_name(number);
+Result<void> VocFolder::write(int number, const AnnotatedImage& image) const {
+  const std::string name = image_name(number);
   if (options_.depth)
-    if (auto written = write_image(options_.out / "Depth" / (name + ".png"), depth_of(picture.images), {});
+    if (auto written = write_image(options_.out / "Depth" / (name + ".png"), depth_of(image.images), {});
         !written)
       return written;
   const std::vector<int> settings{cv::IMWRITE_JPEG_QUALITY, kJpegQuality};
   if (auto written =
-          write_image(options_.out / "JPEGImages" / (name + ".jpg"), bgr_of(picture.images), settings);
+          write_image(options_.out / "JPEGImages" / (name + ".jpg"), bgr_of(image.images), settings);
       !written)
     return written;
-  return write_text(options_.out / "Annotations" / (name + ".xml"), voc_xml(name + ".jpg", picture));
+  return write_text(options_.out / "Annotations" / (name + ".xml"), voc_xml(name + ".jpg", image));
 }
 
 Result<int> VocFolder::write_sets() const {
@@ -160,9 +160,9 @@ Result<int> VocFolder::write_sets() const {
   for (int number = 0; number < 999999; ++number) {
     if (number >= options_.count && !has(number)) break;
     if (!has(number)) continue;
-    const std::uint64_t draw = mix(PictureMaker::world_of(options_, number), 0x7E57U) % 10000U;
+    const std::uint64_t draw = mix(ImageMaker::world_of(options_, number), 0x7E57U) % 10000U;
     const bool for_val = static_cast<double>(draw) < options_.val * 10000;
-    (for_val ? val : train) += picture_name(number) + "\n";
+    (for_val ? val : train) += image_name(number) + "\n";
     ++count;
   }
   const fs::path folder = options_.out / "ImageSets" / "Main";

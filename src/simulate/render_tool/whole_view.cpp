@@ -19,14 +19,14 @@ struct Window {
 
 void widen(Window& window, const CameraModel& camera, const Eigen::Vector3d& centre, double radius) {
   if (centre.z() <= -radius) return;  // behind the camera
-  if (centre.z() <= radius * 1.05) {  // around the camera: the picture and as much on every side
+  if (centre.z() <= radius * 1.05) {  // around the camera: the image and as much on every side
     const double width = camera.width;
     const double height = camera.height;
     window = {std::min(window.u_min, -width), std::min(window.v_min, -height),
               std::max(window.u_max, 2 * width), std::max(window.v_max, 2 * height)};
     return;
   }
-  // Half the size of a sphere's picture, from above: seen from the nearest point of its axis.
+  // Half the size of a sphere's image, from above: seen from the nearest point of its axis.
   const double reach = radius / (centre.z() - radius);
   const double u = camera.cx + camera.fx * centre.x() / centre.z();
   const double v = camera.cy + camera.fy * centre.y() / centre.z();

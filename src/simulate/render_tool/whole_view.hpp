@@ -6,14 +6,14 @@
 
 namespace extperfc::simulate::render_tool {
 
-/// How a body would look if nothing stood before it and the picture had no border. Numbers of pixels.
+/// How a body would look if nothing stood before it and the image had no border. Numbers of pixels.
 struct WholeView {
-  double pixels{0};         ///< in the picture and outside
-  double pixels_inside{0};  ///< in the picture
+  double pixels{0};         ///< in the image and outside
+  double pixels_inside{0};  ///< in the image
 };
 
 /// Casts a ray through the body's shapes for every pixel near it, or for every n-th of large bodies. A camera
-/// without distortion. Of a body that reaches around the camera, one picture's size on every side counts.
+/// without distortion. Of a body that reaches around the camera, one image's size on every side counts.
 [[nodiscard]] WholeView whole_view(const BodySpec& body, const CameraModel& camera,
                                    const Pose& world_T_optical);
 

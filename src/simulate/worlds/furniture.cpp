@@ -273,7 +273,7 @@ Piece pillar(double radius_m, double height_m, const Material& material) {
   return piece;
 }
 
-Piece picture(double width_m, double height_m, std::uint64_t seed) {
+Piece painting(double width_m, double height_m, std::uint64_t seed) {
   Piece piece;
   Rng rng(seed);
   const Material frame = rng.chance(0.5) ? known_materials().at("black") : known_materials().at("walnut");

@@ -32,7 +32,7 @@ struct ShelfParams {
 [[nodiscard]] Piece cabinet(const Eigen::Vector3d& size_m, const Material& material, int drawers);
 /// Pot with leaves. Movable.
 [[nodiscard]] Piece plant(double height_m, std::uint64_t seed);
-/// Monitor; its picture looks to the front.
+/// Monitor; its image looks to the front.
 [[nodiscard]] Piece screen(double width_m);
 [[nodiscard]] Piece keyboard();
 [[nodiscard]] Piece desk_lamp(const Material& material);
@@ -40,10 +40,10 @@ struct ShelfParams {
 [[nodiscard]] Piece pillar(double radius_m, double height_m, const Material& material);
 
 /// Coloured areas in a frame, flat on a wall: the origin is the middle of the back, x leaves the wall.
-[[nodiscard]] Piece picture(double width_m, double height_m, std::uint64_t seed);
-/// A panel that looks like a window with a sky behind it, flat on a wall as picture().
+[[nodiscard]] Piece painting(double width_m, double height_m, std::uint64_t seed);
+/// A panel that looks like a window with a sky behind it, flat on a wall as painting().
 [[nodiscard]] Piece window(double width_m, double height_m);
-/// White board with a tray and some writing, flat on a wall as picture().
+/// White board with a tray and some writing, flat on a wall as painting().
 [[nodiscard]] Piece whiteboard(double width_m, double height_m, std::uint64_t seed);
 
 }  // namespace extperfc::simulate::worlds

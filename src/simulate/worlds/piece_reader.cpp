@@ -105,10 +105,10 @@ const Readers& furniture_readers() {
 
 const Readers& panel_readers() {
   static const Readers readers{
-      {"picture",
+      {"painting",
        [](YamlMap& map, const MaterialReader& /*materials*/) {
          const Eigen::Vector2d size = map.vector2("size", kLength, Eigen::Vector2d{0.8, 0.6});
-         return picture(size.x(), size.y(), seed_of(map));
+         return painting(size.x(), size.y(), seed_of(map));
        }},
       {"window",
        [](YamlMap& map, const MaterialReader& /*materials*/) {

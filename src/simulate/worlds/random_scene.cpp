@@ -110,7 +110,7 @@ bool any_overlap(const Polygon& area, const std::vector<Polygon>& others) {
                      [&area](const Polygon& other) { return overlap(area, other, 0); });
 }
 
-/// A picture, window or white board somewhere on a wall.
+/// A painting, window or white board somewhere on a wall.
 void hang(RandomScene& scene, const WallSide& wall, double height_m) {
   Rng& rng = scene.rng();
   const auto seed = static_cast<std::uint64_t>(rng.integer(0, 100000));
@@ -122,7 +122,7 @@ void hang(RandomScene& scene, const WallSide& wall, double height_m) {
   const int kind = rng.integer(0, 3);
   if (scene.reserved(pose, {0.1, wide + 0.2})) return;
   if (kind < 2)
-    scene.put(picture(wide, high, seed), "picture", pose);
+    scene.put(painting(wide, high, seed), "painting", pose);
   else if (kind == 2)
     scene.put(window(wide, high), "window", pose);
   else

@@ -42,7 +42,7 @@ class RandomScene {
 /// Largest distance of a piece's shadow from its origin [m].
 [[nodiscard]] double reach_m(const Piece& piece);
 
-/// Furniture, pictures and windows along the walls of a rectangular room. `height_m` of the walls.
+/// Furniture, paintings and windows along the walls of a rectangular room. `height_m` of the walls.
 void furnish_walls(RandomScene& scene, const Eigen::Vector2d& min_m, const Eigen::Vector2d& max_m, int pieces,
                    double height_m);
 

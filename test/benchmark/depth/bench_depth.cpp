@@ -29,16 +29,16 @@ using depth::BoxDepthParams;
 using depth::Estimator;
 
 constexpr char kHelp[] =
-    "bench_depth [--seed N] [--scenes N] [--json FILE] [--picture FILE]\n"
+    "bench_depth [--seed N] [--scenes N] [--json FILE] [--image FILE]\n"
     "  --seed N        of scenes, noise and boxes (1)\n"
     "  --scenes N      per case; three boxes each (150)\n"
     "  --json FILE     write the results\n"
-    "  --picture FILE  write one simulated depth picture (16-bit PNG) and stop\n";
+    "  --image FILE  write one simulated depth image (16-bit PNG) and stop\n";
 
 constexpr char kTruth[] =
     "Truth: noise-free depth along the optical axis of the object's visible pixel nearest to the centre of "
     "its tight,\n"
-    "true box. The estimators get the noisy picture and a box as a detector gives it. Errors in cm.\n";
+    "true box. The estimators get the noisy image and a box as a detector gives it. Errors in cm.\n";
 
 constexpr int kBoxesPerScene = 3;
 constexpr double kPaperError = 1.75;  // cm, mean over 0.2 to 0.9 m that ExtPerFC reports for its robot
@@ -56,7 +56,7 @@ struct Options {
   std::uint64_t seed{1};
   int scenes{150};
   std::string json;
-  std::string picture;
+  std::string image;
 };
 
 struct Score {
@@ -84,12 +84,12 @@ void add(Score& score, const std::optional<depth::BoxDepth>& found, double truth
   score.squared_sigmas += std::pow(error_m / found->sigma_m, 2);
 }
 
-void try_box(const ImageView& picture, const Box2& box, double truth_m, Scores& scores) {
+void try_box(const ImageView& image, const Box2& box, double truth_m, Scores& scores) {
   for (std::size_t i = 0; i < kEstimators.size(); ++i) {
     BoxDepthParams params;
     params.estimator = kEstimators[i];
     const Stopwatch watch;
-    auto found = depth::estimate_depth(picture, box, params);
+    auto found = depth::estimate_depth(image, box, params);
     scores[i].seconds += watch.seconds();
     add(scores[i], found, truth_m);
     if (i != kPeer) continue;
@@ -108,9 +108,9 @@ Scores run_case(const Case& kind, const Options& options) {
   Scores scores;
   for (int i = 0; i < options.scenes; ++i) {
     const Rendering rendering = draw_rendering(kind, camera(), rng);
-    const cv::Mat picture = sensor.measure(rendering, rng);
+    const cv::Mat image = sensor.measure(rendering, rng);
     for (int b = 0; b < kBoxesPerScene; ++b)
-      try_box(view_of(picture), detected_box(rendering.box, kind.box_error, camera(), rng), rendering.truth_m,
+      try_box(view_of(image), detected_box(rendering.box, kind.box_error, camera(), rng), rendering.truth_m,
               scores);
   }
   return scores;
@@ -195,11 +195,11 @@ std::vector<Row> run_all(const Options& options) {
   return rows;
 }
 
-bool write_picture(const Options& options) {
+bool write_image(const Options& options) {
   Rng rng(options.seed);
-  const Case kind{"picture", {Shape::kCone}, 0.4, 0.6};
+  const Case kind{"image", {Shape::kCone}, 0.4, 0.6};
   const Rendering rendering = draw_rendering(kind, camera(), rng);
-  return cv::imwrite(options.picture, StereoSensor(camera(), {}).measure(rendering, rng));
+  return cv::imwrite(options.image, StereoSensor(camera(), {}).measure(rendering, rng));
 }
 
 template <typename Number>
@@ -213,7 +213,7 @@ bool set_option(const std::string& name, const char* value, Options& options) {
   if (name == "--seed") return parse_number(value, options.seed);
   if (name == "--scenes") return parse_number(value, options.scenes);
   if (name == "--json") return !(options.json = value).empty();
-  if (name == "--picture") return !(options.picture = value).empty();
+  if (name == "--image") return !(options.image = value).empty();
   return false;
 }
 
@@ -225,7 +225,7 @@ std::optional<Options> parse(int argc, char** argv) {
 }
 
 int run(const Options& options) {
-  if (!options.picture.empty()) return write_picture(options) ? 0 : 1;
+  if (!options.image.empty()) return write_image(options) ? 0 : 1;
   std::printf("%s\nseed %llu, %d scenes per case, %d boxes per scene\n%s\n", machine_description().c_str(),
               static_cast<unsigned long long>(options.seed), options.scenes, kBoxesPerScene, kTruth);
   const Stopwatch watch;

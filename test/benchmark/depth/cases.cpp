@@ -13,7 +13,7 @@ namespace {
 constexpr double kPi = 3.14159265358979323846;
 constexpr double kMinSize = 0.06;     // of objects [m]
 constexpr double kMaxSize = 0.20;     // [m]
-constexpr double kMaxSizePx = 330.0;  // larger objects do not fit the picture
+constexpr double kMaxSizePx = 330.0;  // larger objects do not fit the image
 constexpr float kMinBoxPx = 8.0F;     // smaller boxes are not detected
 
 struct Range {
@@ -85,7 +85,7 @@ std::vector<Case> all_cases() {
     cases.push_back({std::string("cube ") + range.name, {Shape::kCube}, range.near_m, range.far_m});
     cases.push_back({std::string("sphere ") + range.name, {Shape::kSphere}, range.near_m, range.far_m});
   }
-  cases.push_back({"picture border", every, 0.2, 3.5, true});
+  cases.push_back({"image border", every, 0.2, 3.5, true});
   cases.push_back({"bad boxes", every, 0.2, 3.5, false, {0.12, 0.15, 1.1}});
   return cases;
 }

@@ -22,17 +22,17 @@ struct Case {
   std::vector<Shape> shapes;
   double near_m{0.2};  ///< the truth lies in [near_m, far_m]
   double far_m{0.9};
-  bool at_border{false};  ///< the picture's edge cuts the object
+  bool at_border{false};  ///< the image's edge cuts the object
   BoxError box_error{};
 };
 
-/// Per class and range, then all classes at the picture's border and with bad boxes.
+/// Per class and range, then all classes at the image's border and with bad boxes.
 [[nodiscard]] std::vector<Case> all_cases();
 
 /// A rendering that fits the case; rejects until it does.
 [[nodiscard]] Rendering draw_rendering(const Case& kind, const CameraModel& camera, Rng& rng);
 
-/// The box as a detector would give it, clipped to the picture.
+/// The box as a detector would give it, clipped to the image.
 [[nodiscard]] Box2 detected_box(const Box2& box, const BoxError& error, const CameraModel& camera, Rng& rng);
 
 }  // namespace extperfc::benchmark

@@ -95,7 +95,7 @@ double hit_plane(const Eigen::Vector3d& normal, const Eigen::Vector3d& point,
   return t > 0.0 ? t : std::numeric_limits<double>::infinity();
 }
 
-/// Generous bounds of the object in the picture, with the margin.
+/// Generous bounds of the object in the image, with the margin.
 cv::Rect surroundings(const Scene& scene, const CameraModel& camera) {
   const Eigen::Vector3d middle = scene.base + 0.5 * scene.size_m * scene.up;
   const Eigen::Vector2d center = camera.project(middle);

@@ -17,7 +17,7 @@ constexpr double kJump = 0.03;             // relative depth difference between 
 constexpr int kEdgeReachPx = 2;            // pixels on both sides of an edge that suffer
 constexpr double kLostAtEdge = 0.5;        // probability
 constexpr double kFlyingAtEdge = 0.25;     // probability
-constexpr double kPixelsPerHole = 4000.0;  // mean area of picture per hole
+constexpr double kPixelsPerHole = 4000.0;  // mean area of image per hole
 
 /// Unit-variance noise, white noise blurred by a Gaussian. Blurring divides the variance by 4 pi sigma^2,
 /// which is also the area that moves together.
@@ -76,7 +76,7 @@ void StereoSensor::drop_occluded(cv::Mat& depth) const {
   const auto disparity_m = static_cast<float>(camera_.fx * noise_.baseline_m);
   for (int v = 0; v < depth.rows; ++v) {
     float leftmost =
-        std::numeric_limits<float>::infinity();  // place in the right picture, of all pixels so far
+        std::numeric_limits<float>::infinity();  // place in the right image, of all pixels so far
     for (int u = depth.cols - 1; u >= 0; --u) {
       auto& z = depth.at<float>(v, u);
       if (z <= 0.0F) continue;
@@ -112,9 +112,9 @@ cv::Mat StereoSensor::measure(const Rendering& rendering, Rng& rng) const {
   damage_edges(truth, depth, rng);
   punch_holes(depth, rng);
   add_noise(depth, rng);
-  cv::Mat picture = cv::Mat::zeros(rendering.depth.size(), CV_16UC1);
-  depth.convertTo(picture(rendering.part), CV_16U, 1000.0);
-  return picture;
+  cv::Mat image = cv::Mat::zeros(rendering.depth.size(), CV_16UC1);
+  depth.convertTo(image(rendering.part), CV_16U, 1000.0);
+  return image;
 }
 
 }  // namespace extperfc::benchmark

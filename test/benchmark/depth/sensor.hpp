@@ -7,7 +7,7 @@
 
 namespace extperfc::benchmark {
 
-/// What a stereo depth camera makes of a perfect depth picture: 16-bit millimetres, aligned to colour.
+/// What a stereo depth camera makes of a perfect depth image: 16-bit millimetres, aligned to colour.
 ///
 /// 1. Occlusion: points that the right imager cannot see have no depth, a shadow on the left side of objects.
 /// 2. Edges: next to a depth jump half of the pixels are lost and some report a depth in between ("flying

@@ -1,4 +1,4 @@
-// The cost of a picture on its way through the nodelets, against inference alone. Run with --help.
+// The cost of an image on its way through the nodelets, against inference alone. Run with --help.
 
 #include <algorithm>
 #include <cstdio>
@@ -13,9 +13,9 @@
 #include "extperfc/base/stopwatch.hpp"
 #include "extperfc/detect/inference.hpp"
 
+#include "detect/footage.hpp"
 #include "detect/measure.hpp"
 #include "detect/options.hpp"
-#include "detect/pictures.hpp"
 #include "detect/report_rows.hpp"
 #include "report.hpp"
 #include "ros_log.hpp"
@@ -82,7 +82,7 @@ Result<std::vector<MeasuredCase>> measure_all(const DetectOptions& options) {
   const auto cases = all_cases(options);
   if (!cases) return tl::unexpected(cases.error());
   const auto footage =
-      options.pictures.empty() ? Result<Footage>(draw_footage()) : load_footage(options.pictures);
+      options.images.empty() ? Result<Footage>(draw_footage()) : load_footage(options.images);
   if (!footage) return tl::unexpected(footage.error());
   std::vector<MeasuredCase> measured;
   for (const auto& one : *cases) {
@@ -112,7 +112,7 @@ int run(const DetectOptions& options) {
   const auto measured = measure_all(options);
   if (!measured) return complain(measured.error().message, 1);
   std::printf("%s\n%d frames of each kind per case, %s\n%s\n", machine_description().c_str(), options.frames,
-              options.pictures.empty() ? "one drawn picture" : options.pictures.c_str(), kExplanation);
+              options.images.empty() ? "one drawn image" : options.images.c_str(), kExplanation);
   print_breakdown(*measured);
   std::printf("\n");
   std::fflush(stdout);

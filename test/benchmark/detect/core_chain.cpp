@@ -47,7 +47,7 @@ Result<detect::Placement> CoreChain::prepare(const sensor_msgs::ImageConstPtr& c
 Detections CoreChain::decode(const std::vector<detect::TensorView>& tensors,
                              const detect::Placement& placement) const {
   auto detections = detect::suppress(detect::decode(spec_, tensors), spec_.thresholds);
-  for (auto& detection : detections) detection.box = placement.to_picture(detection.box);
+  for (auto& detection : detections) detection.box = placement.to_image(detection.box);
   return detections;
 }
 

@@ -37,7 +37,7 @@ class CostWatch {
   double cpu_start_s_{process_cpu_seconds()};
 };
 
-/// The parts of one picture's way.
+/// The parts of one image's way.
 struct ChainCosts {
   Cost prepare;  ///< wrapping the message, resizing, normalising
   Cost inference;
@@ -46,7 +46,7 @@ struct ChainCosts {
   std::size_t boxes{0};
 };
 
-/// What the two nodelets do with a picture, called straight in one thread: no topics, queues or workers.
+/// What the two nodelets do with an image, called straight in one thread: no topics, queues or workers.
 class CoreChain {
  public:
   CoreChain(detect::ModelSpec spec, std::unique_ptr<detect::InferenceBackend> backend,
@@ -55,7 +55,7 @@ class CoreChain {
   [[nodiscard]] Result<ChainCosts> run(const sensor_msgs::ImageConstPtr& color,
                                        const sensor_msgs::ImageConstPtr& depth);
 
-  /// The network alone, on the picture of the last run().
+  /// The network alone, on the image of the last run().
   [[nodiscard]] Result<Cost> infer();
 
   [[nodiscard]] std::string execution() const { return backend_->name() + " on " + backend_->execution(); }

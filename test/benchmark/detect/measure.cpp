@@ -25,12 +25,12 @@ void pause() {
   ros::WallDuration(0.005).sleep();
 }
 
-CameraMessages to_messages(const Picture& picture, const CameraModel& camera) {
+CameraMessages to_messages(const ImagePair& image, const CameraModel& camera) {
   namespace enc = sensor_msgs::image_encodings;
   std_msgs::Header header;
   header.frame_id = "camera_color_optical_frame";
-  return {cv_bridge::CvImage(header, enc::BGR8, picture.color).toImageMsg(),
-          cv_bridge::CvImage(header, enc::TYPE_16UC1, picture.depth).toImageMsg(),
+  return {cv_bridge::CvImage(header, enc::BGR8, image.color).toImageMsg(),
+          cv_bridge::CvImage(header, enc::TYPE_16UC1, image.depth).toImageMsg(),
           boost::make_shared<sensor_msgs::CameraInfo>(convert::to_camera_info(camera, header))};
 }
 
@@ -84,8 +84,8 @@ class Turns {
  private:
   /// A fresh copy, as from a driver; made before the clock starts.
   [[nodiscard]] CameraMessages messages(int i) const {
-    const auto index = (shown_ + static_cast<std::size_t>(i)) % footage_.pictures.size();
-    return to_messages(footage_.pictures[index], footage_.camera);
+    const auto index = (shown_ + static_cast<std::size_t>(i)) % footage_.images.size();
+    return to_messages(footage_.images[index], footage_.camera);
   }
 
   Result<void> one_path(int i) {
@@ -166,7 +166,7 @@ std::string DetectCase::name() const {
 }
 
 Result<DetectFigures> measure(const DetectCase& what, const Footage& footage, int frames, int number) {
-  cv::setNumThreads(what.settings.inference.threads);  // also for the pictures' preparation
+  cv::setNumThreads(what.settings.inference.threads);  // also for the images' preparation
   auto core = make_core(what, footage.camera);
   if (!core) return tl::unexpected(core.error());
   NodeletPath path;

@@ -5,8 +5,8 @@
 #include "extperfc/base/error.hpp"
 #include "extperfc/detect/model_spec.hpp"
 
+#include "detect/footage.hpp"
 #include "detect/nodelet_path.hpp"
-#include "detect/pictures.hpp"
 
 namespace extperfc::benchmark {
 
@@ -39,7 +39,7 @@ struct DetectFigures {
 };
 
 /// Nodelets, inference alone and the core alone take turns of ten frames, so that all see the same machine.
-/// Before every frame comes the same short pause, as between the pictures of a camera: a process that
+/// Before every frame comes the same short pause, as between the images of a camera: a process that
 /// computes without pause loses the processor to others more often. `number` makes the namespace unique in
 /// this process.
 [[nodiscard]] Result<DetectFigures> measure(const DetectCase& what, const Footage& footage, int frames,

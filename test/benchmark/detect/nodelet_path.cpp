@@ -77,8 +77,7 @@ Result<PathCost> NodeletPath::run(const CameraMessages& messages) {
   while (!newest_ || newest_->header.stamp != stamp) {
     queue_.callOne(ros::WallDuration(0.1));
     if (!ros::ok() || watch.seconds() > kResultDeadlineS)
-      return fail(ErrorCode::kFailed,
-                  "no 3D detections came for a picture; the nodelets' messages are above");
+      return fail(ErrorCode::kFailed, "no 3D detections came for an image; the nodelets' messages are above");
   }
   return PathCost{cost_watch.lap(), newest_->detections.size()};
 }

@@ -11,7 +11,7 @@ namespace {
 constexpr char kHelp[] =
     "bench_detect [options]; needs a ROS master, which tools/bench starts\n"
     "  --model FOLDER     measure this model besides those in models/ (repeatable)\n"
-    "  --pictures FOLDER  aligned colour and depth pictures (rgb/ and depth/); default: one drawn picture\n"
+    "  --images FOLDER  aligned colour and depth images (rgb/ and depth/); default: one drawn image\n"
     "  --frames N         per case: N through the nodelets, N of inference alone, N of the core alone (60)\n"
     "  --backend NAME     openvino or opencv alone\n"
     "  --threads N        this number of threads alone; default: 1, then all cores\n"
@@ -51,8 +51,8 @@ Result<void> set_backend(const std::string& name, DetectOptions& options) {
 Result<void> set_option(const std::string& name, const std::string& value, DetectOptions& options) {
   if (name == "--model") {
     options.models.emplace_back(value);
-  } else if (name == "--pictures") {
-    options.pictures = value;
+  } else if (name == "--images") {
+    options.images = value;
   } else if (name == "--json") {
     options.json = value;
   } else if (name == "--frames") {

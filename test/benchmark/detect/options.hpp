@@ -11,7 +11,7 @@ namespace extperfc::benchmark {
 
 struct DetectOptions {
   std::vector<std::filesystem::path> models;  ///< besides those in models/ of the package
-  std::filesystem::path pictures;             ///< folder of aligned pictures; empty = one drawn picture
+  std::filesystem::path images;               ///< folder of aligned images; empty = one drawn image
   std::vector<std::string> backends{"openvino", "opencv"};
   std::vector<int> threads;  ///< empty = 1 and all
   int frames{60};            ///< of each kind in each case, >= 1

@@ -32,7 +32,7 @@ constexpr double kSweepHz = 10.0;
 class Listeners {
  public:
   Listeners() {
-    listen<sensor_msgs::Image>("camera/color/image_raw", pictures);
+    listen<sensor_msgs::Image>("camera/color/image_raw", images);
     listen<sensor_msgs::Image>("camera/aligned_depth_to_color/image_raw", depths);
     listen<sensor_msgs::PointCloud2>("velodyne_points", sweeps);
     listen<sensor_msgs::JointState>("robot/joint_states", others);
@@ -40,7 +40,7 @@ class Listeners {
     listen<sensor_msgs::Imu>("imu/data", others);
   }
 
-  std::atomic<int> pictures{0};
+  std::atomic<int> images{0};
   std::atomic<int> depths{0};
   std::atomic<int> sweeps{0};
   std::atomic<int> others{0};
@@ -61,7 +61,7 @@ struct Stretch {
   double wall_s{0};
   double simulated_s{0};
   double cpu_s{0};
-  int pictures{0};
+  int images{0};
   int sweeps{0};
 
   [[nodiscard]] double factor() const { return simulated_s / wall_s; }
@@ -72,12 +72,12 @@ Stretch watch_for(double seconds, const Listeners* listeners) {
   const Stopwatch wall;
   const double cpu = process_cpu_seconds();
   const ros::Time simulated = ros::Time::now();
-  const int pictures = listeners ? listeners->depths.load() : 0;
+  const int images = listeners ? listeners->depths.load() : 0;
   const int sweeps = listeners ? listeners->sweeps.load() : 0;
   std::this_thread::sleep_for(std::chrono::duration<double>(seconds));
   Stretch stretch{wall.seconds(), (ros::Time::now() - simulated).toSec(), process_cpu_seconds() - cpu, 0, 0};
   if (listeners) {
-    stretch.pictures = listeners->depths - pictures;
+    stretch.images = listeners->depths - images;
     stretch.sweeps = listeners->sweeps - sweeps;
   }
   return stretch;
@@ -105,7 +105,7 @@ std::vector<Row> rows_of(const std::string& world, const Stretch& steady, const 
   const std::string all = world + ", all sensors";
   const std::string none = world + ", no sensors";
   return {at_least(Row{all, "real-time factor, wanted 1", "", steady.factor(), 1.0, "real time"}, 0.99),
-          at_least(Row{all, "RGB-D frames per simulated second", "Hz", steady.pictures / steady.simulated_s,
+          at_least(Row{all, "RGB-D frames per simulated second", "Hz", steady.images / steady.simulated_s,
                        kRgbdHz, "sensor"},
                    0.97 * kRgbdHz),
           at_least(Row{all, "VLP-16 sweeps per simulated second", "Hz", steady.sweeps / steady.simulated_s,
@@ -146,7 +146,7 @@ Result<Stretch> with_sensors(double seconds, bool as_fast_as_possible) {
   if (auto started = start(loader, "/simulator", as_fast_as_possible); !started)
     return tl::unexpected(started.error());
   const Listeners listeners;
-  if (!wait_until([&] { return listeners.depths > 0 && listeners.sweeps > 0 && listeners.pictures > 0; }))
+  if (!wait_until([&] { return listeners.depths > 0 && listeners.sweeps > 0 && listeners.images > 0; }))
     return fail(ErrorCode::kFailed, "the simulator's sensors send nothing");
   if (as_fast_as_possible)
     if (auto set = set_factor(0); !set) return tl::unexpected(set.error());

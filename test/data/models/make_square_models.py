@@ -1,7 +1,7 @@
 #!/usr/bin/python3
 """Writes square/ and square_slow/, the networks of the ROS tests. Needs PyTorch 1.13 (python3-torch).
 
-Nothing is learned: the network computes the box around the one bright square of a picture from the moments of its
+Nothing is learned: the network computes the box around the one bright square of an image from the moments of its
 brightness, and its class (red, green, blue or white) from its colour. So a test knows every answer beforehand.
 square_slow takes a thousand times as long for the same answer: a detector that is busy.
 """
@@ -12,7 +12,7 @@ import torch
 from torch import nn
 
 OPSET = 10  # the newest that OpenCV 4.6 reads without trouble
-CELLS = 32  # the picture is looked at as CELLS x CELLS values
+CELLS = 32  # the image is looked at as CELLS x CELLS values
 CLASSES = ['red', 'green', 'blue', 'white']
 BRIGHT, CONTRAST = 0.4, 5.0  # a cell counts from this brightness on, fully at BRIGHT + 1 / CONTRAST
 DESCRIPTION = """\

@@ -80,7 +80,7 @@ TEST(ShareImage, UnknownEncodingIsNamedWithThoseThatAreKnown) {
   }
 }
 
-TEST(ShareImage, EmptyPicturesAreRefused) {
+TEST(ShareImage, EmptyImagesAreRefused) {
   EXPECT_FALSE(share_image(image("rgb8", 0, 4, 3)));
   EXPECT_FALSE(share_image(image("rgb8", 6, 0, 3)));
   EXPECT_FALSE(share_image(boost::make_shared<sensor_msgs::Image>()));

@@ -77,11 +77,11 @@ TEST(WorkHealth, NewErrorsAreNewOnce) {
 
 TEST(WorkHealth, ErrorLastsUntilTheNextSuccess) {
   WorkHealth health;
-  (void)health.failed("the picture is empty");
+  (void)health.failed("the image is empty");
   auto status = fresh();
   health.report(status);
   EXPECT_EQ(status.level, DiagnosticStatus::ERROR);
-  EXPECT_NE(status.message.find("the picture is empty"), std::string::npos);
+  EXPECT_NE(status.message.find("the image is empty"), std::string::npos);
   health.done(1.0, 1.0);
   status = fresh();
   health.report(status);

@@ -1,5 +1,5 @@
 #!/usr/bin/python3
-"""Writes recording/, two aligned pictures of a red square before a wall, for nodelets that a .test file starts."""
+"""Writes recording/, two aligned images of a red square before a wall, for nodelets that a .test file starts."""
 from pathlib import Path
 
 import cv2
@@ -13,6 +13,6 @@ for index in range(2):
     square = (slice(60, 120), slice(80 + 10 * index, 160 + 10 * index))
     color[square] = (20, 20, 230)
     depth[square] = 1000
-    for name, picture in (('rgb', color), ('depth', depth)):
+    for name, image in (('rgb', color), ('depth', depth)):
         (FOLDER / name).mkdir(parents=True, exist_ok=True)
-        cv2.imwrite(str(FOLDER / name / f'{index}.png'), picture)
+        cv2.imwrite(str(FOLDER / name / f'{index}.png'), image)

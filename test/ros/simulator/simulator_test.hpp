@@ -17,7 +17,7 @@
 
 namespace extperfc::ros_test {
 
-/// What keeps the tests quick: a small room, small pictures, few columns, no shadows. Time stands still, and
+/// What keeps the tests quick: a small room, small images, few columns, no shadows. Time stands still, and
 /// steps wait for the sensors.
 [[nodiscard]] Params small_simulation();
 

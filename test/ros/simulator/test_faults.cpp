@@ -40,15 +40,14 @@ TEST_F(Faults, CameraFreezesWithNewStamps) {
   EXPECT_TRUE(set_fault("camera_freeze", "", 1, 0.5).success);
   step(240);
   ASSERT_TRUE(camera.color.wait_for_count(15));
-  const auto pictures = camera.color.all();
+  const auto images = camera.color.all();
   std::set<std::vector<std::uint8_t>> frozen;
   std::set<std::vector<std::uint8_t>> live;
-  for (const auto& picture : pictures)
-    (picture->header.stamp < ros::Time(1.5) ? frozen : live).insert(picture->data);
-  EXPECT_EQ(frozen.size(), 1U) << "the same picture for half a second";
-  EXPECT_GE(live.size(), 7U) << "noise makes every live picture another one";
-  for (std::size_t i = 1; i < pictures.size(); ++i)
-    EXPECT_GT(pictures[i]->header.stamp, pictures[i - 1]->header.stamp);
+  for (const auto& image : images) (image->header.stamp < ros::Time(1.5) ? frozen : live).insert(image->data);
+  EXPECT_EQ(frozen.size(), 1U) << "the same image for half a second";
+  EXPECT_GE(live.size(), 7U) << "noise makes every live image another one";
+  for (std::size_t i = 1; i < images.size(); ++i)
+    EXPECT_GT(images[i]->header.stamp, images[i - 1]->header.stamp);
 }
 
 TEST_F(Faults, CameraDropsFrames) {

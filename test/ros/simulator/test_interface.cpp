@@ -97,18 +97,18 @@ TEST_F(SimulatorTest, CameraSpeaksAsTheRealSensesDriver) {
   ASSERT_TRUE(wait_for([&] { return color.connected() && depth.connected() && info.connected(); }));
   step(16);
   ASSERT_TRUE(color.wait_for_count(1) && depth.wait_for_count(1) && info.wait_for_count(1));
-  const auto& picture = *color.all().front();
-  EXPECT_EQ(picture.encoding, "rgb8");
-  EXPECT_EQ(picture.width, 64U);
-  EXPECT_EQ(picture.height, 48U);
-  EXPECT_EQ(picture.step, 192U);
-  EXPECT_EQ(picture.data.size(), 192U * 48U);
-  EXPECT_EQ(picture.header.frame_id, "camera_color_optical_frame");
+  const auto& image = *color.all().front();
+  EXPECT_EQ(image.encoding, "rgb8");
+  EXPECT_EQ(image.width, 64U);
+  EXPECT_EQ(image.height, 48U);
+  EXPECT_EQ(image.step, 192U);
+  EXPECT_EQ(image.data.size(), 192U * 48U);
+  EXPECT_EQ(image.header.frame_id, "camera_color_optical_frame");
   EXPECT_EQ(depth.all().front()->encoding, "16UC1");
   EXPECT_EQ(depth.all().front()->data.size(), 64U * 48U * 2U);
-  EXPECT_EQ(depth.all().front()->header.stamp, picture.header.stamp);
+  EXPECT_EQ(depth.all().front()->header.stamp, image.header.stamp);
   EXPECT_DOUBLE_EQ(info.all().front()->K[0], 61.5) << "615 px at 640 pixels width";
-  EXPECT_EQ(info.all().front()->header.stamp, picture.header.stamp);
+  EXPECT_EQ(info.all().front()->header.stamp, image.header.stamp);
 }
 
 TEST_F(SimulatorTest, DepthInMetresOnDemand) {
@@ -117,10 +117,10 @@ TEST_F(SimulatorTest, DepthInMetresOnDemand) {
   ASSERT_TRUE(wait_for([&] { return depth.connected(); }));
   step(16);
   ASSERT_TRUE(depth.wait_for_count(1));
-  const auto& picture = *depth.all().front();
-  EXPECT_EQ(picture.encoding, "32FC1");
-  ASSERT_EQ(picture.data.size(), 64U * 48U * sizeof(float));
-  const auto* metres = reinterpret_cast<const float*>(picture.data.data());
+  const auto& image = *depth.all().front();
+  EXPECT_EQ(image.encoding, "32FC1");
+  ASSERT_EQ(image.data.size(), 64U * 48U * sizeof(float));
+  const auto* metres = reinterpret_cast<const float*>(image.data.data());
   const auto good = std::count_if(metres, metres + 64 * 48, [](float z) { return z > 0.1F && z < 10.0F; });
   const auto none = std::count_if(metres, metres + 64 * 48, [](float z) { return std::isnan(z); });
   EXPECT_GT(good, 64 * 48 / 2);
@@ -200,8 +200,8 @@ TEST_F(SimulatorTest, NothingIsRenderedUnlessSomebodyListens) {
   step(240);
   camera.forget();
   ASSERT_TRUE(wait_for(
-      [&] { return !camera.latest("pictures rendered").empty() && !lidar.latest("processed").empty(); }));
-  EXPECT_EQ(camera.latest("pictures rendered"), "0");
+      [&] { return !camera.latest("images rendered").empty() && !lidar.latest("processed").empty(); }));
+  EXPECT_EQ(camera.latest("images rendered"), "0");
   EXPECT_EQ(lidar.latest("processed"), "0");
   {
     const Inbox<sensor_msgs::CameraInfo> info("camera/color/camera_info");
@@ -210,16 +210,16 @@ TEST_F(SimulatorTest, NothingIsRenderedUnlessSomebodyListens) {
     EXPECT_TRUE(info.wait_for_count(15)) << "camera info costs nothing";
   }
   camera.forget();
-  ASSERT_TRUE(wait_for([&] { return !camera.latest("pictures rendered").empty(); }));
-  EXPECT_EQ(camera.latest("pictures rendered"), "0");
+  ASSERT_TRUE(wait_for([&] { return !camera.latest("images rendered").empty(); }));
+  EXPECT_EQ(camera.latest("images rendered"), "0");
   const Inbox<sensor_msgs::Image> depth("camera/aligned_depth_to_color/image_raw");
   ASSERT_TRUE(wait_for([&] { return depth.connected(); }));
   step(240);
   EXPECT_TRUE(depth.wait_for_count(15));
-  EXPECT_TRUE(wait_for([&] { return camera.latest("pictures rendered") == "15"; }));
+  EXPECT_TRUE(wait_for([&] { return camera.latest("images rendered") == "15"; }));
 }
 
-TEST_F(SimulatorTest, PicturesTravelAsPointers) {
+TEST_F(SimulatorTest, ImagesTravelAsPointers) {
   const SensorDiagnostics camera("camera");
   const Inbox<sensor_msgs::Image> color("camera/color/image_raw");
   const Inbox<sensor_msgs::Image> depth("camera/aligned_depth_to_color/image_raw");

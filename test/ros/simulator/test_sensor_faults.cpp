@@ -17,8 +17,8 @@ using Faults = std::vector<Fault>;
 
 constexpr std::uint64_t kSeed = 7;
 
-/// A picture that is `value` everywhere.
-CameraImages picture(std::uint8_t value) {
+/// An image that is `value` everywhere.
+CameraImages camera_images(std::uint8_t value) {
   constexpr std::size_t kPixels = 100 * 80;
   CameraImages images{100, 80, {}, {}, {}, {}};
   images.rgb.assign(3 * kPixels, value);
@@ -47,38 +47,38 @@ double five_sigma(double share, double samples) {
   return 5 * std::sqrt(share * (1 - share) / samples);
 }
 
-TEST(CameraFaults, NoneLeavesThePictureAlone) {
+TEST(CameraFaults, NoneLeavesTheImageAlone) {
   CameraFaults faults(kSeed);
-  auto images = picture(10);
+  auto images = camera_images(10);
   EXPECT_EQ(faults.apply({}, 1.0, images), Fate::kDelivered);
-  EXPECT_EQ(images.rgb, picture(10).rgb);
-  EXPECT_EQ(images.depth_mm, picture(10).depth_mm);
+  EXPECT_EQ(images.rgb, camera_images(10).rgb);
+  EXPECT_EQ(images.depth_mm, camera_images(10).depth_mm);
   EXPECT_FALSE(faults.frozen({}));
 }
 
-TEST(CameraFaults, FreezeRepeatsItsFirstPicture) {
+TEST(CameraFaults, FreezeRepeatsItsFirstImage) {
   CameraFaults faults(kSeed);
   const Faults freeze{{FaultKind::kCameraFreeze, "", 1, 0}};
-  auto first = picture(10);
-  EXPECT_FALSE(faults.frozen(freeze)) << "its first picture must be rendered";
+  auto first = camera_images(10);
+  EXPECT_FALSE(faults.frozen(freeze)) << "its first image must be rendered";
   EXPECT_EQ(faults.apply(freeze, 1.0, first), Fate::kDelivered);
   EXPECT_TRUE(faults.frozen(freeze));
-  auto second = picture(20);
+  auto second = camera_images(20);
   EXPECT_EQ(faults.apply(freeze, 2.0, second), Fate::kDelivered);
-  EXPECT_EQ(second.rgb, picture(10).rgb);
-  auto after = picture(30);
+  EXPECT_EQ(second.rgb, camera_images(10).rgb);
+  auto after = camera_images(30);
   EXPECT_FALSE(faults.frozen({}));
   EXPECT_EQ(faults.apply({}, 3.0, after), Fate::kDelivered);
-  EXPECT_EQ(after.rgb, picture(30).rgb);
-  auto again = picture(40);
-  EXPECT_FALSE(faults.frozen(freeze)) << "a second freeze has a picture of its own";
+  EXPECT_EQ(after.rgb, camera_images(30).rgb);
+  auto again = camera_images(40);
+  EXPECT_FALSE(faults.frozen(freeze)) << "a second freeze has an image of its own";
   EXPECT_EQ(faults.apply(freeze, 4.0, again), Fate::kDelivered);
-  EXPECT_EQ(again.rgb, picture(40).rgb);
+  EXPECT_EQ(again.rgb, camera_images(40).rgb);
 }
 
 TEST(CameraFaults, DropLosesItsShare) {
   CameraFaults faults(kSeed);
-  CameraImages images = picture(1);
+  CameraImages images = camera_images(1);
   images.depth_mm.clear();
   for (const double share : {0.0, 0.3, 1.0}) {
     const Faults drop{{FaultKind::kCameraDrop, "", share, 0}};
@@ -91,7 +91,7 @@ TEST(CameraFaults, DropIsTheSameInEveryRunButNotForEverySeed) {
   CameraFaults one(kSeed);
   CameraFaults same(kSeed);
   CameraFaults other(kSeed + 1);
-  auto images = picture(1);
+  auto images = camera_images(1);
   const Faults drop{{FaultKind::kCameraDrop, "", 0.5, 0}};
   int differ = 0;
   for (int i = 0; i < 200; ++i) {
@@ -104,21 +104,21 @@ TEST(CameraFaults, DropIsTheSameInEveryRunButNotForEverySeed) {
 
 TEST(CameraFaults, NanLosesItsShareOfTheDepthOnly) {
   CameraFaults faults(kSeed);
-  auto images = picture(10);
+  auto images = camera_images(10);
   EXPECT_EQ(faults.apply({{FaultKind::kCameraNan, "", 0.25, 0}}, 1.0, images), Fate::kDelivered);
   const auto lost = std::count(images.depth_mm.begin(), images.depth_mm.end(), 0);
   const auto pixels = static_cast<double>(images.depth_mm.size());
   EXPECT_NEAR(static_cast<double>(lost) / pixels, 0.25, five_sigma(0.25, pixels));
-  EXPECT_EQ(images.rgb, picture(10).rgb);
-  auto later = picture(10);
+  EXPECT_EQ(images.rgb, camera_images(10).rgb);
+  auto later = camera_images(10);
   EXPECT_EQ(faults.apply({{FaultKind::kCameraNan, "", 0.25, 0}}, 2.0, later), Fate::kDelivered);
   EXPECT_NE(images.depth_mm, later.depth_mm) << "other pixels each time";
 }
 
-TEST(CameraFaults, NanDoesNotEatTheFrozenPicture) {
+TEST(CameraFaults, NanDoesNotEatTheFrozenImage) {
   CameraFaults faults(kSeed);
   const Faults both{{FaultKind::kCameraFreeze, "", 1, 0}, {FaultKind::kCameraNan, "", 0.5, 0}};
-  CameraImages images = picture(10);
+  CameraImages images = camera_images(10);
   for (int i = 0; i < 20; ++i) EXPECT_EQ(faults.apply(both, i, images), Fate::kDelivered);
   const auto lost = std::count(images.depth_mm.begin(), images.depth_mm.end(), 0);
   EXPECT_NEAR(static_cast<double>(lost) / 8000.0, 0.5, five_sigma(0.5, 8000));

@@ -1,4 +1,4 @@
-// Time: pause, single steps, reset, real-time factor; the same commands give the same states and pictures.
+// Time: pause, single steps, reset, real-time factor; the same commands give the same states and images.
 #include <cstring>
 
 #include <geometry_msgs/Twist.h>
@@ -102,9 +102,9 @@ class Hash {
 };
 
 struct Hashes {
-  std::uint64_t joints{0}, pictures{0}, depths{0}, clouds{0};
+  std::uint64_t joints{0}, images{0}, depths{0}, clouds{0};
   bool operator==(const Hashes& other) const {
-    return joints == other.joints && pictures == other.pictures && depths == other.depths &&
+    return joints == other.joints && images == other.images && depths == other.depths &&
            clouds == other.clouds;
   }
 };
@@ -180,7 +180,7 @@ class Determinism : public SimulatorTest {
   ros::Publisher command_{ros::NodeHandle().advertise<geometry_msgs::Twist>("cmd_vel", 10)};
 };
 
-TEST_F(Determinism, TheSameCommandsGiveTheSameStatesAndPictures) {
+TEST_F(Determinism, TheSameCommandsGiveTheSameStatesAndImages) {
   ASSERT_NO_FATAL_FAILURE(begin(1));
   const auto first = drive();
   const auto elsewhere = drive();
@@ -188,7 +188,7 @@ TEST_F(Determinism, TheSameCommandsGiveTheSameStatesAndPictures) {
   reset();
   const auto again = drive();
   EXPECT_EQ(first.joints, again.joints);
-  EXPECT_EQ(first.pictures, again.pictures);
+  EXPECT_EQ(first.images, again.images);
   EXPECT_EQ(first.depths, again.depths);
   EXPECT_EQ(first.clouds, again.clouds);
   manager_.unload("/simulator");
@@ -197,7 +197,7 @@ TEST_F(Determinism, TheSameCommandsGiveTheSameStatesAndPictures) {
   manager_.unload("/simulator");
   ASSERT_NO_FATAL_FAILURE(begin(2));
   const auto other_seed = drive();
-  EXPECT_NE(first.pictures, other_seed.pictures);
+  EXPECT_NE(first.images, other_seed.images);
   EXPECT_NE(first.clouds, other_seed.clouds);
 }
 

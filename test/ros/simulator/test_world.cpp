@@ -208,15 +208,15 @@ TEST_F(World, LabelsAndBoxesShowWhatTheCameraSees) {
   EXPECT_TRUE(move("cube", -1.0, 2.0, 0.025).success);  // on the floor, where the camera looks
   step(16);
   ASSERT_TRUE(labels.wait_for_count(1) && boxes.wait_for_count(1));
-  const auto& picture = *labels.all().front();
-  EXPECT_EQ(picture.encoding, "16UC1");
+  const auto& image = *labels.all().front();
+  EXPECT_EQ(image.encoding, "16UC1");
   ASSERT_EQ(boxes.all().front()->detections.size(), 1U);
   const auto& box = boxes.all().front()->detections.front();
   EXPECT_EQ(box.results.at(0).id, 1);
   const auto column = static_cast<std::size_t>(box.bbox.center.x);
   const auto row = static_cast<std::size_t>(box.bbox.center.y);
   std::uint16_t number = 0;
-  std::memcpy(&number, &picture.data[row * picture.step + 2 * column], 2);
+  std::memcpy(&number, &image.data[row * image.step + 2 * column], 2);
   std::vector<std::string> instances;
   ASSERT_TRUE(ros::param::get("/simulator/instances", instances));
   ASSERT_LT(number, instances.size());

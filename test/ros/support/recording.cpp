@@ -6,7 +6,7 @@
 #include <opencv2/imgcodecs.hpp>
 #include <opencv2/imgproc.hpp>
 
-#include "pictures.hpp"
+#include "images.hpp"
 
 namespace extperfc::ros_test {
 

@@ -9,7 +9,7 @@ namespace {
 
 using Matcher = StampMatcher<std::string, int>;
 
-TEST(StampMatcher, ResultAfterItsPicture) {
+TEST(StampMatcher, ResultAfterItsImage) {
   Matcher matcher({10, 3, 2});
   EXPECT_FALSE(matcher.add_fast(100, 1));
   EXPECT_FALSE(matcher.add_fast(200, 2));
@@ -18,7 +18,7 @@ TEST(StampMatcher, ResultAfterItsPicture) {
   EXPECT_EQ(*pair, Matcher::Pair("a", 2));
 }
 
-TEST(StampMatcher, PictureAfterItsResult) {
+TEST(StampMatcher, ImageAfterItsResult) {
   Matcher matcher({10, 3, 2});
   EXPECT_FALSE(matcher.add_slow(100, "a"));
   const auto pair = matcher.add_fast(101, 7);
@@ -42,13 +42,13 @@ TEST(StampMatcher, NeverMatchingStampsAreCountedAndBounded) {
   EXPECT_GE(matcher.unmatched(), 998U);
 }
 
-TEST(StampMatcher, ResultsWithoutAnyPictureAreBounded) {
+TEST(StampMatcher, ResultsWithoutAnyImageAreBounded) {
   Matcher matcher({10, 3, 2});
   for (int i = 0; i < 10; ++i) EXPECT_FALSE(matcher.add_slow(i * 1000, "a"));
   EXPECT_EQ(matcher.unmatched(), 8U);
 }
 
-TEST(StampMatcher, LateResultWhosePictureIsGoneIsDropped) {
+TEST(StampMatcher, LateResultWhoseImageIsGoneIsDropped) {
   Matcher matcher({10, 2, 2});
   for (int i = 0; i < 5; ++i) EXPECT_FALSE(matcher.add_fast(i * 100, i));
   EXPECT_FALSE(matcher.add_slow(0, "late"));

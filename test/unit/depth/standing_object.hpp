@@ -11,9 +11,9 @@
 #include "extperfc/base/rng.hpp"
 #include "extperfc/depth/object_fit.hpp"
 
-#include "depth_picture.hpp"
+#include "depth_image.hpp"
 
-/// Pictures of an object on a table, by closed-form rays.
+/// Images of an object on a table, by closed-form rays.
 namespace extperfc::depth {
 
 /// What stands where. The world's z is up, the table's top is z = 0.
@@ -82,9 +82,9 @@ inline CameraModel fit_camera() {
   return {640, 480, 615.0, 615.0, 319.5, 239.5, {}};
 }
 
-/// A picture, the object's tight box, and where it is.
+/// An image, the object's tight box, and where it is.
 struct View {
-  DepthPicture depth{640, 480};
+  DepthImage depth{640, 480};
   Box2 box;
   Pose camera_T_world{Pose::Identity()};  // the object stands at the world's origin
   [[nodiscard]] Eigen::Vector3d up() const { return camera_T_world.linear().col(2); }
@@ -94,7 +94,7 @@ struct View {
 };
 
 /// The D435i's noise (StereoNoiseModel): disparity errors of patches, of single pixels none, of the whole
-/// picture a little; beside edges of depth every third pixel is lost.
+/// image a little; beside edges of depth every third pixel is lost.
 class PatchNoise {
  public:
   PatchNoise(const StereoNoiseModel& model, Rng& rng) : patch_(static_cast<int>(model.correlation_px)) {
@@ -114,7 +114,7 @@ class PatchNoise {
 };
 
 /// Seen from `distance_m` (of the object's middle), `down_rad` below the horizon, at a random place of the
-/// picture. `table_m`: half of the table's width; beyond is a floor 0.8 m below. `noise`: none without.
+/// image. `table_m`: half of the table's width; beyond is a floor 0.8 m below. `noise`: none without.
 /// `surround`: how far around the object's middle is rendered, in its sizes.
 inline View view_of(const Standing& object, double distance_m, double down_rad, Rng& rng,
                     const std::optional<StereoNoiseModel>& noise, double table_m = 10,

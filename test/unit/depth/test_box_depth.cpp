@@ -7,7 +7,7 @@
 #include "extperfc/base/rng.hpp"
 #include "extperfc/depth/box_depth.hpp"
 
-#include "depth_picture.hpp"
+#include "depth_image.hpp"
 
 namespace extperfc::depth {
 namespace {
@@ -23,18 +23,18 @@ BoxDepthParams with(Estimator estimator) {
   return params;
 }
 
-/// A box of 60 x 60 pixels around the middle of a picture of 100 x 80.
+/// A box of 60 x 60 pixels around the middle of an image of 100 x 80.
 constexpr Box2 kBox{20, 10, 80, 70};
 
-DepthPicture flat(double depth_m, PixelFormat format = PixelFormat::kDepth16Mm) {
-  return DepthPicture(100, 80, format).fill([=](int, int) { return depth_m; });
+DepthImage flat(double depth_m, PixelFormat format = PixelFormat::kDepth16Mm) {
+  return DepthImage(100, 80, format).fill([=](int, int) { return depth_m; });
 }
 
 TEST(BoxDepth, FlatSurfaceIsExactForEveryEstimatorAndFormat) {
   for (const auto format : {PixelFormat::kDepth16Mm, PixelFormat::kDepth32M}) {
-    const auto picture = flat(1.25, format);
+    const auto image = flat(1.25, format);
     for (const auto estimator : kAll) {
-      const auto found = estimate_depth(picture.view(), kBox, with(estimator));
+      const auto found = estimate_depth(image.view(), kBox, with(estimator));
       ASSERT_TRUE(found) << to_string(estimator);
       EXPECT_NEAR(found->depth_m, 1.25, 1e-6) << to_string(estimator);
       EXPECT_DOUBLE_EQ(found->valid_fraction, 1.0);
@@ -44,21 +44,21 @@ TEST(BoxDepth, FlatSurfaceIsExactForEveryEstimatorAndFormat) {
 }
 
 TEST(BoxDepth, MeanIsThePapersFormulaOverTheCentralWindow) {
-  DepthPicture picture(100, 80);
-  picture.fill([](int x, int y) { return 0.5 + 0.001 * (7 * x + 3 * y) + 0.001 * ((x * y) % 11); });
+  DepthImage image(100, 80);
+  image.fill([](int x, int y) { return 0.5 + 0.001 * (7 * x + 3 * y) + 0.001 * ((x * y) % 11); });
   double sum_m = 0.0;
   int valid = 0;
   for (int y = 30; y < 50; ++y) {
     for (int x = 40; x < 60; ++x) {
       if ((x + y) % 3 == 0) {
-        picture.set(x, y, 0.0);
+        image.set(x, y, 0.0);
         continue;
       }
       sum_m += 0.5 + 0.001 * (7 * x + 3 * y) + 0.001 * ((x * y) % 11);
       ++valid;
     }
   }
-  const auto found = estimate_depth(picture.view(), kBox, with(Estimator::kMean));
+  const auto found = estimate_depth(image.view(), kBox, with(Estimator::kMean));
   ASSERT_TRUE(found);
   EXPECT_EQ(found->valid_px, valid);
   EXPECT_NEAR(found->depth_m, sum_m / valid, 1e-6);
@@ -66,26 +66,26 @@ TEST(BoxDepth, MeanIsThePapersFormulaOverTheCentralWindow) {
 }
 
 TEST(BoxDepth, MedianAndTrimmedMeanOfKnownValues) {
-  DepthPicture picture(10, 1, PixelFormat::kDepth32M);
-  picture.fill([](int x, int) { return x == 9 ? 9.5 : 1.0 + x; });  // 1, 2, ... 9, 9.5
+  DepthImage image(10, 1, PixelFormat::kDepth32M);
+  image.fill([](int x, int) { return x == 9 ? 9.5 : 1.0 + x; });  // 1, 2, ... 9, 9.5
   const Box2 all{0, 0, 10, 1};
-  EXPECT_NEAR(estimate_depth(picture.view(), all, with(Estimator::kMedian))->depth_m, 5.5, 1e-6);
-  EXPECT_NEAR(estimate_depth(picture.view(), all, with(Estimator::kTrimmedMean))->depth_m, 5.5, 1e-6);
-  picture.set(0, 0, 0.0);
-  EXPECT_NEAR(estimate_depth(picture.view(), all, with(Estimator::kMedian))->depth_m, 6.0, 1e-6);
+  EXPECT_NEAR(estimate_depth(image.view(), all, with(Estimator::kMedian))->depth_m, 5.5, 1e-6);
+  EXPECT_NEAR(estimate_depth(image.view(), all, with(Estimator::kTrimmedMean))->depth_m, 5.5, 1e-6);
+  image.set(0, 0, 0.0);
+  EXPECT_NEAR(estimate_depth(image.view(), all, with(Estimator::kMedian))->depth_m, 6.0, 1e-6);
 }
 
 TEST(BoxDepth, NearestModePrefersTheObjectToTheLargerBackground) {
-  DepthPicture picture(100, 80);
-  picture.fill([](int x, int) { return x >= 44 && x < 52 ? 1.0 : 1.6; });  // a third of the central 24 px
-  EXPECT_NEAR(estimate_depth(picture.view(), kBox, with(Estimator::kNearestMode))->depth_m, 1.0, 0.005);
-  EXPECT_GT(estimate_depth(picture.view(), kBox, with(Estimator::kMean))->depth_m, 1.3);
+  DepthImage image(100, 80);
+  image.fill([](int x, int) { return x >= 44 && x < 52 ? 1.0 : 1.6; });  // a third of the central 24 px
+  EXPECT_NEAR(estimate_depth(image.view(), kBox, with(Estimator::kNearestMode))->depth_m, 1.0, 0.005);
+  EXPECT_GT(estimate_depth(image.view(), kBox, with(Estimator::kMean))->depth_m, 1.3);
 }
 
 TEST(BoxDepth, NearestModeIgnoresAFewFlyingPixels) {
-  auto picture = flat(1.0);
-  for (int i = 0; i < 15; ++i) picture.set(40 + i, 35, 0.4);
-  EXPECT_NEAR(estimate_depth(picture.view(), kBox, with(Estimator::kNearestMode))->depth_m, 1.0, 0.002);
+  auto image = flat(1.0);
+  for (int i = 0; i < 15; ++i) image.set(40 + i, 35, 0.4);
+  EXPECT_NEAR(estimate_depth(image.view(), kBox, with(Estimator::kNearestMode))->depth_m, 1.0, 0.002);
 }
 
 TEST(BoxDepth, NearestModeIsExactOnSlantedPlanes) {
@@ -94,19 +94,19 @@ TEST(BoxDepth, NearestModeIsExactOnSlantedPlanes) {
     const double q = 1.0 / rng.uniform(0.3, 3.0);
     const double a = rng.uniform(-0.003, 0.003) * q;  // inverse depth is affine on a plane
     const double b = rng.uniform(-0.003, 0.003) * q;
-    DepthPicture picture(100, 80, PixelFormat::kDepth32M);
-    picture.fill([&](int x, int y) { return 1.0 / (q + a * (x + 0.5 - 50.0) + b * (y + 0.5 - 40.0)); });
-    const auto found = estimate_depth(picture.view(), kBox, with(Estimator::kNearestMode));
+    DepthImage image(100, 80, PixelFormat::kDepth32M);
+    image.fill([&](int x, int y) { return 1.0 / (q + a * (x + 0.5 - 50.0) + b * (y + 0.5 - 40.0)); });
+    const auto found = estimate_depth(image.view(), kBox, with(Estimator::kNearestMode));
     ASSERT_TRUE(found) << "seed 3, case " << i;
     EXPECT_NEAR(found->depth_m * q, 1.0, 5e-3) << "seed 3, case " << i;
   }
 }
 
 TEST(BoxDepth, NearestModeLooksAtTheWholeBoxWhenItsMiddleIsAHole) {
-  auto picture = flat(1.0);
+  auto image = flat(1.0);
   for (int y = 20; y < 60; ++y)
-    for (int x = 30; x < 70; ++x) picture.set(x, y, 0.0);
-  const auto found = estimate_depth(picture.view(), kBox, with(Estimator::kNearestMode));
+    for (int x = 30; x < 70; ++x) image.set(x, y, 0.0);
+  const auto found = estimate_depth(image.view(), kBox, with(Estimator::kNearestMode));
   ASSERT_TRUE(found);
   EXPECT_NEAR(found->depth_m, 1.0, 1e-6);
   EXPECT_LT(found->valid_fraction, 0.7);
@@ -115,9 +115,9 @@ TEST(BoxDepth, NearestModeLooksAtTheWholeBoxWhenItsMiddleIsAHole) {
 TEST(BoxDepth, OnlyFiniteValuesInRangeAreValid) {
   for (const auto estimator : kAll) {
     for (const double junk : {0.0, -1.0, kNaN, kInf, -kInf, 0.05, 12.0}) {
-      DepthPicture picture(100, 80, PixelFormat::kDepth32M);
-      picture.fill([=](int x, int) { return x % 2 == 0 ? junk : 2.0; });
-      const auto found = estimate_depth(picture.view(), kBox, with(estimator));
+      DepthImage image(100, 80, PixelFormat::kDepth32M);
+      image.fill([=](int x, int) { return x % 2 == 0 ? junk : 2.0; });
+      const auto found = estimate_depth(image.view(), kBox, with(estimator));
       ASSERT_TRUE(found) << to_string(estimator) << " " << junk;
       EXPECT_NEAR(found->depth_m, 2.0, 1e-5) << to_string(estimator) << " " << junk;
       EXPECT_NEAR(found->valid_fraction, 0.5, 0.05);
@@ -128,18 +128,18 @@ TEST(BoxDepth, OnlyFiniteValuesInRangeAreValid) {
 
 TEST(BoxDepth, TooFewValidPixelsGiveNothing) {
   for (const auto estimator : kAll) {
-    DepthPicture picture(100, 80);
-    for (int x = 48; x < 52; ++x) picture.set(x, 40, 1.0);
-    EXPECT_FALSE(estimate_depth(picture.view(), kBox, with(estimator)));
-    picture.set(52, 40, 1.0);
-    EXPECT_TRUE(estimate_depth(picture.view(), kBox, with(estimator)));
+    DepthImage image(100, 80);
+    for (int x = 48; x < 52; ++x) image.set(x, 40, 1.0);
+    EXPECT_FALSE(estimate_depth(image.view(), kBox, with(estimator)));
+    image.set(52, 40, 1.0);
+    EXPECT_TRUE(estimate_depth(image.view(), kBox, with(estimator)));
   }
 }
 
 TEST(BoxDepth, BoxesThatCannotBeGiveNothing) {
   constexpr auto kNanF = std::numeric_limits<float>::quiet_NaN();
   constexpr auto kInfF = std::numeric_limits<float>::infinity();
-  const auto picture = flat(1.0);
+  const auto image = flat(1.0);
   const std::array<Box2, 10> boxes{{{kNanF, 0, 10, 10},
                                     {0, 0, 10, kNanF},
                                     {-kInfF, 0, kInfF, 10},
@@ -152,44 +152,44 @@ TEST(BoxDepth, BoxesThatCannotBeGiveNothing) {
                                     {1e30F, 0, 2e30F, 40}}};
   for (const auto estimator : kAll)
     for (const auto& box : boxes)
-      EXPECT_FALSE(estimate_depth(picture.view(), box, with(estimator))) << box.x_min;
+      EXPECT_FALSE(estimate_depth(image.view(), box, with(estimator))) << box.x_min;
 }
 
-TEST(BoxDepth, BoxesAreClippedToThePicture) {
-  const auto picture = flat(1.0);
+TEST(BoxDepth, BoxesAreClippedToTheImage) {
+  const auto image = flat(1.0);
   for (const auto estimator : kAll)
     for (const Box2& box :
          {Box2{-30, -30, 20, 20}, Box2{80, 60, 1000, 1000}, Box2{-1e30F, -1e30F, 1e30F, 1e30F}})
-      EXPECT_NEAR(estimate_depth(picture.view(), box, with(estimator))->depth_m, 1.0, 1e-6);
+      EXPECT_NEAR(estimate_depth(image.view(), box, with(estimator))->depth_m, 1.0, 1e-6);
 }
 
 TEST(BoxDepth, BoxOfOnePixel) {
-  const auto picture = flat(1.0);
+  const auto image = flat(1.0);
   auto params = with(Estimator::kNearestMode);
   const Box2 pixel{50, 40, 51, 41};
-  EXPECT_FALSE(estimate_depth(picture.view(), pixel, params));  // one value is less than min_valid_px
+  EXPECT_FALSE(estimate_depth(image.view(), pixel, params));  // one value is less than min_valid_px
   params.min_valid_px = 1;
-  EXPECT_NEAR(estimate_depth(picture.view(), pixel, params)->depth_m, 1.0, 1e-6);
+  EXPECT_NEAR(estimate_depth(image.view(), pixel, params)->depth_m, 1.0, 1e-6);
   params.estimator = Estimator::kMean;
   params.window_px = 1;
-  EXPECT_EQ(estimate_depth(picture.view(), pixel, params)->valid_px, 1);
+  EXPECT_EQ(estimate_depth(image.view(), pixel, params)->valid_px, 1);
 }
 
 TEST(BoxDepth, WindowOfOnePixelIsTheCentrePixel) {
-  DepthPicture picture(9, 9);
-  picture.fill([](int x, int y) { return 1.0 + 0.1 * x + 0.01 * y; });
+  DepthImage image(9, 9);
+  image.fill([](int x, int y) { return 1.0 + 0.1 * x + 0.01 * y; });
   auto params = with(Estimator::kMedian);
   params.window_px = 1;
   params.min_valid_px = 1;
-  EXPECT_NEAR(estimate_depth(picture.view(), {2, 3, 5, 6}, params)->depth_m, 1.34, 1e-6);
+  EXPECT_NEAR(estimate_depth(image.view(), {2, 3, 5, 6}, params)->depth_m, 1.34, 1e-6);
 }
 
 TEST(BoxDepth, RowPaddingAndOddAddressesChangeNothing) {
   const auto depth = [](int x, int y) { return 1.0 + 0.002 * x + 0.001 * y; };
   for (const auto format : {PixelFormat::kDepth16Mm, PixelFormat::kDepth32M}) {
     for (const auto estimator : kAll) {
-      const auto plain = DepthPicture(100, 80, format).fill(depth);
-      const auto odd = DepthPicture(100, 80, format, 7, 1).fill(depth);
+      const auto plain = DepthImage(100, 80, format).fill(depth);
+      const auto odd = DepthImage(100, 80, format, 7, 1).fill(depth);
       const auto a = estimate_depth(plain.view(), kBox, with(estimator));
       const auto b = estimate_depth(odd.view(), kBox, with(estimator));
       ASSERT_TRUE(a && b);
@@ -198,44 +198,44 @@ TEST(BoxDepth, RowPaddingAndOddAddressesChangeNothing) {
   }
 }
 
-TEST(BoxDepth, PicturesThatAreNoDepthGiveNothing) {
-  const auto picture = flat(1.0);
-  ImageView color = picture.view();
+TEST(BoxDepth, ImagesThatAreNoDepthGiveNothing) {
+  const auto image = flat(1.0);
+  ImageView color = image.view();
   color.format = PixelFormat::kMono16;
   EXPECT_FALSE(estimate_depth(color, kBox, {}));
-  ImageView short_rows = picture.view();
+  ImageView short_rows = image.view();
   short_rows.row_bytes = 199;
   EXPECT_FALSE(estimate_depth(short_rows, kBox, {}));
   EXPECT_FALSE(estimate_depth(ImageView{}, kBox, {}));
 }
 
 TEST(BoxDepth, LargeRegionsAreSampled) {
-  DepthPicture picture(1280, 720);
-  picture.fill([](int, int) { return 2.0; });
+  DepthImage image(1280, 720);
+  image.fill([](int, int) { return 2.0; });
   const Box2 all{0, 0, 1280, 720};
   for (const auto estimator : kAll) {
     auto params = with(estimator);
     params.window_px = 1000;
     params.central_fraction = 1.0;
-    const auto found = estimate_depth(picture.view(), all, params);
+    const auto found = estimate_depth(image.view(), all, params);
     ASSERT_TRUE(found);
     EXPECT_NEAR(found->depth_m, 2.0, 1e-6);
     EXPECT_GT(found->valid_px, 500);
   }
 }
 
-TEST(BoxDepth, AnyPictureAndAnyBoxIsDefined) {
+TEST(BoxDepth, AnyImageAndAnyBoxIsDefined) {
   Rng rng(11);
   for (int i = 0; i < 3000; ++i) {
     const auto format = rng.chance(0.5) ? PixelFormat::kDepth16Mm : PixelFormat::kDepth32M;
-    DepthPicture picture(rng.integer(1, 40), rng.integer(1, 40), format, 1, 1);
-    picture.fill([&](int, int) { return rng.chance(0.3) ? 0.0 : rng.uniform(0.0, 15.0); });
+    DepthImage image(rng.integer(1, 40), rng.integer(1, 40), format, 1, 1);
+    image.fill([&](int, int) { return rng.chance(0.3) ? 0.0 : rng.uniform(0.0, 15.0); });
     const auto edge = [&] { return static_cast<float>(rng.uniform(-20.0, 60.0)); };
     auto params = with(kAll[static_cast<std::size_t>(rng.integer(0, 3))]);
     params.min_valid_px = 1;
     params.window_px = rng.integer(1, 60);
     params.central_fraction = rng.uniform(0.01, 1.0);
-    const auto found = estimate_depth(picture.view(), {edge(), edge(), edge(), edge()}, params);
+    const auto found = estimate_depth(image.view(), {edge(), edge(), edge(), edge()}, params);
     if (!found) continue;
     EXPECT_GE(found->depth_m, 0.99 * params.min_depth_m) << "seed 11, case " << i;
     EXPECT_LE(found->depth_m, 1.01 * params.max_depth_m) << "seed 11, case " << i;

@@ -34,7 +34,7 @@ double yaw_error(const View& view, const ObjectFit& fit, double yaw_rad) {
   return std::abs(std::remainder(std::atan2(x.y(), x.x()) - yaw_rad, M_PI / 2));
 }
 
-TEST(ObjectFit, FindsTheExactObjectInPicturesWithoutNoise) {
+TEST(ObjectFit, FindsTheExactObjectInImagesWithoutNoise) {
   Rng rng(11);
   for (int i = 0; i < 18; ++i) {
     const Standing object = random_object(kShapes[i % 3], rng);
@@ -115,7 +115,7 @@ TEST(ObjectFit, BothFormatsGiveTheSame) {
   Rng rng(14);
   const Standing object{FitShape::kCone, 0.06, 0.09, 0};
   const View view = view_of(object, 0.4, 0.8, rng, std::nullopt);
-  DepthPicture metres(640, 480, PixelFormat::kDepth32M, 5, 3);
+  DepthImage metres(640, 480, PixelFormat::kDepth32M, 5, 3);
   const ImageView mm = view.depth.view();
   metres.fill([&](int x, int y) {
     std::uint16_t value = 0;
@@ -159,7 +159,7 @@ TEST(ObjectFit, TellsWhyThereIsNothing) {
     EXPECT_FALSE(fit);
     return fit ? std::string() : fit.error().message;
   };
-  const DepthPicture empty(640, 480);
+  const DepthImage empty(640, 480);
   EXPECT_EQ(reason(empty.view(), view.box, object.shape), "the box holds no depth");
   // Beside the object is nothing but the table.
   Box2 beside = view.box;
@@ -170,7 +170,7 @@ TEST(ObjectFit, TellsWhyThereIsNothing) {
   // A cube is no sphere and no cone.
   EXPECT_NE(reason(view.depth.view(), view.box, FitShape::kSphere).find("does not look like a sphere"),
             std::string::npos);
-  DepthPicture wall(640, 480);
+  DepthImage wall(640, 480);
   wall.fill([](int, int) { return 0.5; });  // upright to the camera's axis: no level support
   EXPECT_NE(reason(wall.view(), view.box, object.shape).find("no level support"), std::string::npos);
 }
@@ -196,15 +196,15 @@ TEST(ObjectFit, RefusesBadInput) {
   EXPECT_EQ(code(good, {-500, -500, -400, -400}, view.up(), {}), ErrorCode::kNotFound);
 }
 
-TEST(ObjectFit, SurvivesAnyPicture) {
+TEST(ObjectFit, SurvivesAnyImage) {
   Rng rng(19);
-  DepthPicture picture(640, 480);
+  DepthImage image(640, 480);
   for (int i = 0; i < 30; ++i) {
     const double scale = rng.uniform(0.1, 3);
-    picture.fill([&](int, int) { return rng.chance(0.3) ? 0.0 : rng.uniform(0, scale); });
+    image.fill([&](int, int) { return rng.chance(0.3) ? 0.0 : rng.uniform(0, scale); });
     const Box2 box{static_cast<float>(rng.uniform(-50, 600)), static_cast<float>(rng.uniform(-50, 400)),
                    static_cast<float>(rng.uniform(0, 700)), static_cast<float>(rng.uniform(0, 500))};
-    const auto fit = fit_object(picture.view(), fit_camera(), box, kShapes[i % 3], -Eigen::Vector3d::UnitY());
+    const auto fit = fit_object(image.view(), fit_camera(), box, kShapes[i % 3], -Eigen::Vector3d::UnitY());
     if (fit) {
       EXPECT_TRUE(fit->camera_T_object.matrix().allFinite() && fit->covariance.allFinite());
     }

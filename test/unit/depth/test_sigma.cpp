@@ -8,7 +8,7 @@
 #include "extperfc/base/rng.hpp"
 #include "extperfc/depth/box_depth.hpp"
 
-#include "depth_picture.hpp"
+#include "depth_image.hpp"
 
 namespace extperfc::depth {
 namespace {
@@ -27,18 +27,18 @@ struct Calibration {
 /// the model of StereoNoiseModel::variance_left(); cells lie anew in each trial.
 Calibration calibrate(const BoxDepthParams& params, int cell, int trials, Rng& rng) {
   Calibration result;
-  DepthPicture picture(80, 80, PixelFormat::kDepth32M);
+  DepthImage image(80, 80, PixelFormat::kDepth32M);
   std::array<std::array<double, 81>, 81> cells{};
   for (int trial = 0; trial < trials; ++trial) {
     for (auto& row : cells)
       for (auto& q : row) q = 1.0 / kDepth + rng.normal(0.0, params.noise.sigma_inverse_depth());
     const int shift_x = rng.integer(0, cell - 1);
     const int shift_y = rng.integer(0, cell - 1);
-    picture.fill([&](int x, int y) {
+    image.fill([&](int x, int y) {
       return 1.0 / cells[static_cast<std::size_t>((y + shift_y) / cell)]
                         [static_cast<std::size_t>((x + shift_x) / cell)];
     });
-    const auto found = estimate_depth(picture.view(), kBox, params);
+    const auto found = estimate_depth(image.view(), kBox, params);
     if (!found) continue;
     result.rms_error_m += std::pow(found->depth_m - kDepth, 2) / trials;
     result.mean_sigma_m += found->sigma_m / trials;
@@ -95,16 +95,16 @@ TEST(Sigma, CommonErrorIsNotAveragedAway) {
 }
 
 TEST(Sigma, MixedWindowIsLessCertainThanACleanOne) {
-  const auto clean = DepthPicture(80, 80).fill([](int, int) { return kDepth; });
-  const auto mixed = DepthPicture(80, 80).fill([](int x, int) { return x < 42 ? kDepth : 3.0; });
+  const auto clean = DepthImage(80, 80).fill([](int, int) { return kDepth; });
+  const auto mixed = DepthImage(80, 80).fill([](int x, int) { return x < 42 ? kDepth : 3.0; });
   const auto params = params_for(Estimator::kMean, 7);
   EXPECT_GT(estimate_depth(mixed.view(), kBox, params)->sigma_m,
             5.0 * estimate_depth(clean.view(), kBox, params)->sigma_m);
 }
 
 TEST(Sigma, SlantMakesTheDepthDependOnTheBox) {
-  const auto flat = DepthPicture(80, 80).fill([](int, int) { return kDepth; });
-  const auto slanted = DepthPicture(80, 80).fill([](int x, int) { return kDepth + 0.01 * (x - 40); });
+  const auto flat = DepthImage(80, 80).fill([](int, int) { return kDepth; });
+  const auto slanted = DepthImage(80, 80).fill([](int x, int) { return kDepth + 0.01 * (x - 40); });
   const auto params = params_for(Estimator::kNearestMode, 7);
   EXPECT_GT(estimate_depth(slanted.view(), kBox, params)->sigma_m,
             1.5 * estimate_depth(flat.view(), kBox, params)->sigma_m);

@@ -34,8 +34,8 @@ std::string name_of(const Sizes& sizes, int channels) {
                     sizes.to.width, sizes.to.height, channels, static_cast<int>(kSeed));
 }
 
-/// A part of a wider picture, so that rows are padded.
-cv::Mat random_picture(cv::Size size, int channels) {
+/// A part of a wider image, so that rows are padded.
+cv::Mat random_image(cv::Size size, int channels) {
   cv::RNG rng(kSeed);
   cv::Mat wide(size.height, size.width + 5, CV_8UC(channels));
   rng.fill(wide, cv::RNG::UNIFORM, 0, 256);
@@ -55,12 +55,12 @@ TEST(AreaResizer, GivesWhatOpenCvGives) {
   AreaResizer resizer;  // one for all: it follows changes of size and channels
   for (const Sizes& sizes : kSizes)
     for (const int channels : kChannelCounts) {
-      const cv::Mat picture = random_picture(sizes.from, channels);
-      ASSERT_TRUE(AreaResizer::suits(picture, sizes.to)) << name_of(sizes, channels);
+      const cv::Mat image = random_image(sizes.from, channels);
+      ASSERT_TRUE(AreaResizer::suits(image, sizes.to)) << name_of(sizes, channels);
       auto planes = planes_of(sizes.to, channels);
-      resizer.run(picture, planes);
+      resizer.run(image, planes);
       cv::Mat expected;
-      cv::resize(picture, expected, sizes.to, 0, 0, cv::INTER_AREA);
+      cv::resize(image, expected, sizes.to, 0, 0, cv::INTER_AREA);
       for (const AreaPlane& plane : planes) {
         cv::Mat one;
         cv::extractChannel(expected, one, plane.channel);
@@ -72,29 +72,29 @@ TEST(AreaResizer, GivesWhatOpenCvGives) {
     }
 }
 
-TEST(AreaResizer, UniformPictureKeepsItsValueExactly) {
+TEST(AreaResizer, UniformImageKeepsItsValueExactly) {
   AreaResizer resizer;
   for (const Sizes& sizes : kSizes)
     for (const int channels : kChannelCounts) {
-      const cv::Mat picture(sizes.from, CV_8UC(channels), cv::Scalar(1, 100, 253, 255));
+      const cv::Mat image(sizes.from, CV_8UC(channels), cv::Scalar(1, 100, 253, 255));
       std::array<AreaPlane, 3> planes = planes_of(sizes.to, channels);
       for (AreaPlane& plane : planes) plane.scale = 1;
-      resizer.run(picture, planes);
+      resizer.run(image, planes);
       for (const AreaPlane& plane : planes) {
-        const double value = picture.ptr()[plane.channel] + plane.offset;
+        const double value = image.ptr()[plane.channel] + plane.offset;
         EXPECT_EQ(cv::countNonZero(plane.pixels != value), 0) << name_of(sizes, channels);
       }
     }
 }
 
-TEST(AreaResizer, KeepsTheMeanOfThePicture) {
+TEST(AreaResizer, KeepsTheMeanOfTheImage) {
   AreaResizer resizer;
   for (const Sizes& sizes : kSizes) {
-    const cv::Mat picture = random_picture(sizes.from, 1);
+    const cv::Mat image = random_image(sizes.from, 1);
     std::array<AreaPlane, 3> planes = planes_of(sizes.to, 1);
     planes[0].scale = 1;
-    resizer.run(picture, planes);
-    EXPECT_NEAR(cv::mean(planes[0].pixels)[0], cv::mean(picture)[0], 0.5) << name_of(sizes, 1);
+    resizer.run(image, planes);
+    EXPECT_NEAR(cv::mean(planes[0].pixels)[0], cv::mean(image)[0], 0.5) << name_of(sizes, 1);
   }
 }
 
@@ -102,7 +102,7 @@ TEST(AreaResizer, WritesNothingOutsideItsPartOfThePlanes) {
   const cv::Rect inside(3, 2, 13, 7);
   AreaResizer resizer;
   for (const int channels : kChannelCounts) {
-    const cv::Mat picture = random_picture({97, 61}, channels);
+    const cv::Mat image = random_image({97, 61}, channels);
     std::array<AreaPlane, 3> alone = planes_of(inside.size(), channels);
     std::array<AreaPlane, 3> within = planes_of({20, 12}, channels);
     std::array<cv::Mat, 3> whole;
@@ -110,8 +110,8 @@ TEST(AreaResizer, WritesNothingOutsideItsPartOfThePlanes) {
       whole[c] = within[c].pixels;
       within[c].pixels = whole[c](inside);
     }
-    resizer.run(picture, alone);
-    resizer.run(picture, within);
+    resizer.run(image, alone);
+    resizer.run(image, within);
     for (std::size_t c = 0; c < 3; ++c) {
       EXPECT_EQ(cv::norm(whole[c](inside), alone[c].pixels, cv::NORM_INF), 0);
       whole[c](inside).setTo(-1e9);
@@ -141,13 +141,13 @@ TEST(AreaResizer, PreprocessorLetterboxesWithIt) {
   input.interpolation = Interpolation::kArea;
   input.mean = {10, 20, 30};
   input.scale = {0.5F, 1.0F, 2.0F};
-  const cv::Mat picture = random_picture({97, 61}, 3);
+  const cv::Mat image = random_image({97, 61}, 3);
   std::vector<float> planes(3 * 40 * 36, -1e9F);
   Preprocessor preprocessor(input);
-  ASSERT_TRUE(preprocessor.run({picture.data, 97, 61, picture.step, PixelFormat::kBgr8}, planes.data()));
+  ASSERT_TRUE(preprocessor.run({image.data, 97, 61, image.step, PixelFormat::kBgr8}, planes.data()));
 
   cv::Mat small;
-  cv::resize(picture, small, {40, 25}, 0, 0, cv::INTER_AREA);
+  cv::resize(image, small, {40, 25}, 0, 0, cv::INTER_AREA);
   for (int c = 0; c < 3; ++c)
     for (int y = 0; y < 36; ++y)
       for (int x = 0; x < 40; ++x) {

@@ -15,8 +15,8 @@ namespace fs = std::filesystem;
 const fs::path kSource = EXTPERFC_SOURCE_DIR;
 const fs::path kShared = kSource / "../shared/data";
 
-ImageView view(const cv::Mat& picture) {
-  return {picture.data, picture.cols, picture.rows, picture.step, PixelFormat::kBgr8};
+ImageView view(const cv::Mat& image) {
+  return {image.data, image.cols, image.rows, image.step, PixelFormat::kBgr8};
 }
 
 /// The tiny SSD with a threshold so low that it finds something everywhere.
@@ -36,11 +36,11 @@ ModelSpec tiny_spec() {
   return spec;
 }
 
-TEST(Detector, BoxesLieInThePictureBestFirst) {
+TEST(Detector, BoxesLieInTheImageBestFirst) {
   auto detector = Detector::create(tiny_spec(), {});
   ASSERT_TRUE(detector) << detector.error().message;
-  const cv::Mat picture(200, 90, CV_8UC3, cv::Scalar(10, 200, 90));
-  const auto output = detector->detect(view(picture));
+  const cv::Mat image(200, 90, CV_8UC3, cv::Scalar(10, 200, 90));
+  const auto output = detector->detect(view(image));
   ASSERT_TRUE(output) << output.error().message;
   ASSERT_FALSE(output->detections.empty());
   float last = 1;
@@ -58,14 +58,14 @@ TEST(Detector, BoxesLieInThePictureBestFirst) {
   EXPECT_GT(output->times.inference_ms, 0);
 }
 
-TEST(Detector, BadPicturesAndSlotsAreErrors) {
+TEST(Detector, BadImagesAndSlotsAreErrors) {
   auto detector = Detector::create(tiny_spec(), {});
   ASSERT_TRUE(detector) << detector.error().message;
   EXPECT_EQ(detector->detect({}).error().code, ErrorCode::kInvalidArgument);
-  const cv::Mat picture = cv::Mat::zeros(8, 8, CV_8UC3);
-  EXPECT_EQ(detector->detect(view(picture), detector->slots()).error().code, ErrorCode::kInvalidArgument);
-  EXPECT_EQ(detector->detect(view(picture), -1).error().code, ErrorCode::kInvalidArgument);
-  EXPECT_TRUE(detector->detect(view(picture)));
+  const cv::Mat image = cv::Mat::zeros(8, 8, CV_8UC3);
+  EXPECT_EQ(detector->detect(view(image), detector->slots()).error().code, ErrorCode::kInvalidArgument);
+  EXPECT_EQ(detector->detect(view(image), -1).error().code, ErrorCode::kInvalidArgument);
+  EXPECT_TRUE(detector->detect(view(image)));
 }
 
 TEST(Detector, MissingNetworkIsAnError) {
@@ -76,7 +76,7 @@ TEST(Detector, MissingNetworkIsAnError) {
   EXPECT_NE(detector.error().message.find("/no/such.onnx"), std::string::npos) << detector.error().message;
 }
 
-/// The public network FastestDet on pictures of a dining room (NYU Depth).
+/// The public network FastestDet on images of a dining room (NYU Depth).
 class FastestDet : public testing::TestWithParam<std::string> {
  protected:
   void SetUp() override {
@@ -102,9 +102,9 @@ TEST_P(FastestDet, FindsTheChairsWhereTheyAre) {
   const std::vector<std::pair<std::string, Box2>> chairs{
       {"1.png", {120, 138, 222, 285}}, {"1.png", {490, 176, 602, 275}}, {"4.png", {285, 130, 435, 340}}};
   for (const auto& [file, truth] : chairs) {
-    const cv::Mat picture = cv::imread((kShared / "rgbd/dining_room/rgb" / file).string());
-    ASSERT_FALSE(picture.empty());
-    const auto found = detector->detect(view(picture)).value().detections;
+    const cv::Mat image = cv::imread((kShared / "rgbd/dining_room/rgb" / file).string());
+    ASSERT_FALSE(image.empty());
+    const auto found = detector->detect(view(image)).value().detections;
     const bool hit = std::any_of(found.begin(), found.end(), [&, &box = truth](const Detection& detection) {
       return detector->spec().classes[static_cast<std::size_t>(detection.class_index)] == "chair" &&
              iou(detection.box, box) > 0.7F;

@@ -21,19 +21,19 @@ InputSpec make_input(int width, int height, Resize resize) {
   return input;
 }
 
-ImageView view(const cv::Mat& picture, PixelFormat format) {
-  return {picture.data, picture.cols, picture.rows, picture.step, format};
+ImageView view(const cv::Mat& image, PixelFormat format) {
+  return {image.data, image.cols, image.rows, image.step, format};
 }
 
 /// Slow change of colour, so that demosaicing and chroma subsampling lose little.
 cv::Mat smooth_bgr(int width, int height) {
-  cv::Mat picture(height, width, CV_8UC3);
+  cv::Mat image(height, width, CV_8UC3);
   for (int y = 0; y < height; ++y)
     for (int x = 0; x < width; ++x)
-      picture.at<cv::Vec3b>(y, x) = {static_cast<std::uint8_t>(40 + 150 * x / width),
-                                     static_cast<std::uint8_t>(60 + 120 * y / height),
-                                     static_cast<std::uint8_t>(200 - 100 * x / width)};
-  return picture;
+      image.at<cv::Vec3b>(y, x) = {static_cast<std::uint8_t>(40 + 150 * x / width),
+                                   static_cast<std::uint8_t>(60 + 120 * y / height),
+                                   static_cast<std::uint8_t>(200 - 100 * x / width)};
+  return image;
 }
 
 std::vector<float> run(const InputSpec& input, const ImageView& image) {
@@ -51,28 +51,28 @@ float largest_difference(const std::vector<float>& a, const std::vector<float>& 
 }
 
 TEST(Preprocessor, PlanesHaveTheNetworksChannelOrderMeanAndScale) {
-  const cv::Mat picture(6, 8, CV_8UC3, cv::Scalar(10, 20, 30));
+  const cv::Mat image(6, 8, CV_8UC3, cv::Scalar(10, 20, 30));
   InputSpec input = make_input(8, 6, Resize::kStretch);
   input.mean = {1, 2, 3};
   input.scale = {0.5F, 2.0F, 4.0F};
-  const auto rgb = run(input, view(picture, PixelFormat::kBgr8));
+  const auto rgb = run(input, view(image, PixelFormat::kBgr8));
   EXPECT_FLOAT_EQ(rgb[0], (30 - 1) * 0.5F);
   EXPECT_FLOAT_EQ(rgb[48], (20 - 2) * 2.0F);
   EXPECT_FLOAT_EQ(rgb[96], (10 - 3) * 4.0F);
   input.bgr = true;
-  const auto bgr = run(input, view(picture, PixelFormat::kBgr8));
+  const auto bgr = run(input, view(image, PixelFormat::kBgr8));
   EXPECT_FLOAT_EQ(bgr[0], (10 - 1) * 0.5F);
   EXPECT_FLOAT_EQ(bgr[96], (30 - 3) * 4.0F);
 }
 
 TEST(Preprocessor, LetterboxFillsWithGreyAndCentres) {
-  const cv::Mat picture(10, 40, CV_8UC3, cv::Scalar::all(255));
+  const cv::Mat image(10, 40, CV_8UC3, cv::Scalar::all(255));
   InputSpec input = make_input(20, 15, Resize::kLetterbox);
   input.mean = {100, 100, 100};
   input.scale = {0.1F, 0.1F, 0.1F};
   std::vector<float> planes(3 * 20 * 15);
   Preprocessor preprocessor(input);
-  const Placement placement = preprocessor.run(view(picture, PixelFormat::kRgb8), planes.data()).value();
+  const Placement placement = preprocessor.run(view(image, PixelFormat::kRgb8), planes.data()).value();
   EXPECT_FLOAT_EQ(placement.offset_y, 5);
   EXPECT_FLOAT_EQ(placement.scale_x, 0.5F);
   for (std::size_t c = 0; c < 3; ++c)
@@ -82,7 +82,7 @@ TEST(Preprocessor, LetterboxFillsWithGreyAndCentres) {
             << c << ' ' << x << ' ' << y;
 }
 
-// Whatever the sizes: the picture's corners lie on whole input pixels, inside, and every box comes back.
+// Whatever the sizes: the image's corners lie on whole input pixels, inside, and every box comes back.
 TEST(Preprocessor, BoxesSurviveTheRoundTripThroughAnyLetterbox) {
   constexpr std::uint64_t kSeed = 1;
   Rng rng(kSeed);
@@ -90,18 +90,18 @@ TEST(Preprocessor, BoxesSurviveTheRoundTripThroughAnyLetterbox) {
   for (int i = 0; i < 300; ++i) {
     const InputSpec input = make_input(rng.integer(8, 160), rng.integer(8, 160),
                                        rng.chance(0.8) ? Resize::kLetterbox : Resize::kStretch);
-    const cv::Mat picture = canvas(cv::Rect(0, 0, rng.integer(1, 1300), rng.integer(1, 700)));
+    const cv::Mat image = canvas(cv::Rect(0, 0, rng.integer(1, 1300), rng.integer(1, 700)));
     std::vector<float> planes(static_cast<std::size_t>(3 * input.width * input.height));
     Preprocessor preprocessor(input);
-    const Placement p = preprocessor.run(view(picture, PixelFormat::kMono8), planes.data()).value();
-    const auto w = static_cast<float>(picture.cols);
-    const auto h = static_cast<float>(picture.rows);
+    const Placement p = preprocessor.run(view(image, PixelFormat::kMono8), planes.data()).value();
+    const auto w = static_cast<float>(image.cols);
+    const auto h = static_cast<float>(image.rows);
     const Box2 in{p.offset_x, p.offset_y, w * p.scale_x + p.offset_x, h * p.scale_y + p.offset_y};
     EXPECT_NEAR(in.x_max, std::round(in.x_max), 1e-3F);
     EXPECT_NEAR(in.y_max, std::round(in.y_max), 1e-3F);
     EXPECT_LE(in.x_max, static_cast<float>(input.width) + 1e-3F);
     EXPECT_LE(in.y_max, static_cast<float>(input.height) + 1e-3F);
-    const Box2 out = p.to_picture(in);
+    const Box2 out = p.to_image(in);
     EXPECT_NEAR(out.x_min, 0, 1e-3F) << "round " << i << " of seed " << kSeed;
     EXPECT_NEAR(out.y_min, 0, 1e-3F);
     EXPECT_NEAR(out.x_max, w, 1e-3F * w);
@@ -109,7 +109,7 @@ TEST(Preprocessor, BoxesSurviveTheRoundTripThroughAnyLetterbox) {
   }
 }
 
-TEST(Preprocessor, EveryFormatGivesTheSameInputForTheSamePicture) {
+TEST(Preprocessor, EveryFormatGivesTheSameInputForTheSameImage) {
   const cv::Mat bgr = smooth_bgr(64, 48);
   const InputSpec input = make_input(40, 40, Resize::kLetterbox);
   const auto expected = run(input, view(bgr, PixelFormat::kBgr8));
@@ -123,7 +123,7 @@ TEST(Preprocessor, EveryFormatGivesTheSameInputForTheSamePicture) {
   EXPECT_EQ(difference(cv::COLOR_BGR2BGRA, PixelFormat::kBgra8), 0);
 }
 
-TEST(Preprocessor, InterpolationsAgreeOnASmoothPicture) {
+TEST(Preprocessor, InterpolationsAgreeOnASmoothImage) {
   const cv::Mat bgr = smooth_bgr(64, 48);
   InputSpec input = make_input(40, 30, Resize::kStretch);
   const auto linear = run(input, view(bgr, PixelFormat::kBgr8));
@@ -193,7 +193,7 @@ TEST(Preprocessor, RowsMayBePadded) {
   EXPECT_EQ(run(input, view(part, PixelFormat::kBgr8)), run(input, view(part.clone(), PixelFormat::kBgr8)));
 }
 
-TEST(Preprocessor, OnePreprocessorTakesPicturesOfChangingSizeAndFormat) {
+TEST(Preprocessor, OnePreprocessorTakesImagesOfChangingSizeAndFormat) {
   const InputSpec input = make_input(20, 30, Resize::kLetterbox);
   Preprocessor preprocessor(input);
   std::vector<float> planes(3 * 20 * 30);
@@ -206,7 +206,7 @@ TEST(Preprocessor, OnePreprocessorTakesPicturesOfChangingSizeAndFormat) {
   }
 }
 
-TEST(Preprocessor, RefusesWhatIsNoColourPicture) {
+TEST(Preprocessor, RefusesWhatIsNoColourImage) {
   Preprocessor preprocessor(make_input(8, 6, Resize::kStretch));
   std::vector<float> planes(3 * 8 * 6);
   EXPECT_EQ(preprocessor.run({}, planes.data()).error().code, ErrorCode::kInvalidArgument);

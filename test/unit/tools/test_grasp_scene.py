@@ -32,7 +32,7 @@ def turn(axis, angle):
 
 
 class Places(unittest.TestCase):
-    def test_objects_are_as_far_as_wanted_in_the_picture_and_on_the_tray(self):
+    def test_objects_are_as_far_as_wanted_in_the_image_and_on_the_tray(self):
         rng, pose = random.Random(1), camera_pose()
         for shape in scene.SHAPES:
             for distance in (0.3, 0.4, 0.5):

@@ -1,5 +1,5 @@
 #!/usr/bin/python3
-"""Tests of the generated pictures, the figures of merit and the shipped shape detector."""
+"""Tests of the generated images, the figures of merit and the shipped shape detector."""
 import hashlib
 import re
 import sys
@@ -24,36 +24,36 @@ MODEL = ROOT / 'models' / 'shapes'
 SMALL = (224, 168)
 
 
-class Pictures(unittest.TestCase):
+class Images(unittest.TestCase):
     """The generator."""
 
-    def test_same_seed_same_picture(self):
+    def test_same_seed_same_image(self):
         for seed in (3, 4, 5):
-            first, second = scenes.make_picture(seed, SMALL), scenes.make_picture(seed, SMALL)
+            first, second = scenes.make_image(seed, SMALL), scenes.make_image(seed, SMALL)
             np.testing.assert_array_equal(first.image, second.image, err_msg=f'seed {seed}')
             self.assertEqual(first.boxes, second.boxes, f'seed {seed}')
 
-    def test_other_seed_other_picture(self):
-        self.assertGreater(np.abs(scenes.make_picture(1, SMALL).image.astype(int) - scenes.make_picture(2, SMALL).image).mean(), 1)
+    def test_other_seed_other_image(self):
+        self.assertGreater(np.abs(scenes.make_image(1, SMALL).image.astype(int) - scenes.make_image(2, SMALL).image).mean(), 1)
 
     def test_boxes_are_those_of_the_masks(self):
         count = 0
         for seed in range(30, 45):
-            picture = scenes.make_picture(seed, SMALL)
-            for number, (x0, y0, x1, y1) in zip(picture.numbers, picture.boxes):
-                ys, xs = np.nonzero(picture.ids == number)
+            sample = scenes.make_image(seed, SMALL)
+            for number, (x0, y0, x1, y1) in zip(sample.numbers, sample.boxes):
+                ys, xs = np.nonzero(sample.ids == number)
                 self.assertEqual((xs.min(), ys.min(), xs.max() + 1, ys.max() + 1), (x0, y0, x1, y1), f'seed {seed}')
-                self.assertTrue(np.isfinite(picture.depth[ys, xs]).all(), f'seed {seed}')
+                self.assertTrue(np.isfinite(sample.depth[ys, xs]).all(), f'seed {seed}')
                 count += 1
         self.assertGreater(count, 5)
 
     def test_depth_of_a_ball(self):
         scene = sequence.Scene(1)
-        picture, truth = scene.render(0.4)
-        balls = [(n, t) for n, t in zip(picture.numbers, truth) if t['class'] == 'sphere']
+        sample, truth = scene.render(0.4)
+        balls = [(n, t) for n, t in zip(sample.numbers, truth) if t['class'] == 'sphere']
         self.assertTrue(balls)
         for number, ball in balls:
-            nearest = picture.depth[picture.ids == number].min()
+            nearest = sample.depth[sample.ids == number].min()
             self.assertLess(abs(nearest - (ball['position'][2] - ball['size'][2] / 2)), 0.3 * ball['size'][2], ball)
 
     def test_truth_projects_into_its_box(self):
@@ -90,7 +90,7 @@ class Figures(unittest.TestCase):
         result = evaluate.match(found, np.array([[0, 0, 10, 10.]]), np.zeros((0, 4)), 0.5)
         self.assertEqual(list(result), [1, 0])
 
-    def test_letterbox_of_a_camera_picture(self):
+    def test_letterbox_of_a_camera_image(self):
         out = dataset.letterbox(np.zeros((480, 640, 3), np.uint8))
         self.assertEqual(out.shape, (256, 320, 3))
         self.assertTrue((out[:8] == 114).all() and (out[-8:] == 114).all() and (out[8:248] == 0).all())

@@ -31,7 +31,7 @@ std::string replaced(std::string text, const std::string& from, const std::strin
   return text.replace(at, from.size(), to);
 }
 
-/// The map of a description and a picture; fails the test when it cannot be read.
+/// The map of a description and an image; fails the test when it cannot be read.
 OccupancyGrid load(const TemporaryFolder& folder, const std::string& yaml, const std::string& pgm) {
   folder.write("m.pgm", pgm);
   const auto map = load_map(folder.write("m.yaml", yaml));
@@ -92,7 +92,7 @@ TEST(MapFile, WritesAsMapSaverDoes) {
   EXPECT_EQ(std::distance(fs::directory_iterator(folder.path()), {}), 2) << "temporary files are left";
 }
 
-TEST(MapFile, TextAndBinaryPictures) {
+TEST(MapFile, TextAndBinaryImages) {
   const TemporaryFolder folder;
   const std::vector<std::int8_t> expected = {-1, 100, 0, 0, 100, -1};  // the lower row first
   const auto check = [&](const std::string& pgm) {
@@ -136,13 +136,13 @@ TEST(MapFile, ModesDifferBetweenTheThresholds) {
             (std::vector<std::int8_t>{-1, -1, 100, 50, 0}));
 }
 
-TEST(MapFile, ThePictureLiesBesideTheDescription) {
+TEST(MapFile, TheImageLiesBesideTheDescription) {
   const TemporaryFolder folder;
-  folder.write("pictures/m.pgm", "P2 1 1 255 0");
-  const auto relative = folder.write("maps/a.yaml", replaced(kDescription, "m.pgm", "../pictures/m.pgm"));
+  folder.write("images/m.pgm", "P2 1 1 255 0");
+  const auto relative = folder.write("maps/a.yaml", replaced(kDescription, "m.pgm", "../images/m.pgm"));
   EXPECT_TRUE(load_map(relative));
   const auto absolute = folder.write(
-      "maps/b.yaml", replaced(kDescription, "m.pgm", (folder.path() / "pictures" / "m.pgm").string()));
+      "maps/b.yaml", replaced(kDescription, "m.pgm", (folder.path() / "images" / "m.pgm").string()));
   EXPECT_TRUE(load_map(absolute));
 }
 
@@ -182,7 +182,7 @@ TEST(MapFile, DescriptionsAreChecked) {
   expect_contains(complaint(folder, std::string(2000000, '#'), pgm), "too large");
 }
 
-TEST(MapFile, PicturesAreChecked) {
+TEST(MapFile, ImagesAreChecked) {
   const TemporaryFolder folder;
   for (const std::string header : {"P5", "P5 3", "P5 3 2", "P5 0 2 255\n", "P5 3 -2 255\n", "P5 3 2 0\n",
                                    "P5 3 2 70000\n", "P5 x", "P5 99999999999999999999 1 255\n"})
@@ -192,11 +192,11 @@ TEST(MapFile, PicturesAreChecked) {
   expect_contains(complaint(folder, kDescription, "P2 3 2 255\n1 2 3 4 5"), "breaks off");
   expect_contains(complaint(folder, kDescription, "P2 3 2 255\n1 2 3 4 5 256"), "pixel 5");
   expect_contains(complaint(folder, kDescription, "P2 3 2 255\n1 2 x 4 5 6 7"), "pixel 2");
-  expect_contains(complaint(folder, kDescription, "\x89PNG\r\n"), "is not a PGM picture; convert it");
-  expect_contains(complaint(folder, kDescription, ""), "is not a PGM picture");
+  expect_contains(complaint(folder, kDescription, "\x89PNG\r\n"), "is not a PGM image; convert it");
+  expect_contains(complaint(folder, kDescription, ""), "is not a PGM image");
 }
 
-TEST(MapFile, HugePicturesTakeNoMemory) {
+TEST(MapFile, HugeImagesTakeNoMemory) {
   const TemporaryFolder folder;
   expect_contains(complaint(folder, kDescription, "P5 200000 200000 255\nabc"), "more than 2^28");
   expect_contains(complaint(folder, kDescription, "P5 16384 16384 255\nabc"), "breaks off");

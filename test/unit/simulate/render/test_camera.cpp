@@ -1,4 +1,4 @@
-// Pictures of small worlds against geometry.
+// Images of small worlds against geometry.
 
 #include <algorithm>
 #include <cmath>
@@ -24,8 +24,8 @@ SmallWorld two_balls() {
   return world;
 }
 
-CameraImages picture(SensorRig& rig, const CameraParams& params,
-                     const Pose& pose = forward_camera({0, 0, 0})) {
+CameraImages camera_images(SensorRig& rig, const CameraParams& params,
+                           const Pose& pose = forward_camera({0, 0, 0})) {
   CameraImages images;
   rig.camera(params, pose, images);
   return images;
@@ -41,7 +41,7 @@ TEST(Camera, DepthOfASphereIsAlongTheOpticalAxis) {
   SmallWorld world;
   world.add("ball", Sphere{0.3}, at(2, 0, 0));
   const auto rig = world.rig();
-  const auto images = picture(*rig, exact_camera(161, 121));
+  const auto images = camera_images(*rig, exact_camera(161, 121));
   const std::size_t centre = 60 * 161 + 80;
   EXPECT_NEAR(images.true_depth_m[centre], 1.7, 1e-4);
   EXPECT_EQ(images.depth_mm[centre], 1700);
@@ -56,7 +56,7 @@ TEST(Camera, DepthOfAWallIsTheSameInEveryPixel) {
   SmallWorld world;
   world.add("wall", Box{{0.1, 20, 20}}, at(4.05, 0, 0));
   const auto rig = world.rig();
-  const auto images = picture(*rig, exact_camera());
+  const auto images = camera_images(*rig, exact_camera());
   for (const float depth : images.true_depth_m) ASSERT_NEAR(depth, 4.0F, 1e-4F);
 }
 
@@ -66,14 +66,14 @@ TEST(Camera, LensDistortionBendsRaysAsTheModelSays) {
   const auto rig = world.rig();
   auto params = exact_camera(320, 240, 300);
   params.model.distortion = {0.15, -0.1, 0.002, -0.001, 0.0};
-  const auto boxes = visible_boxes(picture(*rig, params), rig->instances(), 1);
+  const auto boxes = visible_boxes(camera_images(*rig, params), rig->instances(), 1);
   ASSERT_EQ(boxes.size(), 1U);
   const Eigen::Vector2d expected = params.model.project({-0.5, -0.3, 2});
   EXPECT_NEAR(0.5 * (boxes[0].x_min + boxes[0].x_max), expected.x(), 1.0);
   EXPECT_NEAR(0.5 * (boxes[0].y_min + boxes[0].y_max), expected.y(), 1.0);
 }
 
-/// Picture columns between which a sphere lies: tangents at the angle of its centre +- asin(r / d).
+/// Image columns between which a sphere lies: tangents at the angle of its centre +- asin(r / d).
 void expect_box(const VisibleBox& box, const CameraModel& model, const Eigen::Vector3d& centre,
                 double radius) {
   const auto ends = [&](double side, double c, double f) {
@@ -93,7 +93,7 @@ TEST(Camera, VisibleBoxesOfSpheresAreTheirOutlines) {
   auto world = two_balls();
   const auto rig = world.rig();
   const auto params = exact_camera(640, 480, 600);
-  const auto boxes = visible_boxes(picture(*rig, params), rig->instances(), 10);
+  const auto boxes = visible_boxes(camera_images(*rig, params), rig->instances(), 10);
   ASSERT_EQ(boxes.size(), 2U);
   EXPECT_EQ(rig->instances()[boxes[0].instance].name, "left");
   EXPECT_EQ(rig->instances()[boxes[1].instance].body, 1);
@@ -105,7 +105,7 @@ TEST(Camera, BoxesNeedALabelAndEnoughPixels) {
   auto world = two_balls();
   world.spec.bodies[1].label.clear();
   const auto rig = world.rig();
-  const auto images = picture(*rig, exact_camera());
+  const auto images = camera_images(*rig, exact_camera());
   const auto boxes = visible_boxes(images, rig->instances(), 1);
   ASSERT_EQ(boxes.size(), 1U);
   const auto pixels = std::count(images.instance.begin(), images.instance.end(), kFirstBody);
@@ -113,14 +113,14 @@ TEST(Camera, BoxesNeedALabelAndEnoughPixels) {
   EXPECT_TRUE(visible_boxes(images, rig->instances(), static_cast<int>(pixels) + 1).empty());
 }
 
-TEST(Camera, MovingABodyMovesItsPicture) {
+TEST(Camera, MovingABodyMovesItsImage) {
   auto world = two_balls();
   const auto rig = world.rig();
-  const auto before = visible_boxes(picture(*rig, exact_camera()), rig->instances(), 1);
+  const auto before = visible_boxes(camera_images(*rig, exact_camera()), rig->instances(), 1);
   auto snapshot = world.snapshot();
   snapshot.world_T_body[0].translation().y() -= 0.25;
   rig->pose(snapshot);
-  const auto after = visible_boxes(picture(*rig, exact_camera()), rig->instances(), 1);
+  const auto after = visible_boxes(camera_images(*rig, exact_camera()), rig->instances(), 1);
   ASSERT_EQ(before.size(), 2U);
   ASSERT_EQ(after.size(), 2U);
   EXPECT_NEAR(after[0].x_min - before[0].x_min, 150 * 0.25 / 2.5, 1.5);
@@ -134,16 +134,16 @@ TEST(Camera, PeopleStandWhereTheSnapshotSays) {
   auto snapshot = world.snapshot();
   rig->pose(snapshot);
   const auto pose = forward_camera({0, 0, 0.9});
-  const auto there = visible_boxes(picture(*rig, exact_camera(), pose), rig->instances(), 1);
+  const auto there = visible_boxes(camera_images(*rig, exact_camera(), pose), rig->instances(), 1);
   ASSERT_EQ(there.size(), 1U);
   EXPECT_EQ(rig->instances()[there[0].instance].label, "person");
   EXPECT_NEAR(there[0].y_max - there[0].y_min, 150 * 1.77 / 3, 6);
   snapshot.world_T_person[0] = {3, 5, 1};
   rig->pose(snapshot);
-  EXPECT_TRUE(visible_boxes(picture(*rig, exact_camera(), pose), rig->instances(), 1).empty());
+  EXPECT_TRUE(visible_boxes(camera_images(*rig, exact_camera(), pose), rig->instances(), 1).empty());
 }
 
-TEST(Camera, SameSeedSameTimeSamePictureWhateverWasDrawnBefore) {
+TEST(Camera, SameSeedSameTimeSameImageWhateverWasDrawnBefore) {
   auto world = two_balls();
   CameraParams params;
   params.model = exact_camera().model;
@@ -151,12 +151,12 @@ TEST(Camera, SameSeedSameTimeSamePictureWhateverWasDrawnBefore) {
   const auto second = world.rig(3);
   first->pose(world.snapshot(1.5));
   second->pose(world.snapshot(7.0));
-  (void)picture(*second, params);
+  (void)camera_images(*second, params);
   std::vector<LidarPoint> points;
   second->lidar({}, at(0, 0, 0), at(0, 0, 0), points);
   second->pose(world.snapshot(1.5));
-  const auto a = picture(*first, params);
-  const auto b = picture(*second, params);
+  const auto a = camera_images(*first, params);
+  const auto b = camera_images(*second, params);
   EXPECT_EQ(a.rgb, b.rgb);
   EXPECT_EQ(a.depth_mm, b.depth_mm);
   EXPECT_EQ(a.true_depth_m, b.true_depth_m);
@@ -169,15 +169,15 @@ TEST(Camera, NoiseDiffersBySeedTimeAndSensor) {
   params.model = exact_camera().model;
   const auto rig = world.rig(3);
   rig->pose(world.snapshot(1.0));
-  const auto base = picture(*rig, params);
+  const auto base = camera_images(*rig, params);
   params.sensor = 1;
-  const auto sensor = picture(*rig, params);
+  const auto sensor = camera_images(*rig, params);
   params.sensor = 0;
   rig->pose(world.snapshot(1.1));
-  const auto time = picture(*rig, params);
+  const auto time = camera_images(*rig, params);
   const auto other = world.rig(4);
   other->pose(world.snapshot(1.0));
-  const auto seed = picture(*other, params);
+  const auto seed = camera_images(*other, params);
   for (const auto* changed : {&sensor, &time, &seed}) {
     EXPECT_NE(base.rgb, changed->rgb);
     EXPECT_NE(base.depth_mm, changed->depth_mm);
@@ -189,7 +189,7 @@ TEST(Camera, ColourNoiseHasItsSigma) {
   const auto rig = SmallWorld().rig();
   auto params = exact_camera(320, 240);
   params.image_noise = 0.02;
-  const auto images = picture(*rig, params);
+  const auto images = camera_images(*rig, params);
   const double n = 320 * 240;
   double sum = 0;
   double sum2 = 0;
@@ -207,7 +207,7 @@ TEST(Camera, NothingIsSkyColoured) {
   SmallWorld world;
   world.spec.light.sky = {0.30F, 0.60F, 0.90F};
   const auto rig = world.rig();
-  const auto images = picture(*rig, exact_camera());
+  const auto images = camera_images(*rig, exact_camera());
   EXPECT_NEAR(images.rgb[0], 0.30 * 255, 1.0);
   EXPECT_NEAR(images.rgb[1], 0.60 * 255, 1.0);
   EXPECT_NEAR(images.rgb[2], 0.90 * 255, 1.0);
@@ -233,9 +233,9 @@ TEST(Camera, ShadowsDarken) {
     auto params = exact_camera(64, 48, 400);
     params.soft_light = soft;
     params.shadows = false;
-    const double lit = mean_of(picture(*rig, params, downward_camera(0.9)).rgb);
+    const double lit = mean_of(camera_images(*rig, params, downward_camera(0.9)).rgb);
     params.shadows = true;
-    const double dark = mean_of(picture(*rig, params, downward_camera(0.9)).rgb);
+    const double dark = mean_of(camera_images(*rig, params, downward_camera(0.9)).rgb);
     EXPECT_LT(dark, 0.92 * lit) << "soft " << soft;
   }
 }
@@ -254,9 +254,9 @@ TEST(Camera, SoftShadowsFadeOverSeveralPixels) {
   const auto rig = world.rig();
   auto params = exact_camera(320, 240, 300);
   params.soft_light = false;
-  const int hard = sharpest_edge(picture(*rig, params, downward_camera(1.8)));
+  const int hard = sharpest_edge(camera_images(*rig, params, downward_camera(1.8)));
   params.soft_light = true;
-  const int soft = sharpest_edge(picture(*rig, params, downward_camera(1.8)));
+  const int soft = sharpest_edge(camera_images(*rig, params, downward_camera(1.8)));
   EXPECT_GT(hard, 30);
   EXPECT_LT(soft, hard / 3);
 }
@@ -265,9 +265,9 @@ TEST(Camera, SupersamplingChangesColoursOnly) {
   auto world = two_balls();
   const auto rig = world.rig();
   auto params = exact_camera();
-  const auto plain = picture(*rig, params);
+  const auto plain = camera_images(*rig, params);
   params.supersampling = 2;
-  const auto fine = picture(*rig, params);
+  const auto fine = camera_images(*rig, params);
   EXPECT_EQ(plain.true_depth_m, fine.true_depth_m);
   EXPECT_EQ(plain.instance, fine.instance);
   EXPECT_EQ(plain.depth_mm, fine.depth_mm);
@@ -275,20 +275,20 @@ TEST(Camera, SupersamplingChangesColoursOnly) {
   EXPECT_NEAR(mean_of(plain.rgb), mean_of(fine.rgb), 1.0);
 }
 
-TEST(Camera, AnySizeWorksAndAnInvalidModelGivesAnEmptyPicture) {
+TEST(Camera, AnySizeWorksAndAnInvalidModelGivesAnEmptyImage) {
   auto world = two_balls();
   const auto rig = world.rig();
   for (const auto& [width, height] :
        {std::pair(1, 1), std::pair(5, 3), std::pair(17, 2), std::pair(64, 33)}) {
     auto params = exact_camera(width, height, 20);
     params.supersampling = width % 2 + 1;
-    const auto images = picture(*rig, params);
+    const auto images = camera_images(*rig, params);
     EXPECT_EQ(images.rgb.size(), 3U * static_cast<std::size_t>(width * height));
   }
   auto params = exact_camera();
   params.model.fx = 0;
-  EXPECT_EQ(picture(*rig, params).width, 0);
-  EXPECT_TRUE(picture(*rig, params).rgb.empty());
+  EXPECT_EQ(camera_images(*rig, params).width, 0);
+  EXPECT_TRUE(camera_images(*rig, params).rgb.empty());
 }
 
 SmallWorld still_life() {
@@ -326,9 +326,9 @@ TEST(Camera, StillLifeLooksAsItDid) {
   const auto rig = world.rig();
   Pose pose = forward_camera({0, 0, 1.35});
   pose.linear() = pose.linear() * Eigen::AngleAxisd(-0.45, Eigen::Vector3d::UnitX()).toRotationMatrix();
-  const auto means = block_means(picture(*rig, exact_camera(160, 120, 150), pose));
+  const auto means = block_means(camera_images(*rig, exact_camera(160, 120, 150), pose));
   const std::string file = std::string(EXTPERFC_TEST_DATA) + "/simulate/still_life.txt";
-  if (std::getenv("EXTPERFC_WRITE_GOLDEN") != nullptr) {  // after a wanted change; look at the picture first
+  if (std::getenv("EXTPERFC_WRITE_GOLDEN") != nullptr) {  // after a wanted change; look at the image first
     std::ofstream out(file);
     for (std::size_t i = 0; i < means.size(); ++i) out << means[i] << ((i + 1) % 96 == 0 ? '\n' : ' ');
   }

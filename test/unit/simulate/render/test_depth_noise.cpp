@@ -1,4 +1,4 @@
-// Errors of the depth picture against their closed forms.
+// Errors of the depth image against their closed forms.
 
 #include <algorithm>
 #include <cmath>

@@ -41,7 +41,7 @@ TEST(WholeView, AreasAreThoseOfTheProjection) {
   expect_pixels(view_of(Cone{0.1, 1.0}, make_pose({0, 0, 10}, {kPi / 2, 0, 0})), 60.0 * 12 / 2);
 }
 
-TEST(WholeView, CountsWhatLiesInsideThePicture) {
+TEST(WholeView, CountsWhatLiesInsideTheImage) {
   const WholeView inside = view_of(Sphere{0.05}, make_pose({0, 0, 1}));
   EXPECT_DOUBLE_EQ(inside.pixels, inside.pixels_inside);
   const double half_out = -320.0 / 600;  // the left border

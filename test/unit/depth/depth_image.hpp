@@ -10,12 +10,12 @@
 
 namespace extperfc::depth {
 
-/// A depth picture for tests, in either format, with optional padding after each row and an odd start
+/// A depth image for tests, in either format, with optional padding after each row and an odd start
 /// address.
-class DepthPicture {
+class DepthImage {
  public:
-  DepthPicture(int width, int height, PixelFormat format = PixelFormat::kDepth16Mm, std::size_t padding = 0,
-               std::size_t offset = 0)
+  DepthImage(int width, int height, PixelFormat format = PixelFormat::kDepth16Mm, std::size_t padding = 0,
+             std::size_t offset = 0)
       : width_(width),
         height_(height),
         format_(format),
@@ -40,7 +40,7 @@ class DepthPicture {
 
   /// Sets every pixel to depth(x, y) [m].
   template <typename Depth>
-  DepthPicture& fill(Depth depth) {
+  DepthImage& fill(Depth depth) {
     for (int y = 0; y < height_; ++y)
       for (int x = 0; x < width_; ++x) set(x, y, depth(x, y));
     return *this;

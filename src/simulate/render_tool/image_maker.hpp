@@ -20,26 +20,26 @@ struct Annotation {
   bool difficult{false};
 };
 
-struct Picture {
+struct AnnotatedImage {
   CameraImages images;
   std::vector<Annotation> annotations;
 };
 
-/// Makes pictures by their number; keeps the world of the last one, so take neighbours in a row. Each thread
+/// Makes images by their number; keeps the world of the last one, so take neighbours in a row. Each thread
 /// has its own.
-class PictureMaker {
+class ImageMaker {
  public:
-  /// Pictures of one random world; neighbours in number.
-  static constexpr int kPicturesPerWorld = 4;
+  /// Images of one random world; neighbours in number.
+  static constexpr int kImagesPerWorld = 4;
 
-  /// `fixed_world`: all pictures are taken of this one; null: of random ones.
-  PictureMaker(const Options& options, std::shared_ptr<const WorldSpec> fixed_world);
+  /// `fixed_world`: all images are taken of this one; null: of random ones.
+  ImageMaker(const Options& options, std::shared_ptr<const WorldSpec> fixed_world);
 
-  /// Picture `number`, from 0. The result stays until the next call. Depends on the options and the number
+  /// Image `number`, from 0. The result stays until the next call. Depends on the options and the number
   /// only. Errors: of SensorRig.
-  [[nodiscard]] Result<const Picture*> make(int number);
+  [[nodiscard]] Result<const AnnotatedImage*> make(int number);
 
-  /// The world that a picture is taken of, for splitting into training and validation.
+  /// The world that an image is taken of, for splitting into training and validation.
   [[nodiscard]] static std::uint64_t world_of(const Options& options, int number);
 
  private:
@@ -54,7 +54,7 @@ class PictureMaker {
   std::unique_ptr<SensorRig> rig_;
   std::vector<Eigen::Vector3d> targets_;
   CameraImages preview_;
-  Picture picture_;
+  AnnotatedImage image_;
 };
 
 /// A number that differs for every pair, for seeds (SplitMix64).

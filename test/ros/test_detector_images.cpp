@@ -1,4 +1,4 @@
-// What the detector finds in pictures of all kinds, and what it says about those that it cannot read.
+// What the detector finds in images of all kinds, and what it says about those that it cannot read.
 #include "detector_test.hpp"
 
 namespace extperfc::ros_test {
@@ -36,7 +36,7 @@ TEST_P(EncodingTest, TheSquareIsFoundWithItsColour) {
   EXPECT_NEAR(detection.bbox.size_y, 60, 2 * kTolerancePx);
 }
 
-TEST_P(EncodingTest, AnAnnotatedPictureComesOut) {
+TEST_P(EncodingTest, AnAnnotatedImageComesOut) {
   load_and_listen();
   const Inbox<sensor_msgs::Image> viewer("detections/image");
   ASSERT_TRUE(wait_for([&] { return viewer.connected(); }));
@@ -57,7 +57,7 @@ INSTANTIATE_TEST_SUITE_P(All, EncodingTest,
                                          Encoding{"yuv422_yuy2", kClassRed}),
                          [](const auto& test) { return std::string(test.param.name); });
 
-/// A picture that cannot be read, and what must be said about it.
+/// An image that cannot be read, and what must be said about it.
 struct Fault {
   const char* name;
   void (*spoil)(sensor_msgs::Image&);
@@ -70,10 +70,10 @@ void PrintTo(const Fault& fault, std::ostream* out) {
 
 class FaultTest : public ListeningDetectorTest, public testing::WithParamInterface<Fault> {};
 
-TEST_P(FaultTest, IsNamedOnceAndTheNextGoodPictureIsFound) {
+TEST_P(FaultTest, IsNamedOnceAndTheNextGoodImageIsFound) {
   load_and_listen();
-  constexpr int kBadPictures = 4;
-  for (int i = 1; i <= kBadPictures; ++i) {
+  constexpr int kBadImages = 4;
+  for (int i = 1; i <= kBadImages; ++i) {
     auto bad = to_image(draw_square(kRed), "rgb8", ros::Time(i, 0));
     GetParam().spoil(*bad);
     send(bad);
@@ -88,7 +88,7 @@ TEST_P(FaultTest, IsNamedOnceAndTheNextGoodPictureIsFound) {
   EXPECT_EQ(answer->detections.size(), 1U);
   EXPECT_TRUE(
       diagnostics_.wait([](const Report& r) { return r.number("processed") == 1 && r.level() == 0; }));
-  EXPECT_EQ(detections_.count(), 1U) << "nothing is published for a picture that cannot be read";
+  EXPECT_EQ(detections_.count(), 1U) << "nothing is published for an image that cannot be read";
   EXPECT_EQ(log_.count(GetParam().complaint), 1U) << log_.text();
 }
 
@@ -128,7 +128,7 @@ TEST_F(ListeningDetectorTest, RowsMayBePadded) {
   EXPECT_NEAR(answer->detections.front().bbox.center.x, 120, 0.5);
 }
 
-TEST_F(ListeningDetectorTest, SizeMayChangeBetweenPictures) {
+TEST_F(ListeningDetectorTest, SizeMayChangeBetweenImages) {
   load_and_listen();
   ASSERT_TRUE(answer_to(to_image(draw_square(kRed), "rgb8", ros::Time(1, 0))));
   const cv::Mat3b half = draw_square(kRed)(cv::Rect(0, 0, 160, 120)).clone();

@@ -28,8 +28,8 @@ class Plane {
   std::vector<float> data_;
 };
 
-/// A picture before its light is put together.
-struct PicturePlanes {
+/// An image before its light is put together.
+struct ImagePlanes {
   Plane depth;       ///< [m]; -1: nothing
   Plane direct[3];   ///< light of the lamp that comes back when nothing is in its way, linear
   Plane ambient[3];  ///< light from all around that comes back, linear
@@ -50,6 +50,6 @@ void spread(const Plane& depth, Plane& seen, Plane& scratch, int width, int heig
 [[nodiscard]] float light_of(float shown);
 
 /// Puts a row together: display values in [0, 1] (not linear), three per `width` pixels, planar.
-void resolve_row(const PicturePlanes& planes, int y, int width, float* red, float* green, float* blue);
+void resolve_row(const ImagePlanes& planes, int y, int width, float* red, float* green, float* blue);
 
 }  // namespace extperfc::simulate::render

@@ -9,7 +9,7 @@
 namespace extperfc::ros_test {
 
 constexpr const char* kFrame = "camera_color_optical_frame";
-inline const cv::Size kSize{320, 240};  ///< of every picture, unless a test says otherwise
+inline const cv::Size kSize{320, 240};  ///< of every image, unless a test says otherwise
 inline const cv::Rect kSquare{80, 60, 80,
                               60};         ///< whole cells of the model `square`, so that its box is exact
 inline const cv::Vec3b kRed{230, 20, 20};  ///< r, g, b
@@ -21,10 +21,10 @@ constexpr double kFocalPx = 300.0;
 /// Index of the model's class, in the order of its model.yaml.
 enum SquareClass { kClassRed, kClassGreen, kClassBlue, kClassWhite };
 
-/// A dark picture with one square, RGB.
+/// A dark image with one square, RGB.
 [[nodiscard]] cv::Mat3b draw_square(const cv::Vec3b& color, const cv::Rect& where = kSquare);
 
-/// The picture as a camera of this encoding would send it.
+/// The image as a camera of this encoding would send it.
 [[nodiscard]] sensor_msgs::ImagePtr to_image(const cv::Mat3b& rgb, const std::string& encoding,
                                              const ros::Time& stamp);
 
@@ -33,7 +33,7 @@ enum SquareClass { kClassRed, kClassGreen, kClassBlue, kClassWhite };
                                                 const std::string& encoding, const ros::Time& stamp,
                                                 const cv::Size& size = kSize);
 
-/// Intrinsics of the test camera: kFocalPx, the middle of the picture, no distortion.
+/// Intrinsics of the test camera: kFocalPx, the middle of the image, no distortion.
 [[nodiscard]] sensor_msgs::CameraInfoPtr camera_info(const ros::Time& stamp, const cv::Size& size = kSize);
 
 }  // namespace extperfc::ros_test

@@ -1,4 +1,4 @@
-#include "simulate/render_tool/picture_maker.hpp"
+#include "simulate/render_tool/image_maker.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -18,7 +18,7 @@ namespace {
 constexpr double kPi = 3.14159265358979323846;
 constexpr int kTries = 25;  // views that are looked at before the last one is taken
 constexpr int kPreviewRows = 60;
-constexpr double kElsewhere = 0.04;  // share of the pictures that look anywhere in the room
+constexpr double kElsewhere = 0.04;  // share of the images that look anywhere in the room
 constexpr double kOccluded = 0.95;
 constexpr double kDifficultShare = 0.3;
 constexpr int kDifficultSize = 12;  // [px]
@@ -59,7 +59,7 @@ double bad_share(const CameraImages& images, float limit_m) {
   return static_cast<double>(bad) / static_cast<double>(std::max<std::size_t>(1, images.true_depth_m.size()));
 }
 
-/// The same view with a fraction of the pixels, to look whether it is worth a picture.
+/// The same view with a fraction of the pixels, to look whether it is worth an image.
 CameraParams preview_of(const CameraParams& params) {
   CameraParams preview = params;
   const double scale = static_cast<double>(kPreviewRows) / params.model.height;
@@ -96,16 +96,16 @@ std::uint64_t mix(std::uint64_t seed, std::uint64_t number) {
   return z ^ (z >> 31U);
 }
 
-PictureMaker::PictureMaker(const Options& options, std::shared_ptr<const WorldSpec> fixed_world)
+ImageMaker::ImageMaker(const Options& options, std::shared_ptr<const WorldSpec> fixed_world)
     : options_(options), world_(std::move(fixed_world)), fixed_(world_ != nullptr) {}
 
-std::uint64_t PictureMaker::world_of(const Options& options, int number) {
+std::uint64_t ImageMaker::world_of(const Options& options, int number) {
   return mix(options.seed,
-             static_cast<std::uint64_t>(options.world.empty() ? number / kPicturesPerWorld : number));
+             static_cast<std::uint64_t>(options.world.empty() ? number / kImagesPerWorld : number));
 }
 
-Result<void> PictureMaker::enter_world(int number) {
-  const std::int64_t index = fixed_ ? 0 : number / kPicturesPerWorld;
+Result<void> ImageMaker::enter_world(int number) {
+  const std::int64_t index = fixed_ ? 0 : number / kImagesPerWorld;
   if (index == world_index_) return {};
   const std::uint64_t seed = mix(options_.seed, static_cast<std::uint64_t>(index));
   if (!fixed_) {
@@ -122,7 +122,7 @@ Result<void> PictureMaker::enter_world(int number) {
   return {};
 }
 
-Pose PictureMaker::choose_view(Rng& rng, const CameraParams& params) {
+Pose ImageMaker::choose_view(Rng& rng, const CameraParams& params) {
   const CameraParams preview = preview_of(params);
   std::vector<Eigen::Vector3d> targets = targets_;
   int least = std::min(rng.integer(1, 3), static_cast<int>(targets_.size()));  // objects that shall be seen
@@ -140,10 +140,10 @@ Pose PictureMaker::choose_view(Rng& rng, const CameraParams& params) {
   return view;
 }
 
-void PictureMaker::annotate(const CameraParams& params, const Pose& world_T_optical) {
-  picture_.annotations.clear();
+void ImageMaker::annotate(const CameraParams& params, const Pose& world_T_optical) {
+  image_.annotations.clear();
   const auto& instances = rig_->instances();
-  for (const VisibleBox& box : visible_boxes(picture_.images, instances, options_.min_pixels)) {
+  for (const VisibleBox& box : visible_boxes(image_.images, instances, options_.min_pixels)) {
     const Instance& instance = instances[static_cast<std::size_t>(box.instance)];
     const auto& classes = options_.classes;
     if (std::find(classes.begin(), classes.end(), instance.label) == classes.end()) continue;
@@ -160,11 +160,11 @@ void PictureMaker::annotate(const CameraParams& params, const Pose& world_T_opti
       note.occluded = box.pixels < kOccluded * whole.pixels_inside;
       note.difficult |= note.visible < kDifficultShare || shows_base_only(body, world_T_optical);
     }
-    picture_.annotations.push_back(note);
+    image_.annotations.push_back(note);
   }
 }
 
-Result<const Picture*> PictureMaker::make(int number) {
+Result<const AnnotatedImage*> ImageMaker::make(int number) {
   if (auto entered = enter_world(number); !entered) return tl::unexpected(entered.error());
   Rng rng(mix(options_.seed ^ 0x5DEECE66DU, static_cast<std::uint64_t>(number)));
   CameraParams params;
@@ -173,10 +173,10 @@ Result<const Picture*> PictureMaker::make(int number) {
   params.image_noise = 0;  // develop() adds it after blur and exposure, as on a real sensor
   rig_->pose(snapshot_of(*world_, random_people(rng, *world_), number));
   const Pose view = choose_view(rng, params);
-  rig_->camera(params, view, picture_.images);
-  if (!options_.plain) develop(rng, picture_.images.rgb, options_.width, options_.height);
+  rig_->camera(params, view, image_.images);
+  if (!options_.plain) develop(rng, image_.images.rgb, options_.width, options_.height);
   annotate(params, view);
-  return &picture_;
+  return &image_;
 }
 
 }  // namespace extperfc::simulate::render_tool

@@ -1,4 +1,4 @@
-#include "simulate/render/picture_planes.hpp"
+#include "simulate/render/image_planes.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -84,7 +84,7 @@ void Plane::resize(int width, int height) {
   data_.assign(stride_ * static_cast<std::size_t>(rows), -1.0F);
 }
 
-void PicturePlanes::resize(int width, int height) {
+void ImagePlanes::resize(int width, int height) {
   for (auto* plane : {&depth, &direct[0], &direct[1], &direct[2], &ambient[0], &ambient[1], &ambient[2],
                       &lamp_seen, &sky_seen})
     plane->resize(width, height);
@@ -107,7 +107,7 @@ void spread(const Plane& depth, Plane& seen, Plane& scratch, int width, int heig
   }
 }
 
-void resolve_row(const PicturePlanes& planes, int y, int width, float* red, float* green, float* blue) {
+void resolve_row(const ImagePlanes& planes, int y, int width, float* red, float* green, float* blue) {
   float* out[3] = {red, green, blue};
   for (int i = 0; i < 3; ++i)
     resolve_channel(planes.direct[i].row(y), planes.ambient[i].row(y), planes.lamp_seen.row(y),
