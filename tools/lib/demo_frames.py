@@ -6,7 +6,7 @@ import threading
 import cv2
 import numpy
 
-from truth import Box, Thing, match, nearest
+from truth import Box, TrueObject, match, nearest
 
 OPTICAL_FRAME = "camera_color_optical_frame"
 
@@ -149,16 +149,16 @@ class TruthWatcher(Watcher):
     def _truth_info(self, message):
         self.truth_names = self.rospy.get_param(message.database_location, [])
 
-    def _things(self, stamp):
+    def _objects(self, stamp):
         """What has a class, where it was nearest to this time."""
         if not self.truths:
             return []
         message = min(list(self.truths), key=lambda m: abs((m.header.stamp - stamp).to_sec()))
-        return [Thing(self.truth_names[d.results[0].id], vector(d.bbox.center.position)) for d in message.detections
+        return [TrueObject(self.truth_names[d.results[0].id], vector(d.bbox.center.position)) for d in message.detections
                 if d.results[0].id < len(self.truth_names)]
 
     def _visible(self, message):
-        """Boxes of visible things of a class that the detector knows."""
+        """Boxes of visible objects of a class that the detector knows."""
         named = ((self.truth_names[d.results[0].id], corners(d.bbox)) for d in message.detections
                  if d.results[0].id < len(self.truth_names))
         return [Box(label, box) for label, box in named if label in self.names]
@@ -169,10 +169,10 @@ class TruthWatcher(Watcher):
 
     def _report(self, stamp, rows, entry):
         rows.sort(key=lambda row: -row["score"])
-        visible, things = self._visible(entry["visible"]), self._things(stamp)
+        visible, objects = self._visible(entry["visible"]), self._objects(stamp)
         matches = match([Box(row["class"], row["box"]) for row in rows], visible)
         for row, index in zip(rows, matches):
             row["found"] = index is not None
             if "center" in row:
-                row["nearest"] = nearest(row["class"], row["center"], things)
+                row["nearest"] = nearest(row["class"], row["center"], objects)
         self.table.frame(stamp, rows, entry["latency_ms"], len(visible), matches)

@@ -92,7 +92,7 @@ class TruthTable(Table):
         near = row.get("nearest")
         return (str(self.frames), row["class"], f"{row['score']:.2f}",
                 " ".join(f"{v:6.2f}" for v in row["center"]) if "center" in row else "no depth",
-                " ".join(f"{v:6.2f}" for v in near.thing.position) if near else "none",
+                " ".join(f"{v:6.2f}" for v in near.object.position) if near else "none",
                 f"{100 * near.error_m:.1f}" if near else "", "" if row["found"] else "false")
 
     def _values(self, row):
@@ -100,7 +100,7 @@ class TruthTable(Table):
         values = super()._values(row)
         values += ("",) * (len(Table.FILE_COLUMNS) - 2 - len(values))  # a box without depth
         return (*values, int(row["found"]), *(f"{v:.4f}" for v in row.get("center", ())),
-                *((f"{v:.4f}" for v in (*near.thing.position, near.error_m)) if near else ()))
+                *((f"{v:.4f}" for v in (*near.object.position, near.error_m)) if near else ()))
 
     def summary(self):
         lines = super().summary() + self.score.summary()

@@ -7,8 +7,8 @@ import numpy
 LEAST_OVERLAP = 0.5  # of a detection's box and a visible object's, as intersection over union
 
 Box = collections.namedtuple("Box", "label corners")         # corners: x0 y0 x1 y1 [px], edges of the pixels
-Thing = collections.namedtuple("Thing", "label position")    # position: centre, 3 values [m]
-Nearest = collections.namedtuple("Nearest", "thing error_m")
+TrueObject = collections.namedtuple("TrueObject", "label position")    # position: centre, 3 values [m]
+Nearest = collections.namedtuple("Nearest", "object error_m")
 
 
 def overlap(a, b):
@@ -38,10 +38,10 @@ def match(detections, visible, least_overlap=LEAST_OVERLAP):
     return matches
 
 
-def nearest(label, position, things):
-    """The thing of this class whose centre is nearest to `position`, as Nearest; None when there is none."""
+def nearest(label, position, objects):
+    """The object of this class whose centre is nearest to `position`, as Nearest; None when there is none."""
     position = numpy.asarray(position)
-    near = [Nearest(t, float(numpy.linalg.norm(numpy.asarray(t.position) - position))) for t in things if t.label == label]
+    near = [Nearest(t, float(numpy.linalg.norm(numpy.asarray(t.position) - position))) for t in objects if t.label == label]
     return min(near, key=lambda n: n.error_m, default=None)
 
 

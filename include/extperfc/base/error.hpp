@@ -7,7 +7,7 @@
 
 namespace extperfc {
 
-/// What kind of thing went wrong; stable, so that callers and tests can branch on it.
+/// What kind of error occurred; stable, so that callers and tests can branch on it.
 enum class ErrorCode {
   kInvalidArgument,  ///< a value or a combination of values that can never work
   kNotFound,         ///< a file, device, topic or key does not exist

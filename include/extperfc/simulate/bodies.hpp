@@ -33,7 +33,7 @@ struct JointTarget {
   double max_effort{0};  ///< limit of the motor; 0: the joint's own
 };
 
-/// Rigid-body world (Bullet): robot, loose things, fixed things, people. One thread at a time.
+/// Rigid-body world (Bullet): robot, loose objects, fixed objects, people. One thread at a time.
 ///
 /// Deterministic: the same calls give the same states, bit for bit, on one build and machine.
 /// The robot's root is kinematic: it is where set_root() says. Joints: in kinematic mode positions are set,

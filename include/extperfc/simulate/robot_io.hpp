@@ -90,7 +90,7 @@ struct BaseState {
   Twist2 measured;                         ///< from the wheels
   std::array<double, 4> wheel_position{};  ///< front left, front right, rear left, rear right [rad]
   std::array<double, 4> wheel_velocity{};  ///< [rad/s]
-  bool blocked{false};                     ///< a wall or a thing is in the way
+  bool blocked{false};                     ///< a wall or an object is in the way
 };
 
 struct ImuSample {

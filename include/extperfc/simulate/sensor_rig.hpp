@@ -33,8 +33,8 @@ struct CameraParams {
   CameraModel model{640, 480, 615.0, 615.0, 319.5, 239.5, {}};
   std::uint32_t sensor{0};  ///< number of this camera: tells its noise from another's
   bool shadows{true};
-  bool soft_light{true};      ///< a lamp with a size and less light in corners; false: sharp shadows, cheaper
-  int supersampling{1};       ///< 1 or 2: 2 x 2 rays per pixel, for training images
+  bool soft_light{true};  ///< a light with a size and less light in corners; false: sharp shadows, cheaper
+  int supersampling{1};   ///< 1 or 2: 2 x 2 rays per pixel, for training images
   double image_noise{0.006};  ///< standard deviation of a colour value, as a share of full scale; 0: none
   DepthNoiseParams depth;
 };
@@ -104,7 +104,7 @@ class SensorRig {
   virtual void lidar(const LidarParams& params, const Pose& world_T_begin, const Pose& world_T_end,
                      std::vector<LidarPoint>& points) = 0;
 
-  /// Distance to the nearest thing inside a cone of `half_angle_rad` about the frame's x axis (9 rays: the
+  /// Distance to the nearest object inside a cone of `half_angle_rad` about the frame's x axis (9 rays: the
   /// axis and eight on the cone), along the ray [m]; infinity: nothing within `max_m`.
   [[nodiscard]] virtual double range(const Pose& world_T_sensor, double half_angle_rad, double max_m) = 0;
 

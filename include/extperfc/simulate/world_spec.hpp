@@ -19,7 +19,7 @@ enum class Mobility {
   kLoose,    ///< has a mass: falls, rolls, can be grasped
 };
 
-/// A thing in a world.
+/// An object in a world.
 struct BodySpec {
   std::string name;   ///< unique in its world
   std::string label;  ///< class for detection, e.g. "cube"; empty: background
@@ -42,8 +42,8 @@ struct PersonSpec {
 };
 
 struct LightSpec {
-  Eigen::Vector3d lamp_m{0, 0, 2.6};        ///< position of the lamp that casts shadows
-  float lamp{0.55F};                        ///< its share of the light
+  Eigen::Vector3d position_m{0, 0, 2.6};    ///< of the light that casts shadows
+  float direct{0.55F};                      ///< weight of its light
   float ambient{0.45F};                     ///< light without direction
   Eigen::Vector3f sky{0.75F, 0.82F, 0.9F};  ///< colour where a ray hits nothing, sRGB
 };

@@ -40,7 +40,7 @@ def _lighting(rng, shape):
     return cv2.resize(np.float32(np.clip(gain, 0.3, 1.7)), (width, height))[..., None]
 
 
-def develop(rng, linear, depth):
+def apply_camera_effects(rng, linear, depth):
     """Linear light (H, W, 3) to an 8-bit RGB image as a random camera would take it."""
     image = linear * _lighting(rng, linear.shape)
     sample = image[::5, ::5].mean(2)

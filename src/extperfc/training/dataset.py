@@ -12,7 +12,7 @@ from . import scenes
 
 WIDTH, HEIGHT, PAD = 320, 256, 114  # network input [px] and padding value
 SHARD = 100  # images per label file
-GENERATOR_FILES = ('textures.py', 'solids.py', 'render.py', 'polygons.py', 'things.py', 'others.py', 'camera.py', 'rooms.py', 'scenes.py')
+GENERATOR_FILES = ('textures.py', 'solids.py', 'render.py', 'polygons.py', 'scene_objects.py', 'others.py', 'camera.py', 'rooms.py', 'scenes.py')
 SPLITS = {'train': (0, 20000), 'val': (1000000, 400), 'test': (2000000, 1000)}  # first seed, images
 ROOMS = (3000000, 1000)  # likewise for the ordinary views of sequence.py, for evaluation only
 

@@ -1,54 +1,54 @@
-"""Things that must not be found: cans, bottles, slabs, furniture, people and more."""
+"""Objects that must not be found: cans, bottles, slabs, furniture, people and more."""
 import numpy as np
 
 from . import render, solids, textures
 from .textures import pick
-from .things import Thing, any_rotation, box, edged, rotation, surface
+from .scene_objects import SceneObject, any_rotation, box, edged, rotation, surface
 
 
 def cylinder(rng):
     """A can, pipe, cup, bucket or lampshade."""
     bottom = rng.uniform(0.1, 0.5)
     top = bottom * pick(rng, (1, 1, 1, rng.uniform(.5, 1), rng.uniform(1, 1.5)))
-    thing = Thing(-1).frustum((0, 0, 0), bottom, min(top, .5), rng.uniform(0.35, 1.0), surface(rng, solids.any_solid(rng)))
-    thing.rests = [np.eye(3)] * 3 + [rotation((1, 0, 0), np.pi / 2)]
-    return thing
+    obj = SceneObject(-1).frustum((0, 0, 0), bottom, min(top, .5), rng.uniform(0.35, 1.0), surface(rng, solids.any_solid(rng)))
+    obj.rests = [np.eye(3)] * 3 + [rotation((1, 0, 0), np.pi / 2)]
+    return obj
 
 
 def bottle(rng):
     """A bottle or vase of stacked rounds."""
-    thing, radius, z = Thing(-1), rng.uniform(.1, .2), -.5
+    obj, radius, z = SceneObject(-1), rng.uniform(.1, .2), -.5
     body, neck = rng.uniform(.4, .6), rng.uniform(.03, .08)
     look = surface(rng, solids.any_solid(rng))
     plain = render.Surface(solids.solid(rng), None, look.gloss, look.shininess)
-    thing.frustum((0, 0, z + body / 2), radius, radius, body, look)
+    obj.frustum((0, 0, z + body / 2), radius, radius, body, look)
     shoulder = rng.uniform(.1, .3)
-    thing.frustum((0, 0, z + body + shoulder / 2), radius, neck, shoulder, plain)
+    obj.frustum((0, 0, z + body + shoulder / 2), radius, neck, shoulder, plain)
     rest = 1 - body - shoulder
-    thing.frustum((0, 0, .5 - rest / 2), neck, neck, rest, plain)
-    thing.rests = [np.eye(3)] * 3 + [rotation((1, 0, 0), np.pi / 2)]
-    return thing
+    obj.frustum((0, 0, .5 - rest / 2), neck, neck, rest, plain)
+    obj.rests = [np.eye(3)] * 3 + [rotation((1, 0, 0), np.pi / 2)]
+    return obj
 
 
 def slab(rng):
     """A book, tablet, board or shelf: a flat box."""
     size = np.array([1.0, rng.uniform(.4, 1.0), rng.uniform(.015, .16)])
-    thing = box(rng, -1, size)
-    thing.rests = [np.eye(3)] * 2 + [rotation((1, 0, 0), np.pi / 2), rotation((0, 1, 0), np.pi / 2)]
-    return thing
+    obj = box(rng, -1, size)
+    obj.rests = [np.eye(3)] * 2 + [rotation((1, 0, 0), np.pi / 2), rotation((0, 1, 0), np.pi / 2)]
+    return obj
 
 
 def post(rng):
     """A long bar, leg, pole or frame."""
     size = np.array([rng.uniform(.03, .28), rng.uniform(.03, .28), 1.0])
-    thing = box(rng, -1, size)
-    thing.rests = [np.eye(3)] * 2 + [rotation((1, 0, 0), np.pi / 2)]
-    return thing
+    obj = box(rng, -1, size)
+    obj.rests = [np.eye(3)] * 2 + [rotation((1, 0, 0), np.pi / 2)]
+    return obj
 
 
 def pyramid(rng):
     """A pyramid or tent of three to five sides, or a prism."""
-    thing, sides, radius = Thing(-1), int(rng.integers(3, 5)), rng.uniform(.3, .6)
+    obj, sides, radius = SceneObject(-1), int(rng.integers(3, 5)), rng.uniform(.3, .6)
     angles = np.arange(sides) * 2 * np.pi / sides
     ring = np.column_stack([np.cos(angles) * radius, np.sin(angles) * radius, np.full(sides, -.5)])
     ring2 = ring * (0, 0, -1) if rng.random() < .6 else ring * (1, 1, -1) * (rng.uniform(.3, 1.0), 1, 1)
@@ -57,32 +57,32 @@ def pyramid(rng):
     for i in range(sides):
         j = (i + 1) % sides
         quad = [ring[i], ring[j], ring2[j], ring2[i]]
-        thing.polygon(quad if np.ptp(ring2[:, :2]) > 0 else [ring[i], ring[j], ring2[i]], look)
-    thing.polygon(ring2 if np.ptp(ring2[:, :2]) > 0 else ring[::-1], look, True)
-    return thing
+        obj.polygon(quad if np.ptp(ring2[:, :2]) > 0 else [ring[i], ring[j], ring2[i]], look)
+    obj.polygon(ring2 if np.ptp(ring2[:, :2]) > 0 else ring[::-1], look, True)
+    return obj
 
 
 def egg(rng):
     """A long or flat ellipsoid: rugby ball, melon, pebble, bowl."""
     radii = np.array([.5, rng.uniform(.15, .34), rng.uniform(.1, .36)])
-    thing = Thing(-1).ellipsoid((0, 0, 0), radii, surface(rng, solids.any_ball(rng)), rotation((0, 0, 1), rng.uniform(0, 6)))
-    thing.rests = [np.eye(3)] * 3 + [any_rotation(rng)]
-    return thing
+    obj = SceneObject(-1).ellipsoid((0, 0, 0), radii, surface(rng, solids.any_ball(rng)), rotation((0, 0, 1), rng.uniform(0, 6)))
+    obj.rests = [np.eye(3)] * 3 + [any_rotation(rng)]
+    return obj
 
 
 def capsule(rng):
     """A sausage of two ends and a middle."""
     radius, look = rng.uniform(.08, .2), surface(rng, solids.solid(rng))
-    thing = Thing(-1).frustum((0, 0, 0), radius, radius, 1 - 2 * radius, look)
+    obj = SceneObject(-1).frustum((0, 0, 0), radius, radius, 1 - 2 * radius, look)
     for side in (-1, 1):
-        thing.ellipsoid((0, 0, side * (.5 - radius)), (radius,) * 3, look)
-    thing.rests = [np.eye(3), rotation((1, 0, 0), np.pi / 2), any_rotation(rng)]
-    return thing
+        obj.ellipsoid((0, 0, side * (.5 - radius)), (radius,) * 3, look)
+    obj.rests = [np.eye(3), rotation((1, 0, 0), np.pi / 2), any_rotation(rng)]
+    return obj
 
 
 def torus(rng):
     """A ring, tyre or handle, as a mesh."""
-    thing, tube = Thing(-1), rng.uniform(.06, .17)
+    obj, tube = SceneObject(-1), rng.uniform(.06, .17)
     around = np.arange(21) * 2 * np.pi / 20
     over = np.arange(11) * 2 * np.pi / 10
     rgb = textures.colour(rng)
@@ -93,32 +93,32 @@ def torus(rng):
         return np.array([np.cos(a) * reach, np.sin(a) * reach, tube * np.sin(b)])
     for i in range(20):
         for j in range(10):
-            thing.polygon([spot(around[i], over[j]), spot(around[i + 1], over[j]),
+            obj.polygon([spot(around[i], over[j]), spot(around[i + 1], over[j]),
                            spot(around[i + 1], over[j + 1]), spot(around[i], over[j + 1])], look)
-    thing.rests = [np.eye(3), np.eye(3), rotation((1, 0, 0), np.pi / 2)]
-    return thing
+    obj.rests = [np.eye(3), np.eye(3), rotation((1, 0, 0), np.pi / 2)]
+    return obj
 
 
 def disc(rng):
     """A plate, coin, lid or wheel."""
-    thing = Thing(-1).frustum((0, 0, 0), .5, rng.uniform(.4, .5), rng.uniform(.01, .14), surface(rng, solids.any_solid(rng)))
-    thing.rests = [np.eye(3), np.eye(3), rotation((1, 0, 0), np.pi / 2), rotation((1, 0, 0), rng.uniform(0, 1.5))]
-    return thing
+    obj = SceneObject(-1).frustum((0, 0, 0), .5, rng.uniform(.4, .5), rng.uniform(.01, .14), surface(rng, solids.any_solid(rng)))
+    obj.rests = [np.eye(3), np.eye(3), rotation((1, 0, 0), np.pi / 2), rotation((1, 0, 0), rng.uniform(0, 1.5))]
+    return obj
 
 
 def table(rng):
     """A table, stool or chair: a top, four legs, sometimes a back."""
-    thing = Thing(-1)
+    obj = SceneObject(-1)
     look = [render.Surface(None, pick(rng, (textures.wood, textures.plaster))(rng))]
     wide, deep, thick, leg = rng.uniform(.5, 1), rng.uniform(.4, 1), rng.uniform(.02, .1), rng.uniform(.03, .08)
     top = rng.uniform(0, .45)
-    thing.box((0, 0, top), (wide, deep, thick), look)
+    obj.box((0, 0, top), (wide, deep, thick), look)
     for x in (-1, 1):
         for y in (-1, 1):
-            thing.box((x * (wide - leg) / 2, y * (deep - leg) / 2, (top - .5) / 2), (leg, leg, top + .5), look)
+            obj.box((x * (wide - leg) / 2, y * (deep - leg) / 2, (top - .5) / 2), (leg, leg, top + .5), look)
     if rng.random() < .4:
-        thing.box((0, deep / 2, top + .25), (wide, leg, .5), look)
-    return thing
+        obj.box((0, deep / 2, top + .25), (wide, leg, .5), look)
+    return obj
 
 
 SKIN = ((.86, .66, .54), (.76, .55, .42), (.6, .42, .3), (.4, .27, .19), (.93, .76, .66))
@@ -128,14 +128,14 @@ def limb(rng):
     """A hand or arm: fingers and a palm in the colour of skin."""
     skin = np.float32(pick(rng, SKIN)) * rng.uniform(.8, 1.1)
     look = render.Surface(solids.solid(rng, np.clip(skin, 0, 1)), None, .1)
-    thing = Thing(-1).ellipsoid((0, 0, -.1), (.2, .08, .22), look)
+    obj = SceneObject(-1).ellipsoid((0, 0, -.1), (.2, .08, .22), look)
     for i in range(4):
         bend = rotation((1, 0, 0), rng.uniform(-.2, .9))
-        thing.ellipsoid((-.15 + .1 * i, .03, .2), (.045, .045, .2), look, bend)
-    thing.ellipsoid((-.2, .04, .0), (.05, .05, .17), look, rotation((0, 1, 0), -.6))
-    thing.frustum((0, 0, -.45), .1, .09, .5, look)
-    thing.rests = [any_rotation(rng)]
-    return thing
+        obj.ellipsoid((-.15 + .1 * i, .03, .2), (.045, .045, .2), look, bend)
+    obj.ellipsoid((-.2, .04, .0), (.05, .05, .17), look, rotation((0, 1, 0), -.6))
+    obj.frustum((0, 0, -.45), .1, .09, .5, look)
+    obj.rests = [any_rotation(rng)]
+    return obj
 
 
 def person(rng):
@@ -143,50 +143,50 @@ def person(rng):
     skin = render.Surface(solids.solid(rng, pick(rng, SKIN)))
     hair = render.Surface(solids.solid(rng, textures.colour(rng, 'dark')))
     shirt, trousers = surface(rng, solids.any_solid(rng)), surface(rng, solids.solid(rng))
-    thing = Thing(-1).ellipsoid((0, 0, .43), (.045, .055, .07), skin)
-    thing.ellipsoid((0, .012, .45), (.05, .055, .06), hair)
-    thing.frustum((0, 0, .18), .075, .1, .34, shirt)
+    obj = SceneObject(-1).ellipsoid((0, 0, .43), (.045, .055, .07), skin)
+    obj.ellipsoid((0, .012, .45), (.05, .055, .06), hair)
+    obj.frustum((0, 0, .18), .075, .1, .34, shirt)
     for side in (-1, 1):
         swing = rotation((1, 0, 0), rng.normal(0, .4))
-        thing.frustum((side * .05, 0, -.25), .04, .055, .5, trousers, rotation((1, 0, 0), rng.normal(0, .15)))
-        thing.ellipsoid((side * .13, 0, .18), (.03, .03, .2), pick(rng, (skin, shirt)), swing)
-    return thing
+        obj.frustum((side * .05, 0, -.25), .04, .055, .5, trousers, rotation((1, 0, 0), rng.normal(0, .15)))
+        obj.ellipsoid((side * .13, 0, .18), (.03, .03, .2), pick(rng, (skin, shirt)), swing)
+    return obj
 
 
 def portrait(rng):
-    """Head and shoulders: the roundest thing in many photographs that is no ball."""
+    """Head and shoulders: the roundest object in many photographs that is no ball."""
     skin = render.Surface(solids.solid(rng, np.float32(pick(rng, SKIN)) * rng.uniform(.8, 1.1)), None, rng.uniform(0, .2))
     dark = render.Surface(solids.solid(rng, textures.colour(rng, 'dark')))
     wide, deep, tall = rng.uniform(.13, .16), rng.uniform(.15, .18), rng.uniform(.19, .22)
-    thing = Thing(-1).ellipsoid((0, 0, .25), (wide, deep, tall), skin)
+    obj = SceneObject(-1).ellipsoid((0, 0, .25), (wide, deep, tall), skin)
     if rng.random() < .85:
         hair = dark if rng.random() < .7 else surface(rng, solids.solid(rng))
-        thing.ellipsoid((0, rng.uniform(.015, .05), .25 + rng.uniform(.02, .07)), (wide * 1.08, deep, tall), hair)
+        obj.ellipsoid((0, rng.uniform(.015, .05), .25 + rng.uniform(.02, .07)), (wide * 1.08, deep, tall), hair)
     for side in (-1, 1):
-        thing.ellipsoid((side * wide * .4, -deep * .9, .28), (.022, .02, .012), dark)
-        thing.ellipsoid((side * wide, .01, .25), (.02, .035, .05), skin)
-    thing.ellipsoid((0, -deep, .22), (.02, .03, .04), skin)
-    thing.ellipsoid((0, -deep * .88, .14), (.05, .02, .012), render.Surface(solids.solid(rng, (.6, .25, .25))))
-    thing.frustum((0, .02, .03), .08, .08, .2, skin)
-    thing.ellipsoid((0, .03, -.28), (.36, .17, .3), surface(rng, solids.any_solid(rng)))
-    thing.rests = [rotation((0, 0, 1), rng.normal(0, .6))]
-    return thing
+        obj.ellipsoid((side * wide * .4, -deep * .9, .28), (.022, .02, .012), dark)
+        obj.ellipsoid((side * wide, .01, .25), (.02, .035, .05), skin)
+    obj.ellipsoid((0, -deep, .22), (.02, .03, .04), skin)
+    obj.ellipsoid((0, -deep * .88, .14), (.05, .02, .012), render.Surface(solids.solid(rng, (.6, .25, .25))))
+    obj.frustum((0, .02, .03), .08, .08, .2, skin)
+    obj.ellipsoid((0, .03, -.28), (.36, .17, .3), surface(rng, solids.any_solid(rng)))
+    obj.rests = [rotation((0, 0, 1), rng.normal(0, .6))]
+    return obj
 
 
 def shelf(rng):
     """A board with a row of books, or a pile of them."""
-    thing, x = Thing(-1), -.5
+    obj, x = SceneObject(-1), -.5
     pile = rng.random() < .4
     while x < .45:
         thick, tall = rng.uniform(.02, .09), rng.uniform(.25, .4)
         face = render.Surface(None, textures.printed(rng) if rng.random() < .3 else textures.flat(textures.colour(rng)))
         size = (tall, .28, thick) if pile else (thick, .28, tall)
         centre = (rng.normal(0, .02), 0, x + thick / 2) if pile else (x + thick / 2, 0, tall / 2)
-        thing.box(centre, size, [face])
+        obj.box(centre, size, [face])
         x += thick * (1 if rng.random() < .9 else 2)
     if not pile:
-        thing.box((0, 0, -.015), (1.05, .3, .03), [render.Surface(None, textures.wood(rng))])
-    return thing
+        obj.box((0, 0, -.015), (1.05, .3, .03), [render.Surface(None, textures.wood(rng))])
+    return obj
 
 
 OTHERS = (cylinder, cylinder, bottle, slab, slab, post, pyramid, egg, capsule, torus, disc, table, limb, person,
@@ -194,5 +194,5 @@ OTHERS = (cylinder, cylinder, bottle, slab, slab, post, pyramid, egg, capsule, t
 
 
 def other(rng):
-    """A thing that must not be found."""
+    """An object that must not be found."""
     return pick(rng, OTHERS)(rng)

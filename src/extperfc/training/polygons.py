@@ -1,4 +1,4 @@
-"""Flat parts of the renderer: textured convex polygons and the shadows that things cast on a plane."""
+"""Flat parts of the renderer: textured convex polygons and the shadows that objects cast on a plane."""
 import cv2
 import numpy as np
 
@@ -98,7 +98,7 @@ def _gloss(frame, rays, normal, out, surface):
 
 
 def shadow(frame, points, plane, towards, ident, strength, softness):
-    """Darkens the pixels of thing `ident` (a plane: point, normal) where points (N, 3) shade it from the sun."""
+    """Darkens the pixels of object `ident` (a plane: point, normal) where points (N, 3) shade it from the sun."""
     origin, normal = plane
     fall = normal @ towards
     if fall < 0.05:

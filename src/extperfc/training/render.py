@@ -33,7 +33,7 @@ class Light:
     sun: np.ndarray
     sky: np.ndarray
     bounce: np.ndarray
-    wrap: float = 0.0  # 0: a point-like sun; towards 1: a large soft lamp that reaches around things
+    wrap: float = 0.0  # 0: a point-like sun; towards 1: a large soft light that reaches around objects
 
     def direct(self, normals):
         """Share of the sun's light that normals (..., 3) receive."""
@@ -47,7 +47,7 @@ class Light:
 
 @dataclass
 class Frame:
-    """Image, depth [m], and the number of the thing at each pixel (0: background)."""
+    """Image, depth [m], and the number of the object at each pixel (0: background)."""
 
     width: int
     height: int

@@ -1,4 +1,4 @@
-"""What lies around and behind the things: floor, table, walls, sky, or a collage."""
+"""What lies around and behind the objects: floor, table, walls, sky, or a collage."""
 import cv2
 import numpy as np
 

@@ -1,4 +1,4 @@
-"""Seeded generator of images with cones, cubes and spheres among other things.
+"""Seeded generator of images with cones, cubes and spheres among other objects.
 
 World frame: z up, the floor or table top at z = 0, metres. An image depends on nothing but its seed and size.
 """
@@ -7,17 +7,17 @@ from dataclasses import dataclass
 import cv2
 import numpy as np
 
-from . import camera, others, polygons, render, rooms, textures, things
+from . import camera, others, polygons, render, rooms, scene_objects, textures
 from .textures import pick
 
 VERSION = 4
-CLASSES = things.CLASSES
+CLASSES = scene_objects.CLASSES
 SIZE = (448, 336)  # width, height of training images [px]
 
 
 @dataclass
 class LabelledImage:
-    """An image (H, W, 3) in RGB with depth [m] and, per labelled thing, class, box x0, y0, x1, y1 and mask number."""
+    """An image (H, W, 3) in RGB with depth [m] and, per labelled object, class, box x0, y0, x1, y1 and mask number."""
 
     image: np.ndarray
     depth: np.ndarray
@@ -25,11 +25,11 @@ class LabelledImage:
     labels: list
     boxes: list
     numbers: list
-    ignored: list  # boxes of things too much hidden to be asked for, yet not wrong to find
+    ignored: list  # boxes of objects too much hidden to be asked for, yet not wrong to find
 
 
 class World:
-    """The camera's pose and the light; draws things given in the world frame into a frame."""
+    """The camera's pose and the light; draws objects given in the world frame into a frame."""
 
     def __init__(self, rng, size, pose, focal, light):
         self.rng = rng
@@ -59,20 +59,20 @@ class World:
             centre = low.mean(0)
             polygons.shadow(self.frame, self.to_camera(centre + (low - centre) * 1.12), plane, self.turn[:, 2], ident, .5, .12)
 
-    def draw(self, thing, turn, place, scale):
-        """Draws a thing with world orientation and centre [m]; returns its number."""
+    def draw(self, obj, turn, place, scale):
+        """Draws an object with world orientation and centre [m]; returns its number."""
         self.count += 1
         rot, t = self.turn @ turn, self.to_camera([place])[0]
-        points = (thing.points() * scale) @ rot.T + t
+        points = (obj.points() * scale) @ rot.T + t
         if points[:, 2].min() < render.NEAR:
             return None
-        thing.draw(self.frame, self.count, rot, t, scale)
+        obj.draw(self.frame, self.count, rot, t, scale)
         hull = cv2.convexHull(np.float32(self.frame.project(points)))
-        self.drawn.append((self.count, thing.label, max(1.0, cv2.contourArea(hull))))
+        self.drawn.append((self.count, obj.label, max(1.0, cv2.contourArea(hull))))
         return self.count
 
     def labelled(self, image, min_share=0.35, min_size=12):
-        """The labelled image; things too hidden or too small are only listed as ignored (sizes at 320 px width)."""
+        """The labelled image; objects too hidden or too small are only listed as ignored (sizes at 320 px width)."""
         labels, boxes, numbers, ignored = [], [], [], []
         least = min_size * self.frame.width / 320
         for number, label, area in self.drawn:
@@ -83,7 +83,7 @@ class World:
             if visible < max(12, 0.06 * area):
                 continue
             x, y, w, h = cv2.boundingRect(np.uint8(mask))
-            share = visible / area / (0.75 if label == things.CONE else 1.0)  # a cone with its plate does not fill its hull
+            share = visible / area / (0.75 if label == scene_objects.CONE else 1.0)  # a cone with its plate does not fill its hull
             if share >= min_share and max(w, h) >= least and min(w, h) >= 0.4 * least:
                 labels.append(label)
                 boxes.append([x, y, x + w, y + h])
@@ -115,7 +115,7 @@ def random_light(rng, turn):
 
 
 def _flat_shape(rng, world, spot, size):
-    """A disc, polygon or long stripe drawn on the ground: looks like the outline of a thing, and is none."""
+    """A disc, polygon or long stripe drawn on the ground: looks like the outline of an object, and is none."""
     texture = textures.flat(textures.colour(rng))
     angle = rng.uniform(0, 6.28)
     sides = pick(rng, (3, 4, 4, 24, 24))
@@ -123,7 +123,7 @@ def _flat_shape(rng, world, spot, size):
     outline = np.column_stack([np.cos(ring), np.sin(ring), np.full(sides, .002)])
     if sides == 4 and rng.random() < .6:
         outline = outline * (rng.uniform(2, 12), rng.uniform(.1, .4), 1)
-    points = world.to_camera(spot + size / 2 * outline @ things.rotation((0, 0, 1), angle).T)
+    points = world.to_camera(spot + size / 2 * outline @ scene_objects.rotation((0, 0, 1), angle).T)
     if points[:, 2].min() < render.NEAR:
         return
     basis = (points[0], points[1] - points[0], points[-1] - points[0])
@@ -131,14 +131,14 @@ def _flat_shape(rng, world, spot, size):
 
 
 def _stack(rng, placed):
-    """Puts a thing on top of the cube that was placed last."""
+    """Puts an object on top of the cube that was placed last."""
     below, turn, place, scale = placed[-1]
     top = (below.points() @ turn.T)[:, 2].max() * scale + place[2]
-    thing = pick(rng, things.MAKERS)(rng)
+    obj = pick(rng, scene_objects.MAKERS)(rng)
     size = scale * rng.uniform(.5, 1)
-    turn = things.rotation((0, 0, 1), rng.uniform(0, 6.28))
-    rise = top - (thing.points() @ turn.T)[:, 2].min() * size
-    placed.append((thing, turn, np.array([place[0], place[1], rise]), size))
+    turn = scene_objects.rotation((0, 0, 1), rng.uniform(0, 6.28))
+    rise = top - (obj.points() @ turn.T)[:, 2].min() * size
+    placed.append((obj, turn, np.array([place[0], place[1], rise]), size))
 
 
 def _spot(rng, world, taken):
@@ -159,14 +159,14 @@ def _spot(rng, world, taken):
     return None
 
 
-def _orientation(rng, thing):
+def _orientation(rng, obj):
     """A resting pose turned about the vertical, seldom any pose at all."""
     if rng.random() < 0.06:
-        return things.any_rotation(rng)
+        return scene_objects.any_rotation(rng)
     yaw = rng.uniform(0, 2 * np.pi)
-    if thing.label == things.CUBE and rng.random() < .2:
+    if obj.label == scene_objects.CUBE and rng.random() < .2:
         yaw = rng.normal(0, 0.06)  # one face towards the camera
-    return things.rotation((0, 0, 1), yaw) @ pick(rng, thing.rests)
+    return scene_objects.rotation((0, 0, 1), yaw) @ pick(rng, obj.rests)
 
 
 def _pixels(rng, frame):
@@ -176,16 +176,16 @@ def _pixels(rng, frame):
 
 
 def _wanted(rng):
-    """How many things of each kind an image gets, shuffled: list of makers."""
+    """How many objects of each kind an image gets, shuffled: list of makers."""
     count = int(pick(rng, (0, 1, 1, 2, 2, 3, 3, 4, 5, 6, 6)))
-    makers = [pick(rng, things.MAKERS + things.MAKERS + (things.cone,)) for _ in range(count)]
+    makers = [pick(rng, scene_objects.MAKERS + scene_objects.MAKERS + (scene_objects.cone,)) for _ in range(count)]
     makers += [others.other] * int(pick(rng, (0, 0, 1, 1, 2, 2, 3, 4, 6, 9)))
     order = rng.permutation(len(makers))
     return [makers[i] for i in order]
 
 
 def _on_ground(rng, world):
-    """Things at rest on the ground, some held in the air, with shadows first."""
+    """Objects at rest on the ground, some held in the air, with shadows first."""
     taken, placed = [], []
     for _ in range(int(pick(rng, (0, 0, 0, 1, 2)))):
         found = _spot(rng, world, [])
@@ -198,36 +198,36 @@ def _on_ground(rng, world):
         if found is None:
             continue
         spot, distance = found
-        thing, pixels = make(rng), common * rng.uniform(.6, 1.5) if alike else _pixels(rng, world.frame)
-        if thing.label < 0:
+        obj, pixels = make(rng), common * rng.uniform(.6, 1.5) if alike else _pixels(rng, world.frame)
+        if obj.label < 0:
             pixels *= rng.uniform(1, 2)
         scale = pixels * distance / world.frame.focal
         scale = min(scale, 0.8 * distance)
-        turn = _orientation(rng, thing)
-        points = thing.points() @ turn.T * scale
+        turn = _orientation(rng, obj)
+        points = obj.points() @ turn.T * scale
         lift = scale * rng.uniform(0, 2) if rng.random() < .1 else 0.0
         place = spot + np.array([0, 0, lift - points[:, 2].min()])
         taken.append((spot, 0.45 * scale))
-        placed.append((thing, turn, place, scale))
+        placed.append((obj, turn, place, scale))
         world.shade(points + place)
-        if thing.label == things.CUBE and rng.random() < .15:
+        if obj.label == scene_objects.CUBE and rng.random() < .15:
             _stack(rng, placed)
-    for thing, turn, place, scale in placed:
-        world.draw(thing, turn, place, scale)
-        if thing.label >= 0 and rng.random() < (.1 if thing.label == things.SPHERE else .04):
+    for obj, turn, place, scale in placed:
+        world.draw(obj, turn, place, scale)
+        if obj.label >= 0 and rng.random() < (.1 if obj.label == scene_objects.SPHERE else .04):
             hand = others.limb(rng)
-            world.draw(hand, things.any_rotation(rng), place + rng.normal(0, .35, 3) * scale, scale * rng.uniform(1, 2))
+            world.draw(hand, scene_objects.any_rotation(rng), place + rng.normal(0, .35, 3) * scale, scale * rng.uniform(1, 2))
 
 
 def _in_air(rng, world):
-    """Things in any pose before a collage."""
+    """Objects in any pose before a collage."""
     frame = world.frame
     for make in _wanted(rng):
-        thing, distance = make(rng), rng.uniform(1, 3)
+        obj, distance = make(rng), rng.uniform(1, 3)
         ray = np.array([rng.uniform(-.5, .5) * frame.width / frame.focal, rng.uniform(-.5, .5) * frame.height / frame.focal, 1])
         place = world.place + distance * ray @ world.turn
-        turn = _orientation(rng, thing) if rng.random() < .7 else things.any_rotation(rng)
-        world.draw(thing, turn, place, _pixels(rng, frame) * distance / frame.focal)
+        turn = _orientation(rng, obj) if rng.random() < .7 else scene_objects.any_rotation(rng)
+        world.draw(obj, turn, place, _pixels(rng, frame) * distance / frame.focal)
 
 
 def make_image(seed, size=SIZE):
@@ -243,5 +243,5 @@ def make_image(seed, size=SIZE):
     else:
         rooms.collage(rng, world.frame)
         _in_air(rng, world)
-    image = camera.develop(rng, world.frame.colour, world.frame.depth)
+    image = camera.apply_camera_effects(rng, world.frame.colour, world.frame.depth)
     return world.labelled(image)

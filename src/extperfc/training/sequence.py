@@ -1,6 +1,6 @@
 """RGB-D sequences: a camera moves around a table or floor with several cones, cubes and spheres.
 
-World frame: z up, the table top or floor with the things at z = 0, metres. Needs numpy and OpenCV only.
+World frame: z up, the table top or floor with the objects at z = 0, metres. Needs numpy and OpenCV only.
 """
 import json
 from dataclasses import dataclass
@@ -9,7 +9,7 @@ from pathlib import Path
 import cv2
 import numpy as np
 
-from . import render, scenes, solids, textures, things
+from . import render, scene_objects, scenes, solids, textures
 
 WIDTH, HEIGHT, FOCAL = 640, 480, 615.0  # [px], like the colour camera of a RealSense D435i
 RATE_HZ = 15.0
@@ -18,52 +18,52 @@ SUBPIXEL, DEPTH_FOCAL, BASELINE_M = 0.08, 424.0, 0.05  # stereo error, focal len
 
 @dataclass
 class Placed:
-    """A thing of the scene: orientation, centre [m], scale [m], and its kind in words."""
+    """An object of the scene: orientation, centre [m], scale [m], and its kind in words."""
 
-    thing: things.Thing
+    obj: scene_objects.SceneObject
     turn: np.ndarray
     place: np.ndarray
     scale: float
     kind: str
 
     def extent(self):
-        """Size along the thing's own axes [m]."""
-        return np.ptp(self.thing.points(), axis=0) * self.scale
+        """Size along the object's own axes [m]."""
+        return np.ptp(self.obj.points(), axis=0) * self.scale
 
 
 def _ball(albedo, gloss=0.25):
-    return lambda rng: things.Thing(things.SPHERE).ellipsoid(
-        (0, 0, 0), (.5, .5, .5), render.Surface(albedo(rng), None, gloss, 40), things.any_rotation(rng))
+    return lambda rng: scene_objects.SceneObject(scene_objects.SPHERE).ellipsoid(
+        (0, 0, 0), (.5, .5, .5), render.Surface(albedo(rng), None, gloss, 40), scene_objects.any_rotation(rng))
 
 
 def _block(face):
     def make(rng):
-        looks = [render.Surface(None, things.edged(rng, texture), .1) for texture in face(rng)]
-        return things.Thing(things.CUBE).box((0, 0, 0), (1, 1, 1), looks)
+        looks = [render.Surface(None, scene_objects.edged(rng, texture), .1) for texture in face(rng)]
+        return scene_objects.SceneObject(scene_objects.CUBE).box((0, 0, 0), (1, 1, 1), looks)
     return make
 
 
 def _carton(rng):
-    base = [render.Surface(None, things.edged(rng, textures.cardboard(rng))) for _ in range(2)]
-    return things.Thing(things.CUBE).box((0, 0, 0), (1, rng.uniform(.75, .95), rng.uniform(.65, .9)), base)
+    base = [render.Surface(None, scene_objects.edged(rng, textures.cardboard(rng))) for _ in range(2)]
+    return scene_objects.SceneObject(scene_objects.CUBE).box((0, 0, 0), (1, rng.uniform(.75, .95), rng.uniform(.65, .9)), base)
 
 
 def _traffic_cone(rng):
     albedo, body = solids.traffic_cone(rng)
     plate = render.Surface(None, textures.grain(rng, body, .02), .2)
-    thing = things.Thing(things.CONE).box((0, 0, -.48), (.62, .62, .04), [plate])
-    thing.frustum((0, 0, .02), .25, .04, .96, render.Surface(albedo, None, .2, 30))
-    return thing
+    obj = scene_objects.SceneObject(scene_objects.CONE).box((0, 0, -.48), (.62, .62, .04), [plate])
+    obj.frustum((0, 0, .02), .25, .04, .96, render.Surface(albedo, None, .2, 30))
+    return obj
 
 
 def _hat(rng):
     look = render.Surface(solids.solid(rng, textures.colour(rng, 'vivid')), None, .3, 40)
-    return things.Thing(things.CONE).frustum((0, 0, 0), rng.uniform(.3, .42), 0, 1, look)
+    return scene_objects.SceneObject(scene_objects.CONE).frustum((0, 0, 0), rng.uniform(.3, .42), 0, 1, look)
 
 
 def _dice(rng):
     ink = textures.colour(rng, 'dark')
-    return [things.dice_face(rng, (.94, .93, .9), ink, i + 1) for i in range(6)]
+    return [scene_objects.dice_face(rng, (.94, .93, .9), ink, i + 1) for i in range(6)]
 
 
 def _painted(rng):
@@ -79,12 +79,12 @@ KINDS = {  # name: (maker, height on a table [m], height on a floor [m])
 
 
 class Scene:
-    """A seeded room with things at rest on a table or on the floor."""
+    """A seeded room with objects at rest on a table or on the floor."""
 
     def __init__(self, seed, count=7):
         rng = np.random.default_rng(seed)
         self.seed, self.table = seed, bool(rng.random() < 0.5)
-        self.radius = 0.42 if self.table else 1.15  # of the area with things [m]
+        self.radius = 0.42 if self.table else 1.15  # of the area with objects [m]
         self.floor = textures.tiles(rng) if rng.random() < .4 else textures.wood(rng)
         self.top = textures.wood(rng) if rng.random() < .7 else textures.plaster(rng)
         self.paint = textures.grain(rng, textures.colour(rng, 'neutral') * .4 + .5, .01)
@@ -93,23 +93,23 @@ class Scene:
         self._fill(rng, count)
 
     def _fill(self, rng, count):
-        """Chooses things of all classes and finds free places for them."""
+        """Chooses objects of all classes and finds free places for them."""
         names, taken = list(KINDS), []
         order = [names[i] for i in rng.permutation(len(names))]
-        firsts = [next(n for n in order if self._class(n) == c) for c in (things.CONE, things.CUBE, things.SPHERE)]
+        firsts = [next(n for n in order if self._class(n) == c) for c in (scene_objects.CONE, scene_objects.CUBE, scene_objects.SPHERE)]
         for name in firsts + [n for n in order if n not in firsts][:max(0, count - 3)]:
             make, small, large = KINDS[name]
-            thing, scale = make(rng), small if self.table else large
+            obj, scale = make(rng), small if self.table else large
             for _ in range(200):
                 spot = rng.uniform(-1, 1, 2) * self.radius * (1.25, .8)
                 if all(np.hypot(*(spot - other)) > .75 * (scale + size) for other, size in taken):
                     break
             else:
                 continue
-            turn = things.rotation((0, 0, 1), rng.uniform(0, 2 * np.pi))
-            low = (thing.points() @ turn.T)[:, 2].min() * scale
+            turn = scene_objects.rotation((0, 0, 1), rng.uniform(0, 2 * np.pi))
+            low = (obj.points() @ turn.T)[:, 2].min() * scale
             taken.append((spot, scale))
-            self.placed.append(Placed(thing, turn, np.array([spot[0], spot[1], -low]), scale, name))
+            self.placed.append(Placed(obj, turn, np.array([spot[0], spot[1], -low]), scale, name))
 
     @staticmethod
     def _class(name):
@@ -145,14 +145,14 @@ class Scene:
         if self.table:
             x, y = self.radius * 1.9, self.radius * 1.35
             edge = render.Surface(None, self.top * .8)
-            thing = things.Thing(-1).box((0, 0, -.016), (2 * x, 2 * y, .03), [edge])
+            obj = scene_objects.SceneObject(-1).box((0, 0, -.016), (2 * x, 2 * y, .03), [edge])
             for a, b in ((-1, -1), (-1, 1), (1, -1), (1, 1)):
-                thing.box((a * (x - .05), b * (y - .05), -.38), (.06, .06, .7), [edge])
-            world.draw(thing, np.eye(3), np.zeros(3), 1.0)
+                obj.box((a * (x - .05), b * (y - .05), -.38), (.06, .06, .7), [edge])
+            world.draw(obj, np.eye(3), np.zeros(3), 1.0)
             world.plane(np.array([-x, -y, 0]), np.array([2 * x, 0, 0]), np.array([0, 2 * y, 0]), self.top, (1.0, 1.0), 1, .15)
 
     def render(self, share):
-        """The image at a share of the arc: `scenes.LabelledImage` and the truth of each labelled thing (list of dicts)."""
+        """The image at a share of the arc: `scenes.LabelledImage` and the truth of each labelled object (list of dicts)."""
         rng = np.random.default_rng([self.seed, 1])
         turn, place = self.pose(share)
         light = scenes.random_light(rng, turn)
@@ -162,20 +162,20 @@ class Scene:
         world.strength, world.softness = .5, .12
         self._room(world)
         for item in self.placed:
-            world.shade(item.thing.points() @ item.turn.T * item.scale + item.place)
-        numbers = {world.draw(i.thing, i.turn, i.place, i.scale): i for i in self.placed}
-        sample = world.labelled(_develop(world.frame))
+            world.shade(item.obj.points() @ item.turn.T * item.scale + item.place)
+        numbers = {world.draw(i.obj, i.turn, i.place, i.scale): i for i in self.placed}
+        sample = world.labelled(_apply_camera_effects(world.frame))
         truth = []
         for number, label, box in zip(sample.numbers, sample.labels, sample.boxes):
             item = numbers[number]
-            middle = (item.thing.points().max(0) + item.thing.points().min(0)) / 2
+            middle = (item.obj.points().max(0) + item.obj.points().min(0)) / 2
             centre = world.to_camera([item.place + item.scale * (item.turn @ middle)])[0]
             truth.append({'class': scenes.CLASSES[label], 'kind': item.kind, 'box': [int(v) for v in box],
                           'position': [round(float(v), 4) for v in centre], 'size': [round(float(v), 4) for v in item.extent()]})
         return sample, truth
 
 
-def _develop(frame):
+def _apply_camera_effects(frame):
     """Linear light to 8-bit RGB: fixed exposure, smoothed edges."""
     image = np.sqrt(np.clip(frame.colour * 0.62, 0, 1))
     soft = cv2.GaussianBlur(image, (0, 0), 0.7)

@@ -175,7 +175,7 @@ def number_ball(rng):
 
 
 def any_solid(rng):
-    """A random albedo for any curved thing."""
+    """A random albedo for any curved object."""
     kind = rng.random()
     if kind < 0.45:
         return solid(rng)

@@ -220,7 +220,7 @@ def clutter(rng):
 
 
 def muted(rng, make):
-    """A texture for a floor or wall: mostly with less colour than things have."""
+    """A texture for a floor or wall: mostly with less colour than objects have."""
     out = make(rng)
     if rng.random() < 0.75:
         grey = out.mean(2, keepdims=True)

@@ -24,14 +24,14 @@ Eigen::AlignedBox3d person_extent() {
   return {Eigen::Vector3d(-0.25, -0.25, 0), Eigen::Vector3d(0.25, 0.25, 1.75)};
 }
 
-vision_msgs::Detection3D to_detection(int class_id, const Pose& map_T_thing,
+vision_msgs::Detection3D to_detection(int class_id, const Pose& map_T_object,
                                       const Eigen::AlignedBox3d& extent, const std_msgs::Header& header) {
   vision_msgs::Detection3D detection;
   detection.header = header;
   detection.results.resize(1);
   detection.results[0].id = class_id;
   detection.results[0].score = 1.0;
-  detection.bbox.center = convert::to_message(map_T_thing * make_pose(extent.center()));
+  detection.bbox.center = convert::to_message(map_T_object * make_pose(extent.center()));
   detection.bbox.size = convert::to_vector(extent.sizes());
   detection.results[0].pose.pose = detection.bbox.center;
   detection.results[0].pose.covariance = convert::planar_covariance(kExact, kExact, kExact);
@@ -53,19 +53,19 @@ TruthPublisher::TruthPublisher(ros::NodeHandle handle, const ros::NodeHandle& pr
       map_publisher_(handle.advertise<nav_msgs::OccupancyGrid>("sim/truth/map", 1, kLatched)),
       vision_info_publisher_(
           handle.advertise<vision_msgs::VisionInfo>("sim/truth/vision_info", 1, kLatched)) {
-  find_things(world, classes);
+  find_objects(world, classes);
   publish_vision_info(private_handle);
   host.after_step(
       [this](const simulate::Simulator& simulator, const ros::Time& stamp) { after_step(simulator, stamp); });
   advertise_markers(handle);
 }
 
-void TruthPublisher::find_things(const simulate::WorldSpec& world, const TruthClasses& classes) {
+void TruthPublisher::find_objects(const simulate::WorldSpec& world, const TruthClasses& classes) {
   for (std::size_t i = 0; i < world.bodies.size(); ++i)
     if (const int id = classes.id(world.bodies[i].label); id >= 0)
-      things_.push_back({i, false, id, extent_of(world.bodies[i])});
+      objects_.push_back({i, false, id, extent_of(world.bodies[i])});
   for (std::size_t i = 0; i < world.people.size(); ++i)
-    things_.push_back({i, true, classes.id("person"), person_extent()});
+    objects_.push_back({i, true, classes.id("person"), person_extent()});
 }
 
 Result<void> TruthPublisher::publish_map(const simulate::WorldSpec& world,
@@ -92,7 +92,7 @@ void TruthPublisher::publish_vision_info(const ros::NodeHandle& private_handle) 
 }
 
 /// A new listener gets everything, and the others once more, from the simulation thread, which alone knows
-/// where things are.
+/// where objects are.
 void TruthPublisher::advertise_markers(ros::NodeHandle& handle) {
   const auto connected = [this](const ros::SingleSubscriberPublisher&) {
     host_.post([this](simulate::Simulator& simulator) {
@@ -134,10 +134,10 @@ void TruthPublisher::publish_objects(const simulate::Snapshot& snapshot, const r
   const auto message = boost::make_shared<vision_msgs::Detection3DArray>();
   message->header.stamp = stamp;
   message->header.frame_id = frames::kMap;
-  for (const auto& thing : things_) {
+  for (const auto& object : objects_) {
     const Pose pose =
-        thing.is_person ? to_pose(snapshot.world_T_person[thing.index]) : snapshot.world_T_body[thing.index];
-    message->detections.push_back(to_detection(thing.class_id, pose, thing.extent, message->header));
+        object.is_person ? to_pose(snapshot.world_T_person[object.index]) : snapshot.world_T_body[object.index];
+    message->detections.push_back(to_detection(object.class_id, pose, object.extent, message->header));
   }
   objects_publisher_.publish(message);
 }

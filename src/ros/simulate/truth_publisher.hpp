@@ -38,14 +38,14 @@ class TruthPublisher {
 
  private:
   /// Something with a class.
-  struct Thing {
+  struct Object {
     std::size_t index;  ///< into the snapshot's bodies or people
     bool is_person;
     int class_id;
     Eigen::AlignedBox3d extent;  ///< in its own frame
   };
 
-  void find_things(const simulate::WorldSpec& world, const TruthClasses& classes);
+  void find_objects(const simulate::WorldSpec& world, const TruthClasses& classes);
   void publish_vision_info(const ros::NodeHandle& private_handle);
   void advertise_markers(ros::NodeHandle& handle);
   void after_step(const simulate::Simulator& simulator, const ros::Time& stamp);
@@ -53,7 +53,7 @@ class TruthPublisher {
   void publish_objects(const simulate::Snapshot& snapshot, const ros::Time& stamp);
 
   SimHost& host_;
-  std::vector<Thing> things_;
+  std::vector<Object> objects_;
   WorldMarkers markers_;
   Ticker odom_ticker_;
   Ticker objects_ticker_;

@@ -6,7 +6,7 @@
 namespace extperfc::simulate {
 namespace {
 
-/// What pulls harder on a held thing takes it out of the hand [N].
+/// What pulls harder on a held object takes it out of the hand [N].
 constexpr double kHoldForce = 60;
 
 /// Groups of each tree on the root, parents first.

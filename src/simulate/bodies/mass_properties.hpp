@@ -9,17 +9,17 @@
 
 namespace extperfc::simulate {
 
-/// Mass, centre and inertia of a rigid thing, in a frame of the caller's choice.
+/// Mass, centre and inertia of a rigid object, in a frame of the caller's choice.
 struct MassProperties {
   double mass_kg{0};
   Eigen::Vector3d com{Eigen::Vector3d::Zero()};            ///< [m]
   Eigen::Matrix3d inertia_kg_m2{Eigen::Matrix3d::Zero()};  ///< about `com`, along the frame's axes
 };
 
-/// The same thing seen from another frame.
+/// The same object seen from another frame.
 [[nodiscard]] MassProperties transformed(const Pose& target_T_source, const MassProperties& source);
 
-/// Both things as one; each may be without mass.
+/// Both objects as one; each may be without mass.
 [[nodiscard]] MassProperties combined(const MassProperties& a, const MassProperties& b);
 
 [[nodiscard]] MassProperties mass_properties(const Inertial& inertial);

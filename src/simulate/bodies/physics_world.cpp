@@ -10,7 +10,7 @@ PhysicsWorld::PhysicsWorld(const BodiesParams& params)
   world_.setForceUpdateAllAabbs(false);  // what does not move keeps its box
   world_.getDispatchInfo().m_deterministicOverlappingPairs = true;
   world_.getDispatchInfo().m_allowedCcdPenetration =
-      1e-4;  // its default of 4 cm lets small things through boards
+      1e-4;  // its default of 4 cm lets small objects through boards
   btContactSolverInfo& info = world_.getSolverInfo();
   info.m_numIterations = params.solver_iterations;
   info.m_minimumSolverBatchSize =

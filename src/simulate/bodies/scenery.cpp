@@ -45,7 +45,7 @@ void set_loose(btRigidBody& body, double thickness_m) {
 
 Result<std::unique_ptr<Scenery>> Scenery::make(PhysicsWorld& world, const WorldSpec& spec) {
   std::unique_ptr<Scenery> scenery(new Scenery(world));
-  scenery->things_.reserve(spec.bodies.size());
+  scenery->objects_.reserve(spec.bodies.size());
   for (const BodySpec& body : spec.bodies)
     if (auto added = scenery->add(body); !added) return tl::unexpected<Error>(added.error());
   for (const PersonSpec& person : spec.people) {
@@ -63,7 +63,7 @@ Result<std::unique_ptr<Scenery>> Scenery::make(PhysicsWorld& world, const WorldS
 }
 
 Scenery::~Scenery() {
-  for (Thing& thing : things_) world_->bullet().removeRigidBody(thing.body.get());
+  for (Object& object : objects_) world_->bullet().removeRigidBody(object.body.get());
 }
 
 Result<void> Scenery::add(const BodySpec& spec) {
@@ -74,48 +74,48 @@ Result<void> Scenery::add(const BodySpec& spec) {
   auto shape =
       CollisionShape::make("body \"" + spec.name + "\"", spec.shapes, frame.frame_T_principal.inverse());
   if (!shape) return tl::unexpected<Error>(shape.error());
-  Thing thing;
-  thing.mobility = spec.mobility;
-  thing.shape = std::move(*shape);
-  thing.body_T_frame = frame.frame_T_principal;
-  btRigidBody::btRigidBodyConstructionInfo info(loose ? spec.mass_kg : 0, nullptr, thing.shape.get(),
+  Object object;
+  object.mobility = spec.mobility;
+  object.shape = std::move(*shape);
+  object.body_T_frame = frame.frame_T_principal;
+  btRigidBody::btRigidBodyConstructionInfo info(loose ? spec.mass_kg : 0, nullptr, object.shape.get(),
                                                 loose ? to_bullet(frame.moments_kg_m2) : btVector3(0, 0, 0));
-  info.m_startWorldTransform = to_bullet(spec.world_T_body * thing.body_T_frame);
+  info.m_startWorldTransform = to_bullet(spec.world_T_body * object.body_T_frame);
   info.m_friction = spec.friction;
   info.m_restitution = spec.restitution;
   info.m_rollingFriction = info.m_spinningFriction = spec.rolling_friction;
-  thing.body = std::make_unique<btRigidBody>(info);
-  thing.body->setUserIndex(static_cast<int>(ObjectKind::kBody));
-  thing.body->setUserIndex2(size());
-  if (loose) set_loose(*thing.body, thickness(spec.shapes));
-  world_->bullet().addRigidBody(thing.body.get(), loose ? kLooseGroup : kStaticGroup,
+  object.body = std::make_unique<btRigidBody>(info);
+  object.body->setUserIndex(static_cast<int>(ObjectKind::kBody));
+  object.body->setUserIndex2(size());
+  if (loose) set_loose(*object.body, thickness(spec.shapes));
+  world_->bullet().addRigidBody(object.body.get(), loose ? kLooseGroup : kStaticGroup,
                                 loose ? ~0 : kLooseGroup | kLinkGroup);
-  things_.push_back(std::move(thing));
+  objects_.push_back(std::move(object));
   return {};
 }
 
 Pose Scenery::world_T_body(int body) const {
-  const Thing& thing = things_[body];
-  return from_bullet(thing.body->getWorldTransform()) * thing.body_T_frame.inverse();
+  const Object& object = objects_[body];
+  return from_bullet(object.body->getWorldTransform()) * object.body_T_frame.inverse();
 }
 
 Eigen::Vector3d Scenery::velocity(int body) const {
-  const Thing& thing = things_[body];
-  if (thing.mobility != Mobility::kLoose) return Eigen::Vector3d::Zero();
-  const btVector3 to_origin = thing.body->getWorldTransform().getBasis() *
-                              to_bullet(thing.body_T_frame.inverse().translation().eval());
-  return from_bullet(thing.body->getVelocityInLocalPoint(to_origin));
+  const Object& object = objects_[body];
+  if (object.mobility != Mobility::kLoose) return Eigen::Vector3d::Zero();
+  const btVector3 to_origin = object.body->getWorldTransform().getBasis() *
+                              to_bullet(object.body_T_frame.inverse().translation().eval());
+  return from_bullet(object.body->getVelocityInLocalPoint(to_origin));
 }
 
 void Scenery::wake_all() {
-  for (Thing& thing : things_)
-    if (thing.mobility == Mobility::kLoose) thing.body->activate(true);
+  for (Object& object : objects_)
+    if (object.mobility == Mobility::kLoose) object.body->activate(true);
 }
 
 void Scenery::place(int body, const Pose& world_T_body) {
-  Thing& thing = things_[body];
-  btRigidBody& rigid = *thing.body;
-  const btTransform target = to_bullet(world_T_body * thing.body_T_frame);
+  Object& object = objects_[body];
+  btRigidBody& rigid = *object.body;
+  const btTransform target = to_bullet(world_T_body * object.body_T_frame);
   rigid.setWorldTransform(target);
   rigid.setInterpolationWorldTransform(target);
   rigid.setLinearVelocity({0, 0, 0});
@@ -130,15 +130,15 @@ void Scenery::place(int body, const Pose& world_T_body) {
 }
 
 void Scenery::drive(int body, const Pose& world_T_body) {
-  Thing& thing = things_[body];
+  Object& object = objects_[body];
   btVector3 linear;
   btVector3 angular;
-  btTransformUtil::calculateVelocity(thing.body->getWorldTransform(),
-                                     to_bullet(world_T_body * thing.body_T_frame), world_->step_s(), linear,
+  btTransformUtil::calculateVelocity(object.body->getWorldTransform(),
+                                     to_bullet(world_T_body * object.body_T_frame), world_->step_s(), linear,
                                      angular);
-  thing.body->setLinearVelocity(linear - world_->step_s() * thing.body->getGravity());
-  thing.body->setAngularVelocity(angular);
-  thing.body->activate(true);
+  object.body->setLinearVelocity(linear - world_->step_s() * object.body->getGravity());
+  object.body->setAngularVelocity(angular);
+  object.body->activate(true);
 }
 
 void Scenery::aim_person(int person, const Pose2& pose) {

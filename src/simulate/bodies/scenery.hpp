@@ -24,14 +24,14 @@ class Scenery {
 
   [[nodiscard]] Pose world_T_body(int body) const;
   [[nodiscard]] Eigen::Vector3d velocity(int body) const;  ///< [m/s]
-  [[nodiscard]] bool is_loose(int body) const { return things_[body].mobility == Mobility::kLoose; }
-  [[nodiscard]] btRigidBody& bullet(int body) { return *things_[body].body; }
+  [[nodiscard]] bool is_loose(int body) const { return objects_[body].mobility == Mobility::kLoose; }
+  [[nodiscard]] btRigidBody& bullet(int body) { return *objects_[body].body; }
   /// Puts the body there, at rest, and wakes everything loose. Not for fixed bodies.
   void place(int body, const Pose& world_T_body);
   /// Gives a loose body the velocity that brings it there in one step, if nothing is in the way.
   void drive(int body, const Pose& world_T_body);
-  [[nodiscard]] Mobility mobility(int body) const { return things_[body].mobility; }
-  [[nodiscard]] int size() const { return static_cast<int>(things_.size()); }
+  [[nodiscard]] Mobility mobility(int body) const { return objects_[body].mobility; }
+  [[nodiscard]] int size() const { return static_cast<int>(objects_.size()); }
 
   void aim_person(int person, const Pose2& pose);
   [[nodiscard]] int people() const { return static_cast<int>(people_.size()); }
@@ -40,7 +40,7 @@ class Scenery {
   void after_step();
 
  private:
-  struct Thing {
+  struct Object {
     Mobility mobility{Mobility::kFixed};
     CollisionShape shape;
     Pose body_T_frame{Pose::Identity()};  // frame that Bullet moves: principal axes of inertia
@@ -52,7 +52,7 @@ class Scenery {
   void wake_all();
 
   PhysicsWorld* world_;
-  std::vector<Thing> things_;
+  std::vector<Object> objects_;
   std::vector<std::unique_ptr<KinematicBody>> people_;
   std::vector<Pose> person_goals_;
 };

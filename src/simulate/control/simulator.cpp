@@ -13,8 +13,8 @@
 #include "simulate/control/head_controller.hpp"
 #include "simulate/control/mobile_base.hpp"
 #include "simulate/control/params_check.hpp"
+#include "simulate/control/pedestrian.hpp"
 #include "simulate/control/robot_joints.hpp"
-#include "simulate/control/walker.hpp"
 
 namespace extperfc::simulate {
 namespace {
@@ -30,7 +30,7 @@ constexpr double kFingerAccel = 1.0;   // [m/s^2]
 struct Parts {
   std::unique_ptr<Bodies> bodies;
   MobileBase base;
-  std::vector<Walker> people;
+  std::vector<Pedestrian> people;
   std::vector<ArmController> arms;
   std::vector<GripperController> grippers;
   HeadController head;

@@ -152,7 +152,7 @@ void Camera::shade_tile(const Scene& scene, const View& view, const CameraParams
   light(view, packet_, tile_, shadow_, mask_);
   if (params.shadows && any(mask_)) scene.rays().occluded(mask_, shadow_);
   seen_lanes(mask_, shadow_, seen);
-  store(seen, x, y, planes_.lamp_seen);
+  store(seen, x, y, planes_.light_seen);
   if (params.soft_light) {
     look_around(tile_, around_, mask_);
     if (any(mask_)) scene.rays().intersect(mask_, false, around_);
@@ -168,12 +168,12 @@ void Camera::shade_tile(const Scene& scene, const View& view, const CameraParams
   for (int k = 0; k < kLanes; ++k) {
     if (tile_.hit[k] != 0) continue;
     for (int i = 0; i < 3; ++i) {
-      tile_.from_lamp[i][k] = 0.0F;
+      tile_.from_light[i][k] = 0.0F;
       tile_.from_around[i][k] = view.background[i];
     }
   }
   for (int i = 0; i < 3; ++i) {
-    store(tile_.from_lamp[i], x, y, planes_.direct[i]);
+    store(tile_.from_light[i], x, y, planes_.direct[i]);
     store(tile_.from_around[i], x, y, planes_.ambient[i]);
   }
 }
@@ -209,7 +209,7 @@ void Camera::finish(const CameraParams& params, NoiseKey key, CameraImages& imag
   const int full_width = samples * width;
   const int full_height = samples * images.height;
   if (params.soft_light) {
-    spread(planes_.depth, planes_.lamp_seen, scratch_, full_width, full_height);
+    spread(planes_.depth, planes_.light_seen, scratch_, full_width, full_height);
     spread(planes_.depth, planes_.sky_seen, scratch_, full_width, full_height);
   }
   const auto stride = (static_cast<std::size_t>(full_width) + 15) / 16 * 16;

@@ -59,11 +59,11 @@ EXTPERFC_LANES void spread_across(const float* const* depth, const float* const*
   }
 }
 
-EXTPERFC_LANES void resolve_channel(const float* direct, const float* ambient, const float* lamp_seen,
+EXTPERFC_LANES void resolve_channel(const float* direct, const float* ambient, const float* light_seen,
                                     const float* sky_seen, int width, float* out) {
 #pragma omp simd
   for (int x = 0; x < width; ++x)
-    out[x] = display(direct[x] * lamp_seen[x] + ambient[x] * (0.22F + 0.78F * sky_seen[x]));
+    out[x] = display(direct[x] * light_seen[x] + ambient[x] * (0.22F + 0.78F * sky_seen[x]));
 }
 
 }  // namespace
@@ -86,7 +86,7 @@ void Plane::resize(int width, int height) {
 
 void ImagePlanes::resize(int width, int height) {
   for (auto* plane : {&depth, &direct[0], &direct[1], &direct[2], &ambient[0], &ambient[1], &ambient[2],
-                      &lamp_seen, &sky_seen})
+                      &light_seen, &sky_seen})
     plane->resize(width, height);
 }
 
@@ -110,7 +110,7 @@ void spread(const Plane& depth, Plane& seen, Plane& scratch, int width, int heig
 void resolve_row(const ImagePlanes& planes, int y, int width, float* red, float* green, float* blue) {
   float* out[3] = {red, green, blue};
   for (int i = 0; i < 3; ++i)
-    resolve_channel(planes.direct[i].row(y), planes.ambient[i].row(y), planes.lamp_seen.row(y),
+    resolve_channel(planes.direct[i].row(y), planes.ambient[i].row(y), planes.light_seen.row(y),
                     planes.sky_seen.row(y), width, out[i]);
 }
 

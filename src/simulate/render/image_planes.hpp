@@ -31,10 +31,10 @@ class Plane {
 /// An image before its light is put together.
 struct ImagePlanes {
   Plane depth;       ///< [m]; -1: nothing
-  Plane direct[3];   ///< light of the lamp that comes back when nothing is in its way, linear
+  Plane direct[3];   ///< direct light that is reflected where nothing blocks it, linear
   Plane ambient[3];  ///< light from all around that comes back, linear
-  Plane lamp_seen;   ///< 1: the pixel's point of the lamp is seen, 0: it is not, -1: unknown
-  Plane sky_seen;    ///< as lamp_seen, for the pixel's direction
+  Plane light_seen;  ///< 1: the pixel's point of the light is seen, 0: it is not, -1: unknown
+  Plane sky_seen;    ///< as light_seen, for the pixel's direction
 
   void resize(int width, int height);
 };

@@ -42,8 +42,8 @@ class Motion {
 /// [0, 255]: a diffuse white surface that is looked at squarely gives 100, as the sensor's calibration does.
 float intensity(const Scene& scene, const RayPacket& packet, int k, float range) {
   const Hits& hit = packet.hit;
-  const auto& record = scene.record(hit.piece[k], hit.triangle[k]);
-  const float* r = scene.frame(hit.piece[k]).rotation;
+  const auto& record = scene.record(hit.mesh_instance[k], hit.triangle[k]);
+  const float* r = scene.frame(hit.mesh_instance[k]).rotation;
   const float n[3] = {hit.normal_x[k], hit.normal_y[k], hit.normal_z[k]};
   float dot = 0;
   float length2 = 0;
@@ -117,7 +117,7 @@ void Lidar::cast(const Sweep& sweep, int column, int ring) {
     packet_.ray.dir_z[k] = direction.z();
     packet_.ray.near[k] = kHousing_m;
     packet_.ray.far[k] = sweep.max_range;
-    packet_.hit.piece[k] = packet_.hit.geometry[k] = kNoHit;
+    packet_.hit.mesh_instance[k] = packet_.hit.geometry[k] = kNoHit;
     active_.on[k] = column + k % kPatchColumns < sweep.columns ? -1 : 0;
   }
   sweep.scene.rays().intersect(active_, true, packet_);
@@ -129,7 +129,7 @@ void Lidar::measure(const Sweep& sweep, int column, int ring) {
     const int firing = (column + k % kPatchColumns) * kRings + ring + k / kPatchColumns;
     Return& out = returns_[static_cast<std::size_t>(firing)];
     out = {0, 0};
-    if (packet_.hit.piece[k] == kNoHit) continue;
+    if (packet_.hit.mesh_instance[k] == kNoHit) continue;
     const auto counter = static_cast<std::uint32_t>(2 * firing);
     if (uniform(noise_bits(sweep.key, counter)) < sweep.drop) continue;
     const float noisy = packet_.ray.far[k] + sweep.sigma * gauss(noise_bits(sweep.key, counter + 1));

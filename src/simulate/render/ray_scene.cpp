@@ -17,7 +17,7 @@ void clear(Hits& hits) {
   for (int k = 0; k < kLanes; ++k) {
     hits.normal_x[k] = hits.normal_y[k] = hits.normal_z[k] = 0.0F;
     hits.u[k] = hits.v[k] = 0.0F;
-    hits.triangle[k] = hits.geometry[k] = hits.piece[k] = kNoHit;
+    hits.triangle[k] = hits.geometry[k] = hits.mesh_instance[k] = kNoHit;
   }
 }
 

@@ -28,7 +28,7 @@ struct alignas(64) Hits {
   float u[kLanes], v[kLanes];  ///< weights of the triangle's second and third corner
   std::uint32_t triangle[kLanes];
   std::uint32_t geometry[kLanes];
-  std::uint32_t piece[kLanes];  ///< kNoHit: nothing was hit
+  std::uint32_t mesh_instance[kLanes];  ///< kNoHit: nothing was hit
 };
 
 struct RayPacket {
@@ -45,7 +45,7 @@ struct alignas(64) LaneMask {
 void clear(Rays& rays);
 void clear(Hits& hits);
 
-/// Column-major 3 x 4: where a piece is in the world.
+/// Column-major 3 x 4: where a mesh instance is in the world.
 using Placement = std::array<float, 12>;
 
 /// Meshes that can be moved, and the rays that hit them. One thread at a time.
@@ -53,9 +53,9 @@ class RayScene {
  public:
   virtual ~RayScene() = default;
 
-  /// Returns the number of the piece: 0, 1, 2, ... Triangles keep their order.
+  /// Returns the number of the mesh instance: 0, 1, 2, ... Triangles keep their order.
   virtual std::uint32_t add(const Mesh& mesh) = 0;
-  virtual void place(std::uint32_t piece, const Placement& world_T_piece) = 0;
+  virtual void place(std::uint32_t mesh_instance, const Placement& world_T_mesh) = 0;
   /// Makes what was added and placed visible to rays.
   virtual void commit() = 0;
 

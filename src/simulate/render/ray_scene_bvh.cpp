@@ -14,7 +14,7 @@ namespace {
 using Eigen::Vector3f;
 
 struct Found {
-  std::uint32_t piece{kNoHit};
+  std::uint32_t mesh_instance{kNoHit};
   std::uint32_t triangle{kNoHit};
   float u{0}, v{0};
   Vector3f normal{Vector3f::Zero()};
@@ -90,25 +90,25 @@ class MeshTree {
 class BvhScene final : public RayScene {
  public:
   std::uint32_t add(const Mesh& mesh) override {
-    pieces_.push_back({MeshTree(mesh), Eigen::Affine3f::Identity(), Eigen::Affine3f::Identity()});
-    return static_cast<std::uint32_t>(pieces_.size() - 1);
+    mesh_instances_.push_back({MeshTree(mesh), Eigen::Affine3f::Identity(), Eigen::Affine3f::Identity()});
+    return static_cast<std::uint32_t>(mesh_instances_.size() - 1);
   }
 
-  void place(std::uint32_t piece, const Placement& world_T_piece) override {
-    auto& p = pieces_[piece];
-    p.world_T_piece.affine() = Eigen::Map<const Eigen::Matrix<float, 3, 4>>(world_T_piece.data());
-    p.piece_T_world = p.world_T_piece.inverse();
+  void place(std::uint32_t mesh_instance, const Placement& world_T_mesh) override {
+    auto& p = mesh_instances_[mesh_instance];
+    p.world_T_mesh.affine() = Eigen::Map<const Eigen::Matrix<float, 3, 4>>(world_T_mesh.data());
+    p.mesh_T_world = p.world_T_mesh.inverse();
   }
 
   void commit() override {
-    std::vector<Bounds> boxes(pieces_.size());
-    for (std::size_t i = 0; i < pieces_.size(); ++i) {
-      const auto& box = pieces_[i].mesh.bounds();
+    std::vector<Bounds> boxes(mesh_instances_.size());
+    for (std::size_t i = 0; i < mesh_instances_.size(); ++i) {
+      const auto& box = mesh_instances_[i].mesh.bounds();
       for (int corner = 0; corner < 8; ++corner) {
         const Vector3f at((corner & 1) != 0 ? box.high.x() : box.low.x(),
                           (corner & 2) != 0 ? box.high.y() : box.low.y(),
                           (corner & 4) != 0 ? box.high.z() : box.low.z());
-        boxes[i].grow((pieces_[i].world_T_piece * at).array());
+        boxes[i].grow((mesh_instances_[i].world_T_mesh * at).array());
       }
     }
     top_.build(boxes);
@@ -120,7 +120,7 @@ class BvhScene final : public RayScene {
       Found found;
       BvhRay ray = lane(packet.ray, k);
       cast(ray, false, found);
-      if (found.piece == kNoHit) continue;
+      if (found.mesh_instance == kNoHit) continue;
       packet.ray.far[k] = ray.far;
       packet.hit.normal_x[k] = found.normal.x();
       packet.hit.normal_y[k] = found.normal.y();
@@ -129,7 +129,7 @@ class BvhScene final : public RayScene {
       packet.hit.v[k] = found.v;
       packet.hit.triangle[k] = found.triangle;
       packet.hit.geometry[k] = 0;
-      packet.hit.piece[k] = found.piece;
+      packet.hit.mesh_instance[k] = found.mesh_instance;
     }
   }
 
@@ -139,16 +139,16 @@ class BvhScene final : public RayScene {
       Found found;
       BvhRay ray = lane(rays, k);
       cast(ray, true, found);
-      if (found.piece != kNoHit) rays.far[k] = -std::numeric_limits<float>::infinity();
+      if (found.mesh_instance != kNoHit) rays.far[k] = -std::numeric_limits<float>::infinity();
     }
   }
 
   [[nodiscard]] const char* name() const override { return "own BVH"; }
 
  private:
-  struct Piece {
+  struct MeshInstance {
     MeshTree mesh;
-    Eigen::Affine3f world_T_piece, piece_T_world;
+    Eigen::Affine3f world_T_mesh, mesh_T_world;
   };
 
   static BvhRay lane(const Rays& rays, int k) {
@@ -159,18 +159,18 @@ class BvhScene final : public RayScene {
   }
 
   void cast(BvhRay& ray, bool any, Found& found) const {
-    top_.walk(ray, [&](std::uint32_t piece, BvhRay& r) {
-      const auto& p = pieces_[piece];
-      BvhRay local((p.piece_T_world * r.origin.matrix()).array(),
-                   (p.piece_T_world.linear() * r.direction.matrix()).array(), r.near, r.far);
+    top_.walk(ray, [&](std::uint32_t mesh_instance, BvhRay& r) {
+      const auto& p = mesh_instances_[mesh_instance];
+      BvhRay local((p.mesh_T_world * r.origin.matrix()).array(),
+                   (p.mesh_T_world.linear() * r.direction.matrix()).array(), r.near, r.far);
       if (!p.mesh.cast(local, any, found)) return false;
       r.far = local.far;
-      found.piece = piece;
+      found.mesh_instance = mesh_instance;
       return any;
     });
   }
 
-  std::vector<Piece> pieces_;
+  std::vector<MeshInstance> mesh_instances_;
   Bvh top_;
 };
 

@@ -22,7 +22,8 @@ static_assert(offsetof(Rays, near) == offsetof(RTCRay16, tnear) &&
 static_assert(offsetof(Hits, u) == offsetof(RTCHit16, u) && offsetof(Hits, v) == offsetof(RTCHit16, v) &&
               offsetof(Hits, triangle) == offsetof(RTCHit16, primID) &&
               offsetof(Hits, geometry) == offsetof(RTCHit16, geomID) &&
-              offsetof(Hits, piece) == offsetof(RTCHit16, instID) && RTC_INVALID_GEOMETRY_ID == kNoHit);
+              offsetof(Hits, mesh_instance) == offsetof(RTCHit16, instID) &&
+              RTC_INVALID_GEOMETRY_ID == kNoHit);
 
 class EmbreeScene final : public RayScene {
  public:
@@ -45,17 +46,18 @@ class EmbreeScene final : public RayScene {
     RTCGeometry instance = rtcNewGeometry(device_, RTC_GEOMETRY_TYPE_INSTANCE);
     rtcSetGeometryInstancedScene(instance, bottom);
     rtcReleaseScene(bottom);  // the instance holds it now
-    const auto piece = static_cast<std::uint32_t>(instances_.size());
-    rtcAttachGeometryByID(top_, instance, piece);
+    const auto mesh_instance = static_cast<std::uint32_t>(instances_.size());
+    rtcAttachGeometryByID(top_, instance, mesh_instance);
     rtcReleaseGeometry(instance);  // the top scene holds it
     instances_.push_back(instance);
-    place(piece, {1, 0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 0});
-    return piece;
+    place(mesh_instance, {1, 0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 0});
+    return mesh_instance;
   }
 
-  void place(std::uint32_t piece, const Placement& world_T_piece) override {
-    rtcSetGeometryTransform(instances_[piece], 0, RTC_FORMAT_FLOAT3X4_COLUMN_MAJOR, world_T_piece.data());
-    rtcCommitGeometry(instances_[piece]);
+  void place(std::uint32_t mesh_instance, const Placement& world_T_mesh) override {
+    rtcSetGeometryTransform(instances_[mesh_instance], 0, RTC_FORMAT_FLOAT3X4_COLUMN_MAJOR,
+                            world_T_mesh.data());
+    rtcCommitGeometry(instances_[mesh_instance]);
   }
 
   void commit() override { rtcCommitScene(top_); }

@@ -17,7 +17,7 @@ Placement placement_of(const Pose& pose) {
   return placement;
 }
 
-/// Where the snapshot says that a piece is; null when it says nothing.
+/// Where the snapshot says that a mesh instance is; null when it says nothing.
 template <typename Poses>
 auto pose_at(const Poses& poses, int index) {
   return static_cast<std::size_t>(index) < poses.size() ? &poses[static_cast<std::size_t>(index)] : nullptr;
@@ -26,10 +26,10 @@ auto pose_at(const Poses& poses, int index) {
 }  // namespace
 
 Scene::Scene(Stage stage, std::unique_ptr<RayScene> rays) : stage_(std::move(stage)), rays_(std::move(rays)) {
-  for (auto& piece : stage_.pieces) {
-    rays_->add(piece.mesh);
-    add_records(piece.mesh);
-    piece.mesh = {};
+  for (auto& mesh_instance : stage_.mesh_instances) {
+    rays_->add(mesh_instance.mesh);
+    add_records(mesh_instance.mesh);
+    mesh_instance.mesh = {};
     placements_.push_back(kHome);
     frames_.push_back({{1, 0, 0, 0, 1, 0, 0, 0, 1}, false});
   }
@@ -51,26 +51,27 @@ void Scene::add_records(const Mesh& mesh) {
   }
 }
 
-bool Scene::place(std::uint32_t piece, const Pose& world_T_piece) {
-  const Placement placement = placement_of(world_T_piece);
-  if (placement == placements_[piece]) return false;
-  placements_[piece] = placement;
-  std::copy_n(placement.begin(), 9, frames_[piece].rotation);
-  frames_[piece].turned = !std::equal(placement.begin(), placement.begin() + 9, kHome.begin());
-  rays_->place(piece, placement);
+bool Scene::place(std::uint32_t mesh_instance, const Pose& world_T_mesh) {
+  const Placement placement = placement_of(world_T_mesh);
+  if (placement == placements_[mesh_instance]) return false;
+  placements_[mesh_instance] = placement;
+  std::copy_n(placement.begin(), 9, frames_[mesh_instance].rotation);
+  frames_[mesh_instance].turned = !std::equal(placement.begin(), placement.begin() + 9, kHome.begin());
+  rays_->place(mesh_instance, placement);
   return true;
 }
 
 void Scene::pose(const Snapshot& snapshot) {
   bool moved = false;
-  for (std::uint32_t i = 0; i < stage_.pieces.size(); ++i) {
-    const auto& piece = stage_.pieces[i];
-    if (piece.mover == Mover::kLink) {
-      if (const auto* pose = pose_at(snapshot.world_T_link, piece.index)) moved |= place(i, *pose);
-    } else if (piece.mover == Mover::kBody) {
-      if (const auto* pose = pose_at(snapshot.world_T_body, piece.index)) moved |= place(i, *pose);
-    } else if (piece.mover == Mover::kPerson) {
-      if (const auto* pose = pose_at(snapshot.world_T_person, piece.index)) moved |= place(i, to_pose(*pose));
+  for (std::uint32_t i = 0; i < stage_.mesh_instances.size(); ++i) {
+    const auto& mesh_instance = stage_.mesh_instances[i];
+    if (mesh_instance.attached_to == Attachment::kLink) {
+      if (const auto* pose = pose_at(snapshot.world_T_link, mesh_instance.index)) moved |= place(i, *pose);
+    } else if (mesh_instance.attached_to == Attachment::kBody) {
+      if (const auto* pose = pose_at(snapshot.world_T_body, mesh_instance.index)) moved |= place(i, *pose);
+    } else if (mesh_instance.attached_to == Attachment::kPerson) {
+      if (const auto* pose = pose_at(snapshot.world_T_person, mesh_instance.index))
+        moved |= place(i, to_pose(*pose));
     }
   }
   if (moved) rays_->commit();

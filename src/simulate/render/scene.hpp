@@ -13,14 +13,14 @@ namespace extperfc::simulate::render {
 
 /// What shading needs of a triangle: one cache line.
 struct alignas(64) TriangleRecord {
-  float normal[3][3];   ///< of the corners, in the piece's frame
+  float normal[3][3];   ///< of the corners, in the mesh instance's frame
   float texture[3][2];  ///< of the corners, repetitions
   std::uint32_t surface;
 };
 static_assert(sizeof(TriangleRecord) == 64);
 
-/// Rotation of a piece, columns of the matrix.
-struct PieceFrame {
+/// Rotation of a mesh instance, columns of the matrix.
+struct MeshFrame {
   float rotation[9];
   bool turned;  ///< false: the rotation is the identity
 };
@@ -30,28 +30,29 @@ class Scene {
  public:
   Scene(Stage stage, std::unique_ptr<RayScene> rays);
 
-  /// Moves what has another pose than before. A snapshot that lacks a pose leaves the piece where it was.
+  /// Moves what has another pose than before. A snapshot that lacks a pose leaves the mesh instance where it
+  /// was.
   void pose(const Snapshot& snapshot);
 
   [[nodiscard]] const RayScene& rays() const { return *rays_; }
   [[nodiscard]] const std::vector<Surface>& surfaces() const { return stage_.surfaces; }
   [[nodiscard]] const std::vector<Instance>& instances() const { return stage_.instances; }
   [[nodiscard]] std::size_t triangles() const { return records_.size(); }
-  [[nodiscard]] const PieceFrame& frame(std::uint32_t piece) const { return frames_[piece]; }
-  [[nodiscard]] const TriangleRecord& record(std::uint32_t piece, std::uint32_t triangle) const {
-    return records_[first_record_[piece] + triangle];
+  [[nodiscard]] const MeshFrame& frame(std::uint32_t mesh_instance) const { return frames_[mesh_instance]; }
+  [[nodiscard]] const TriangleRecord& record(std::uint32_t mesh_instance, std::uint32_t triangle) const {
+    return records_[first_record_[mesh_instance] + triangle];
   }
 
  private:
   void add_records(const Mesh& mesh);
-  bool place(std::uint32_t piece, const Pose& world_T_piece);
+  bool place(std::uint32_t mesh_instance, const Pose& world_T_mesh);
 
   Stage stage_;  ///< without its meshes
   std::unique_ptr<RayScene> rays_;
   std::vector<TriangleRecord> records_;
   std::vector<std::uint32_t> first_record_;
   std::vector<Placement> placements_;
-  std::vector<PieceFrame> frames_;
+  std::vector<MeshFrame> frames_;
 };
 
 }  // namespace extperfc::simulate::render

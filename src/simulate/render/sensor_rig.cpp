@@ -90,7 +90,8 @@ double RayCastRig::range(const Pose& world_T_sensor, double half_angle_rad, doub
   scene_.rays().intersect(active, false, packet);
   double nearest = std::numeric_limits<double>::infinity();
   for (int k = 0; k < kRays; ++k)
-    if (packet.hit.piece[k] != kNoHit) nearest = std::min(nearest, static_cast<double>(packet.ray.far[k]));
+    if (packet.hit.mesh_instance[k] != kNoHit)
+      nearest = std::min(nearest, static_cast<double>(packet.ray.far[k]));
   return nearest;
 }
 

@@ -14,10 +14,10 @@ namespace {
 /// Values that differ between the lanes of a tile and repeat from tile to tile: what one pixel lacks its
 /// neighbours have, and a mean over any 4 x 4 pixels has them all.
 struct alignas(64) LanePattern {
-  float lamp_x[kLanes], lamp_y[kLanes];  ///< point of a unit disc
-  float around[3][kLanes];               ///< direction about the normal, dense where the cosine is large
-  std::int32_t asks[kLanes];             ///< -1: the lane looks around, as every second does
-  float level[kLanes];                   ///< factor in [1, 2) that rounds texture levels up or down
+  float light_x[kLanes], light_y[kLanes];  ///< point of a unit disc
+  float around[3][kLanes];                 ///< direction about the normal, dense where the cosine is large
+  std::int32_t asks[kLanes];               ///< -1: the lane looks around, as every second does
+  float level[kLanes];                     ///< factor in [1, 2) that rounds texture levels up or down
 };
 
 LanePattern make_pattern() {
@@ -29,8 +29,8 @@ LanePattern make_pattern() {
     const float rank = (static_cast<float>(kOrder[k]) + 0.5F) / kLanes;
     const float disc = std::sqrt(rank);
     const float angle = kGoldenAngle * static_cast<float>(kOrder[k]);
-    pattern.lamp_x[k] = disc * std::cos(angle);
-    pattern.lamp_y[k] = disc * std::sin(angle);
+    pattern.light_x[k] = disc * std::cos(angle);
+    pattern.light_y[k] = disc * std::sin(angle);
     pattern.asks[k] = k % 2 == 0 && k / 4 % 2 == 0 ? -1 : 0;
     const int other = kOrder[k] % 4;
     const float flat = std::sqrt((static_cast<float>(other) + 1.0F) / 6.0F);
@@ -57,16 +57,16 @@ View make_view(const Pose& world_T_optical, const LightSpec& light, double fx, b
     view.right[i] = static_cast<float>(world_T_optical.linear()(i, 0));
     view.down[i] = static_cast<float>(world_T_optical.linear()(i, 1));
     view.forward[i] = static_cast<float>(world_T_optical.linear()(i, 2));
-    view.lamp[i] = static_cast<float>(light.lamp_m[i]);
+    view.light[i] = static_cast<float>(light.position_m[i]);
     view.sky[i] = light.sky[i] * light.sky[i];
     view.background[i] = light_of(light.sky[i]);
   }
   view.near = 0.03F;
   view.far = 200.0F;
   view.pixel_width = static_cast<float>(1.0 / fx);
-  view.lamp_radius = soft ? 0.14F : 0.0F;
-  view.lamp_share = light.lamp;
-  view.ambient_share = light.ambient;
+  view.light_radius = soft ? 0.14F : 0.0F;
+  view.direct_weight = light.direct;
+  view.ambient_weight = light.ambient;
   return view;
 }
 
@@ -85,7 +85,7 @@ EXTPERFC_LANES void aim(const View& view, const float* slopes, RayPacket& packet
     ray.dir_z[k] = view.forward[2] + x * view.right[2] + y * view.down[2];
     ray.near[k] = view.near;
     ray.far[k] = view.far;
-    hit.piece[k] = kNoHit;
+    hit.mesh_instance[k] = kNoHit;
     hit.geometry[k] = kNoHit;
   }
 }
@@ -94,7 +94,7 @@ void gather(const Scene& scene, const RayPacket& packet, Tile& tile) {
   const Hits& hit = packet.hit;
   for (int k = 0; k < kLanes; ++k) {
     tile.texture[k] = nullptr;
-    if (hit.piece[k] == kNoHit) {
+    if (hit.mesh_instance[k] == kNoHit) {
       tile.hit[k] = 0;
       tile.normal[0][k] = tile.normal[1][k] = 0.0F;
       tile.normal[2][k] = 1.0F;
@@ -103,7 +103,7 @@ void gather(const Scene& scene, const RayPacket& packet, Tile& tile) {
       tile.instance[k] = 0;
       continue;
     }
-    const TriangleRecord& record = scene.record(hit.piece[k], hit.triangle[k]);
+    const TriangleRecord& record = scene.record(hit.mesh_instance[k], hit.triangle[k]);
     const Surface& surface = scene.surfaces()[record.surface];
     const float u = hit.u[k];
     const float v = hit.v[k];
@@ -111,7 +111,7 @@ void gather(const Scene& scene, const RayPacket& packet, Tile& tile) {
     float n[3];
     for (int i = 0; i < 3; ++i)
       n[i] = w * record.normal[0][i] + u * record.normal[1][i] + v * record.normal[2][i];
-    const PieceFrame& frame = scene.frame(hit.piece[k]);
+    const MeshFrame& frame = scene.frame(hit.mesh_instance[k]);
     if (frame.turned) {
       const float* r = frame.rotation;
       const float local[3] = {n[0], n[1], n[2]};
@@ -131,7 +131,7 @@ void gather(const Scene& scene, const RayPacket& packet, Tile& tile) {
   }
 }
 
-EXTPERFC_LANES void light(const View& view, const RayPacket& packet, Tile& tile, Rays& to_lamp,
+EXTPERFC_LANES void light(const View& view, const RayPacket& packet, Tile& tile, Rays& to_light,
                           LaneMask& lit) {
   const Rays& ray = packet.ray;
 #pragma omp simd
@@ -158,17 +158,17 @@ EXTPERFC_LANES void light(const View& view, const RayPacket& packet, Tile& tile,
     tile.point[1][k] = py;
     tile.point[2][k] = pz;
 
-    // Towards the middle of the lamp: Lambert's law, and less light farther away.
-    float lx = view.lamp[0] - px;
-    float ly = view.lamp[1] - py;
-    float lz = view.lamp[2] - pz;
+    // Towards the middle of the light: Lambert's law, and less light farther away.
+    float lx = view.light[0] - px;
+    float ly = view.light[1] - py;
+    float lz = view.light[2] - pz;
     const float distance2 = lx * lx + ly * ly + lz * lz;
     const float unit_l = 1.0F / std::sqrt(distance2 + 1e-12F);
     const float cosine = (nx * lx + ny * ly + nz * lz) * unit_l;
     const float facing = cosine > 0.0F ? cosine : 0.0F;
     const float falloff = 1.30F / (1.0F + distance2 * (1.0F / 12.0F));
-    const float lamp = view.lamp_share * falloff;
-    tile.direct[k] = lamp * facing;
+    const float incident = view.direct_weight * falloff;
+    tile.direct[k] = incident * facing;
 
     // Blinn's highlight.
     const float unit_d = 1.0F / std::sqrt(dx * dx + dy * dy + dz * dz);
@@ -183,7 +183,7 @@ EXTPERFC_LANES void light(const View& view, const RayPacket& packet, Tile& tile,
     power *= power;
     power *= power;
     power *= power;
-    tile.highlight[k] = facing > 0.0F ? tile.gloss[k] * lamp * power : 0.0F;
+    tile.highlight[k] = facing > 0.0F ? tile.gloss[k] * incident * power : 0.0F;
 
     // Light from all around: the sky above, what floor and walls send back, a little from one side so that
     // walls differ.
@@ -193,7 +193,7 @@ EXTPERFC_LANES void light(const View& view, const RayPacket& packet, Tile& tile,
     const float view_cosine = -(nx * dx + ny * dy + nz * dz) * unit_d;
     const float flat = 1.0F - (view_cosine > 0.0F ? view_cosine : 0.0F);
     const float rim = 0.30F * tile.gloss[k] * flat * flat * flat * (0.3F + 0.7F * up);
-    const float share = view.ambient_share * side;
+    const float share = view.ambient_weight * side;
     tile.rim[k] = share * rim;
     tile.ambient[0][k] = share * (0.60F + up * (0.24F + 0.20F * view.sky[0]));
     tile.ambient[1][k] = share * (0.56F + up * (0.28F + 0.20F * view.sky[1]));
@@ -224,18 +224,18 @@ EXTPERFC_LANES void light(const View& view, const RayPacket& packet, Tile& tile,
     tile.texel_x[k] = u & 0xFF;
     tile.texel_y[k] = v & 0xFF;
 
-    // Every lane looks at another point of the lamp.
-    lx += view.lamp_radius * kPattern.lamp_x[k];
-    ly += view.lamp_radius * kPattern.lamp_y[k];
+    // Every lane looks at another point of the light.
+    lx += view.light_radius * kPattern.light_x[k];
+    ly += view.light_radius * kPattern.light_y[k];
     const float lift = kLift + 2e-4F * depth;
-    to_lamp.org_x[k] = px + lift * nx;
-    to_lamp.org_y[k] = py + lift * ny;
-    to_lamp.org_z[k] = pz + lift * nz;
-    to_lamp.dir_x[k] = lx;
-    to_lamp.dir_y[k] = ly;
-    to_lamp.dir_z[k] = lz;
-    to_lamp.near[k] = 0.0F;
-    to_lamp.far[k] = 0.98F;
+    to_light.org_x[k] = px + lift * nx;
+    to_light.org_y[k] = py + lift * ny;
+    to_light.org_z[k] = pz + lift * nz;
+    to_light.dir_x[k] = lx;
+    to_light.dir_y[k] = ly;
+    to_light.dir_z[k] = lz;
+    to_light.near[k] = 0.0F;
+    to_light.far[k] = 0.98F;
     lit.on[k] = (tile.hit[k] != 0) & (facing > 0.0F) ? -1 : 0;
   }
 }
@@ -264,7 +264,7 @@ EXTPERFC_LANES void look_around(const Tile& tile, RayPacket& packet, LaneMask& a
     rays.dir_z[k] = -s * sign * nx - t * ny + c * nz;
     rays.near[k] = 0.0F;
     rays.far[k] = kReach_m;
-    packet.hit.piece[k] = packet.hit.geometry[k] = kNoHit;
+    packet.hit.mesh_instance[k] = packet.hit.geometry[k] = kNoHit;
     active.on[k] = tile.hit[k] & kPattern.asks[k];
   }
 }
@@ -290,7 +290,7 @@ EXTPERFC_LANES void reflect(Tile& tile) {
       const float lower = channel(2) + x * (channel(3) - channel(2));
       const float value = (upper + y * (lower - upper)) * (1.0F / 255.0F);
       const float albedo = tile.albedo[i][k] * value * value;
-      tile.from_lamp[i][k] = albedo * tile.direct[k] + tile.highlight[k];
+      tile.from_light[i][k] = albedo * tile.direct[k] + tile.highlight[k];
       tile.from_around[i][k] = albedo * tile.ambient[i][k] + tile.rim[k];
     }
   }

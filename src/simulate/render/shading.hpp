@@ -17,9 +17,9 @@ struct View {
   float right[3], down[3], forward[3];  ///< axes of the optical frame in the world
   float near, far;                      ///< depths that are seen [m]
   float pixel_width;                    ///< at a depth of 1 m [m]
-  float lamp[3];                        ///< position [m]
-  float lamp_radius;                    ///< [m]; 0: sharp shadows
-  float lamp_share, ambient_share;      ///< of the light
+  float light[3];                       ///< position [m]
+  float light_radius;                   ///< [m]; 0: sharp shadows
+  float direct_weight, ambient_weight;  ///< of the light
   float sky[3];                         ///< linear
   float background[3];                  ///< what is seen where nothing is hit, linear
 };
@@ -41,12 +41,12 @@ struct alignas(64) Tile {
   std::uint32_t pixel[4][kLanes];                 ///< their colours
   const std::uint32_t* texture[kLanes];           ///< pixels; null: none
   std::uint16_t instance[kLanes];
-  float direct[kLanes];          ///< light of the lamp when nothing is in its way
+  float direct[kLanes];          ///< direct light where nothing blocks it
   float highlight[kLanes];       ///< its mirror image
   float ambient[3][kLanes];      ///< light from all around
   float rim[kLanes];             ///< its mirror image
-  float from_lamp[3][kLanes];    ///< what comes back of the lamp's light, linear
-  float from_around[3][kLanes];  ///< what comes back of the other light, linear
+  float from_light[3][kLanes];   ///< direct light that is reflected, linear
+  float from_around[3][kLanes];  ///< ambient light that is reflected, linear
 };
 
 /// Rays through the pixels of a tile; `slopes` holds 16 x/z and 16 y/z.
@@ -55,10 +55,10 @@ void aim(const View& view, const float* slopes, RayPacket& packet);
 /// Surfaces of the hits.
 void gather(const Scene& scene, const RayPacket& packet, Tile& tile);
 
-/// Light on the hits, and rays from them to points of the lamp.
-void light(const View& view, const RayPacket& packet, Tile& tile, Rays& to_lamp, LaneMask& lit);
+/// Light on the hits, and rays from them to points of the light.
+void light(const View& view, const RayPacket& packet, Tile& tile, Rays& to_light, LaneMask& lit);
 
-inline constexpr float kReach_m = 0.6F;  ///< how far away things still take ambient light
+inline constexpr float kReach_m = 0.6F;  ///< how far away objects still take ambient light
 
 /// Rays of the length kReach_m into the half space above each hit, in every second lane.
 void look_around(const Tile& tile, RayPacket& packet, LaneMask& active);

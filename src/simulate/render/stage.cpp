@@ -25,7 +25,7 @@ class Builder {
 
  private:
   std::uint32_t add_surface(const Material& material, std::uint16_t instance);
-  Result<void> add_shapes(const std::vector<Shape>& shapes, const Pose& piece_T_body, std::uint16_t instance,
+  Result<void> add_shapes(const std::vector<Shape>& shapes, const Pose& mesh_T_body, std::uint16_t instance,
                           Mesh& mesh);
 
   Stage stage_;
@@ -51,13 +51,13 @@ std::uint32_t Builder::add_surface(const Material& material, std::uint16_t insta
   return static_cast<std::uint32_t>(stage_.surfaces.size() - 1);
 }
 
-Result<void> Builder::add_shapes(const std::vector<Shape>& shapes, const Pose& piece_T_body,
+Result<void> Builder::add_shapes(const std::vector<Shape>& shapes, const Pose& mesh_T_body,
                                  std::uint16_t instance, Mesh& mesh) {
   for (const auto& shape : shapes) {
     const auto part = make_mesh(shape.geometry, shape.material, add_surface(shape.material, instance));
     if (!part) return tl::unexpected(part.error());
-    const Pose piece_T_shape = piece_T_body * shape.body_T_shape;
-    mesh.append(*part, piece_T_shape.cast<float>());
+    const Pose mesh_T_shape = mesh_T_body * shape.body_T_shape;
+    mesh.append(*part, mesh_T_shape.cast<float>());
   }
   return {};
 }
@@ -85,23 +85,23 @@ Result<void> Builder::add_robot(const RobotModel& robot) {
   }
   for (std::size_t i = 0; i < links.size(); ++i)
     if (!meshes[i].triangles.empty())
-      stage_.pieces.push_back({std::move(meshes[i]), Mover::kLink, static_cast<int>(i)});
+      stage_.mesh_instances.push_back({std::move(meshes[i]), Attachment::kLink, static_cast<int>(i)});
   return {};
 }
 
 Result<void> Builder::add_bodies(const std::vector<BodySpec>& bodies) {
-  Piece fixed;
+  MeshInstance fixed;
   for (std::size_t i = 0; i < bodies.size(); ++i) {
     const auto& body = bodies[i];
     const auto instance = add_instance({body.name, body.label, static_cast<int>(i)});
     const bool moves = body.mobility != Mobility::kFixed;
-    Piece own{{}, Mover::kBody, static_cast<int>(i)};
+    MeshInstance own{{}, Attachment::kBody, static_cast<int>(i)};
     auto added = add_shapes(body.shapes, moves ? Pose::Identity() : body.world_T_body, instance,
                             moves ? own.mesh : fixed.mesh);
     if (!added) return fail(added.error().code, "body " + body.name + ": " + added.error().message);
-    if (!own.mesh.triangles.empty()) stage_.pieces.push_back(std::move(own));
+    if (!own.mesh.triangles.empty()) stage_.mesh_instances.push_back(std::move(own));
   }
-  if (!fixed.mesh.triangles.empty()) stage_.pieces.push_back(std::move(fixed));
+  if (!fixed.mesh.triangles.empty()) stage_.mesh_instances.push_back(std::move(fixed));
   return {};
 }
 
@@ -112,7 +112,7 @@ void Builder::add_people(const std::vector<PersonSpec>& people) {
     for (const auto part : kPersonParts)
       surfaces[static_cast<std::size_t>(part)] =
           add_surface(person_material(part, people[i].colour, static_cast<std::uint32_t>(i)), instance);
-    stage_.pieces.push_back({make_person(surfaces), Mover::kPerson, static_cast<int>(i)});
+    stage_.mesh_instances.push_back({make_person(surfaces), Attachment::kPerson, static_cast<int>(i)});
   }
 }
 

@@ -24,21 +24,21 @@ struct Surface {
   std::uint16_t instance{0};
 };
 
-/// Who says where a piece is.
-enum class Mover { kNone, kLink, kBody, kPerson };
+/// What moves a mesh instance.
+enum class Attachment { kNone, kLink, kBody, kPerson };
 
-/// Triangles that move together. Fixed bodies are one piece, in world coordinates; links that are joined by
-/// fixed joints are one piece, in the frame of the first of them.
-struct Piece {
+/// Triangles that move together. Fixed bodies are one mesh instance, in world coordinates; links that are
+/// joined by fixed joints are one mesh instance, in the frame of the first of them.
+struct MeshInstance {
   Mesh mesh;
-  Mover mover{Mover::kNone};
+  Attachment attached_to{Attachment::kNone};
   int index{0};  ///< of the link, body or person
 };
 
 /// All that can be seen. Instance 0 is nothing, 1 the robot, then bodies and people in the order of the
 /// world.
 struct Stage {
-  std::vector<Piece> pieces;
+  std::vector<MeshInstance> mesh_instances;
   std::vector<Surface> surfaces;
   std::vector<Instance> instances;
 };

@@ -7,7 +7,7 @@
 
 #include "extperfc/simulate/random_world.hpp"
 
-#include "simulate/render_tool/develop.hpp"
+#include "simulate/render_tool/camera_effects.hpp"
 #include "simulate/render_tool/random_view.hpp"
 #include "simulate/render_tool/whole_view.hpp"
 
@@ -170,11 +170,11 @@ Result<const AnnotatedImage*> ImageMaker::make(int number) {
   CameraParams params;
   params.model = random_camera(rng, options_.width, options_.height);
   params.supersampling = options_.supersampling;
-  params.image_noise = 0;  // develop() adds it after blur and exposure, as on a real sensor
+  params.image_noise = 0;  // apply_camera_effects() adds it after blur and exposure, as on a real sensor
   rig_->pose(snapshot_of(*world_, random_people(rng, *world_), number));
   const Pose view = choose_view(rng, params);
   rig_->camera(params, view, image_.images);
-  if (!options_.plain) develop(rng, image_.images.rgb, options_.width, options_.height);
+  if (!options_.plain) apply_camera_effects(rng, image_.images.rgb, options_.width, options_.height);
   annotate(params, view);
   return &image_;
 }

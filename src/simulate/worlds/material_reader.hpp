@@ -20,7 +20,7 @@ class MaterialReader {
   /// `material` (a name) or `fallback`, changed by `colour`, `texture`, `texture_size` and `gloss` of the
   /// map.
   [[nodiscard]] Material read(YamlMap& map, const std::string& fallback) const;
-  /// A further material of a thing under its own key, by name only.
+  /// A further material of an object under its own key, by name only.
   [[nodiscard]] Material read_named(YamlMap& map, const std::string& key, const std::string& fallback) const;
 
  private:

@@ -101,7 +101,7 @@ void put_shell(RandomScene& scene, const Plan& plan) {
                              plan.corridor_half_m + plan.depth_m + kThick / 2);
   world.min_m = -half - Eigen::Vector2d::Constant(kThick / 2);
   world.max_m = half + Eigen::Vector2d::Constant(kThick / 2);
-  Piece floor;
+  ObjectModel floor;
   add(floor, Box{{2 * half.x() + kThick, 2 * half.y() + kThick, 0.1}}, {0, 0, -0.05},
       random_floor(scene.rng()));
   scene.put(floor, "floor", Pose::Identity());

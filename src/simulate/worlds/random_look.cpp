@@ -106,12 +106,12 @@ LightSpec random_light(Rng& rng, const Eigen::Vector2d& room_min_m, const Eigen:
                        double ceiling_m) {
   LightSpec light;
   const Eigen::Vector2d size = room_max_m - room_min_m;
-  light.lamp_m.x() = room_min_m.x() + size.x() * rng.uniform(0.1, 0.9);
-  light.lamp_m.y() = room_min_m.y() + size.y() * rng.uniform(0.1, 0.9);
-  light.lamp_m.z() = rng.uniform(ceiling_m * 0.72, ceiling_m - 0.05);
+  light.position_m.x() = room_min_m.x() + size.x() * rng.uniform(0.1, 0.9);
+  light.position_m.y() = room_min_m.y() + size.y() * rng.uniform(0.1, 0.9);
+  light.position_m.z() = rng.uniform(ceiling_m * 0.72, ceiling_m - 0.05);
   const double total = std::clamp(rng.normal(1.0, 0.17), 0.6, 1.4);
   const double share = rng.uniform(0.3, 0.75);
-  light.lamp = static_cast<float>(total * share);
+  light.direct = static_cast<float>(total * share);
   light.ambient = static_cast<float>(total * (1 - share));
   light.sky = random_colour(rng, {0, 0.2, 0.6, 1});
   return light;

@@ -4,7 +4,7 @@
 #include "extperfc/simulate/world_spec.hpp"
 #include "extperfc/world/shape.hpp"
 
-/// What random things look like.
+/// What random objects look like.
 namespace extperfc::simulate::worlds {
 
 /// From hue, saturation and value, each in [0, 1], to sRGB.

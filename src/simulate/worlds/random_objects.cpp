@@ -12,11 +12,11 @@ namespace extperfc::simulate::worlds {
 namespace {
 
 constexpr double kTurn = 6.28318530717958648;  // [rad]
-constexpr double kGap = 0.003;                 // least distance between things [m]
+constexpr double kGap = 0.003;                 // least distance between objects [m]
 constexpr int kTries = 60;
 
-struct Thing {
-  Piece piece;
+struct Object {
+  ObjectModel model;
   std::string kind;
   double reach_m{0};
 };
@@ -28,7 +28,7 @@ struct Standing {
   bool carries{false};
 };
 
-Thing labelled_thing(Rng& rng) {
+Object labelled_object(Rng& rng) {
   switch (rng.integer(0, 2)) {
     case 0: {
       const double diameter = rng.uniform(0.045, 0.10);
@@ -49,7 +49,7 @@ Thing labelled_thing(Rng& rng) {
 }
 
 /// A cuboid that nobody takes for a cube: an edge at least 1.7 times as long as another.
-Thing random_block(Rng& rng) {
+Object random_block(Rng& rng) {
   const double edge = rng.uniform(0.03, 0.08);
   const double ratio = rng.uniform(1.7, 3.5);
   Eigen::Vector3d size{edge, edge * rng.uniform(0.8, 1.2), edge * ratio};
@@ -57,7 +57,7 @@ Thing random_block(Rng& rng) {
   return {block(size, random_paint(rng)), "block"};
 }
 
-Thing distractor(Rng& rng) {
+Object distractor(Rng& rng) {
   const Material paint = random_paint(rng);
   switch (rng.integer(0, 8)) {
     case 0:
@@ -99,7 +99,7 @@ bool free_at(const std::vector<Standing>& standing, const Eigen::Vector2d& at, d
   });
 }
 
-/// A place on the top itself, with luck close to another thing.
+/// A place on the top itself, with luck close to another object.
 bool find_place(Rng& rng, const RandomWorldParams& params, const TableTop& top,
                 const std::vector<Standing>& standing, double reach, Eigen::Vector2d& at) {
   const Eigen::Vector2d half = top.half_m - Eigen::Vector2d::Constant(reach + 0.005);
@@ -126,26 +126,26 @@ Standing* find_support(std::vector<Standing>& standing, double reach) {
   return nullptr;
 }
 
-void put_on_top(RandomScene& scene, const TableTop& top, const Thing& thing, Standing& support) {
+void put_on_top(RandomScene& scene, const TableTop& top, const Object& object, Standing& support) {
   const double z = support.surfaces.back().z_m;
   const double yaw = scene.rng().uniform(0, kTurn);
-  scene.put(thing.piece, thing.kind,
+  scene.put(object.model, object.kind,
             top.world_T_surface * upright(support.at_m.x(), support.at_m.y(), z, yaw));
   support.carries = true;
 }
 
-void put_thing(RandomScene& scene, const RandomWorldParams& params, const TableTop& top, Thing thing,
-               std::vector<Standing>& standing) {
+void put_object(RandomScene& scene, const RandomWorldParams& params, const TableTop& top, Object object,
+                std::vector<Standing>& standing) {
   Rng& rng = scene.rng();
-  thing.reach_m = reach_m(thing.piece);
+  object.reach_m = reach_m(object.model);
   if (rng.chance(params.stacked))
-    if (Standing* support = find_support(standing, thing.reach_m))
-      return put_on_top(scene, top, thing, *support);
+    if (Standing* support = find_support(standing, object.reach_m))
+      return put_on_top(scene, top, object, *support);
   Eigen::Vector2d at(0, 0);
-  if (!find_place(rng, params, top, standing, thing.reach_m, at)) return;
+  if (!find_place(rng, params, top, standing, object.reach_m, at)) return;
   const double yaw = rng.uniform(0, kTurn);
-  scene.put(thing.piece, thing.kind, top.world_T_surface * upright(at.x(), at.y(), 0, yaw));
-  standing.push_back({at, thing.reach_m, thing.piece.surfaces});
+  scene.put(object.model, object.kind, top.world_T_surface * upright(at.x(), at.y(), 0, yaw));
+  standing.push_back({at, object.reach_m, object.model.surfaces});
 }
 
 }  // namespace
@@ -157,7 +157,7 @@ void put_objects(RandomScene& scene, const RandomWorldParams& params, const Tabl
   std::vector<Standing> standing;
   while (objects + distractors > 0) {
     const bool labelled = rng.integer(1, objects + distractors) <= objects;
-    put_thing(scene, params, top, labelled ? labelled_thing(rng) : distractor(rng), standing);
+    put_object(scene, params, top, labelled ? labelled_object(rng) : distractor(rng), standing);
     (labelled ? objects : distractors) -= 1;
   }
 }

@@ -8,7 +8,7 @@
 
 namespace extperfc::simulate::worlds {
 
-/// Puts cones, cubes, spheres and other things on a table top: somewhere, close to each other or on top of
+/// Puts cones, cubes, spheres and other objects on a table top: somewhere, close to each other or on top of
 /// each other. None touches another one beside it.
 void put_objects(RandomScene& scene, const RandomWorldParams& params, const TableTop& top);
 

@@ -36,7 +36,7 @@ WallSide wall_side(const Eigen::Vector2d& min, const Eigen::Vector2d& max, int s
 }
 
 struct Furniture {
-  Piece piece;
+  ObjectModel model;
   std::string kind;
   Eigen::Vector2d size_m;
 };
@@ -67,7 +67,7 @@ Furniture random_sofa(Rng& rng) {
   return {sofa(size, random_table_top(rng)), "sofa", size.head<2>()};
 }
 
-Furniture random_furniture_piece(Rng& rng) {
+Furniture random_furniture_model(Rng& rng) {
   switch (rng.integer(0, 8)) {
     case 0:
     case 1:
@@ -89,7 +89,7 @@ Furniture random_furniture_piece(Rng& rng) {
       return {office_chair(rng.uniform(0.44, 0.54), random_table_top(rng)), "office_chair", {0.62, 0.62}};
     default: {
       const Eigen::Vector3d size{rng.uniform(0.25, 0.7), rng.uniform(0.25, 0.7), rng.uniform(0.2, 0.7)};
-      Piece carton;
+      ObjectModel carton;
       carton.mobility = Mobility::kMovable;
       add(carton, Box{size}, {0, 0, size.z() / 2}, random_furniture(rng));
       return {carton, "carton", size.head<2>()};
@@ -136,18 +136,19 @@ RandomScene::RandomScene(std::string name, std::uint64_t seed) : rng_(seed) {
   world_.description = "Made from seed " + std::to_string(seed);
 }
 
-void RandomScene::put(const Piece& piece, const std::string& kind, const Pose& world_T_piece) {
-  // Numbers run over all things, so that a name is unique whatever its kind.
-  world_.bodies.push_back(place(piece, kind + "_" + std::to_string(world_.bodies.size() + 1), world_T_piece));
+void RandomScene::put(const ObjectModel& model, const std::string& kind, const Pose& world_T_object) {
+  // Numbers run over all objects, so that a name is unique whatever its kind.
+  world_.bodies.push_back(
+      place(model, kind + "_" + std::to_string(world_.bodies.size() + 1), world_T_object));
 }
 
-bool RandomScene::put_apart(const Piece& piece, const std::string& kind, const Pose& world_T_piece,
+bool RandomScene::put_apart(const ObjectModel& model, const std::string& kind, const Pose& world_T_object,
                             const Eigen::Vector2d& size_m, double gap_m) {
   const Eigen::Vector2d size = size_m + Eigen::Vector2d::Constant(2 * gap_m);
-  const Polygon area = rectangle(world_T_piece, size);
-  if (reserved(world_T_piece, size) || any_overlap(area, taken_)) return false;
+  const Polygon area = rectangle(world_T_object, size);
+  if (reserved(world_T_object, size) || any_overlap(area, taken_)) return false;
   taken_.push_back(area);
-  put(piece, kind, world_T_piece);
+  put(model, kind, world_T_object);
   return true;
 }
 
@@ -159,25 +160,25 @@ bool RandomScene::reserved(const Pose& world_T_rectangle, const Eigen::Vector2d&
   return any_overlap(rectangle(world_T_rectangle, size_m), reserved_);
 }
 
-double reach_m(const Piece& piece) {
+double reach_m(const ObjectModel& model) {
   double reach = 0;
-  for (const Shape& shape : piece.shapes)
+  for (const Shape& shape : model.shapes)
     if (const auto polygon = outline(shape.geometry, shape.body_T_shape, -1e3, 1e3))
       for (const auto& point : *polygon) reach = std::max(reach, point.norm());
   return reach;
 }
 
-void furnish_walls(RandomScene& scene, const Eigen::Vector2d& min_m, const Eigen::Vector2d& max_m, int pieces,
+void furnish_walls(RandomScene& scene, const Eigen::Vector2d& min_m, const Eigen::Vector2d& max_m, int count,
                    double height_m) {
   Rng& rng = scene.rng();
-  for (int i = 0; i < pieces; ++i) {
-    const Furniture furniture = random_furniture_piece(rng);
+  for (int i = 0; i < count; ++i) {
+    const Furniture furniture = random_furniture_model(rng);
     for (int attempt = 0; attempt < kTries; ++attempt) {
       const WallSide wall = wall_side(min_m, max_m, rng.integer(0, 3));
       const double along = rng.uniform(-1, 1) * (wall.length_m - furniture.size_m.y() - 0.1) / 2;
       const double off = furniture.size_m.x() / 2 + 0.04;
       if (furniture.size_m.y() > wall.length_m - 0.1) continue;
-      if (scene.put_apart(furniture.piece, furniture.kind, wall.pose * upright(off, along, 0, 0),
+      if (scene.put_apart(furniture.model, furniture.kind, wall.pose * upright(off, along, 0, 0),
                           furniture.size_m, 0.02))
         break;
     }

@@ -13,11 +13,11 @@ namespace {
 
 using namespace worlds;  // NOLINT: the scene's parts
 
-constexpr int kMostThings = 40;
+constexpr int kMaxObjects = 40;
 constexpr double kRobotFront = 0.5;  // [m] from its origin
 
 Result<void> check(const RandomWorldParams& params) {
-  const auto counts = [](int least, int most) { return least >= 0 && least <= most && most <= kMostThings; };
+  const auto counts = [](int least, int most) { return least >= 0 && least <= most && most <= kMaxObjects; };
   const auto share = [](double value) { return value >= 0 && value <= 1; };
   if (!counts(params.min_objects, params.max_objects) ||
       !counts(params.min_distractors, params.max_distractors))
@@ -32,7 +32,7 @@ void put_room(RandomScene& scene, double height) {
   WorldSpec& world = scene.world();
   const Eigen::Vector2d size = world.max_m - world.min_m;
   const Eigen::Vector2d middle = (world.max_m + world.min_m) / 2;
-  Piece floor;
+  ObjectModel floor;
   add(floor, Box{{size.x(), size.y(), 0.1}}, {0, 0, -0.05}, random_floor(scene.rng()));
   scene.put(floor, "floor", upright(middle.x(), middle.y(), 0, 0));
   WallParams wall;

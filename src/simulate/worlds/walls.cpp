@@ -12,7 +12,7 @@ namespace {
 constexpr double kPi = 3.14159265358979323846;
 constexpr double kPlay = 0.012;  // between a door and its frame [m]
 
-/// One straight piece of wall: its frame at the start on the floor, x along it.
+/// One straight section of wall: its frame at the start on the floor, x along it.
 struct Segment {
   Pose start;
   double length{0};
@@ -35,14 +35,14 @@ Segment segment_of(const WallParams& params, std::size_t index) {
   return segment;
 }
 
-void add_part(Piece& piece, const WallParams& params, const Segment& segment, double from, double to,
+void add_part(ObjectModel& model, const WallParams& params, const Segment& segment, double from, double to,
               double low, double high, const Material& material) {
   if (to - from < 1e-3 || high - low < 1e-3) return;
   const Pose pose = segment.start * upright((from + to) / 2, 0, (low + high) / 2, 0);
-  add(piece, Box{{to - from, params.thickness_m, high - low}}, pose, material);
+  add(model, Box{{to - from, params.thickness_m, high - low}}, pose, material);
   if (!params.skirting || low > 0) return;
   const Pose board = segment.start * upright((from + to) / 2, 0, 0.035, 0);
-  add(piece, Box{{to - from, params.thickness_m + 0.024, 0.07}}, board, known_materials().at("white"));
+  add(model, Box{{to - from, params.thickness_m + 0.024, 0.07}}, board, known_materials().at("white"));
 }
 
 std::vector<Opening> openings_of(const WallParams& params, std::size_t segment) {
@@ -54,14 +54,14 @@ std::vector<Opening> openings_of(const WallParams& params, std::size_t segment) 
 }
 
 /// White boards around an opening.
-void add_frame(Piece& piece, const WallParams& params, const Pose& middle, const Opening& opening) {
+void add_frame(ObjectModel& model, const WallParams& params, const Pose& middle, const Opening& opening) {
   const Material& white = known_materials().at("white");
   const double depth = params.thickness_m + 0.03;
   const double high = std::min(opening.top_m, params.height_m) - opening.sill_m;
   const double z = opening.sill_m + high / 2;
   for (const double side : {-0.5, 0.5})
-    add(piece, Box{{0.05, depth, high}}, middle * upright(side * (opening.width_m + 0.05), 0, z, 0), white);
-  add(piece, Box{{opening.width_m + 0.1, depth, 0.05}},
+    add(model, Box{{0.05, depth, high}}, middle * upright(side * (opening.width_m + 0.05), 0, z, 0), white);
+  add(model, Box{{opening.width_m + 0.1, depth, 0.05}},
       middle * upright(0, 0, opening.sill_m + high + 0.025, 0), white);
 }
 
@@ -79,44 +79,44 @@ Pose opening_pose(const WallParams& params, const Opening& opening) {
   return segment_of(params, opening.segment).start * upright(opening.at_m, 0, 0, 0);
 }
 
-Piece walls(const WallParams& params, const Material& material) {
-  Piece piece;
+ObjectModel walls(const WallParams& params, const Material& material) {
+  ObjectModel model;
   for (std::size_t i = 0; i < segment_count(params); ++i) {
     const Segment segment = segment_of(params, i);
     double from = segment.begin;
     for (const Opening& opening : openings_of(params, i)) {
       const double left = opening.at_m - opening.width_m / 2;
       const double right = opening.at_m + opening.width_m / 2;
-      add_part(piece, params, segment, from, left, 0, params.height_m, material);
-      add_part(piece, params, segment, left, right, 0, opening.sill_m, material);
-      add_part(piece, params, segment, left, right, opening.top_m, params.height_m, material);
-      add_frame(piece, params, opening_pose(params, opening), opening);
+      add_part(model, params, segment, from, left, 0, params.height_m, material);
+      add_part(model, params, segment, left, right, 0, opening.sill_m, material);
+      add_part(model, params, segment, left, right, opening.top_m, params.height_m, material);
+      add_frame(model, params, opening_pose(params, opening), opening);
       from = right;
     }
-    add_part(piece, params, segment, from, segment.end, 0, params.height_m, material);
+    add_part(model, params, segment, from, segment.end, 0, params.height_m, material);
   }
-  return piece;
+  return model;
 }
 
-Piece door(const DoorParams& params, const Material& material) {
-  Piece piece;
-  piece.mobility = Mobility::kMovable;
+ObjectModel door(const DoorParams& params, const Material& material) {
+  ObjectModel model;
+  model.mobility = Mobility::kMovable;
   const double width = params.width_m - 2 * kPlay;
   const double height = params.height_m - 2 * kPlay;
   const double side = params.hinge_right ? -1 : 1;
   const double middle = side * (kPlay + width / 2);
-  add(piece, Box{{width, params.thickness_m, height}}, {middle, 0, kPlay + height / 2}, material);
+  add(model, Box{{width, params.thickness_m, height}}, {middle, 0, kPlay + height / 2}, material);
   for (const double z : {0.27, 0.72})  // panels on both faces
-    add(piece, Box{{width * 0.7, params.thickness_m + 0.008, height * 0.36}}, {middle, 0, height * z},
+    add(model, Box{{width * 0.7, params.thickness_m + 0.008, height * 0.36}}, {middle, 0, height * z},
         shaded(material, 1.12F));
   const Material& metal = known_materials().at("metal");
   const double handle = side * (kPlay + width - 0.07);
   for (const double face : {-1.0, 1.0}) {
     const double off = face * (params.thickness_m / 2 + 0.022);
-    add(piece, Box{{0.018, 0.044, 0.018}}, {handle, off, 1.02}, metal);
-    add(piece, Box{{0.12, 0.016, 0.02}}, {handle - side * 0.045, off + face * 0.022, 1.02}, metal);
+    add(model, Box{{0.018, 0.044, 0.018}}, {handle, off, 1.02}, metal);
+    add(model, Box{{0.12, 0.016, 0.02}}, {handle - side * 0.045, off + face * 0.022, 1.02}, metal);
   }
-  return piece;
+  return model;
 }
 
 Pose door_pose(const DoorParams& params, double open_rad) {

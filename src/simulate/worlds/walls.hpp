@@ -5,7 +5,7 @@
 
 #include <Eigen/Core>
 
-#include "simulate/worlds/piece.hpp"
+#include "simulate/worlds/object_model.hpp"
 
 namespace extperfc::simulate::worlds {
 
@@ -34,7 +34,7 @@ struct WallParams {
 [[nodiscard]] Pose opening_pose(const WallParams& params, const Opening& opening);
 
 /// In world coordinates: its frame is the world's.
-[[nodiscard]] Piece walls(const WallParams& params, const Material& material);
+[[nodiscard]] ObjectModel walls(const WallParams& params, const Material& material);
 
 struct DoorParams {
   double width_m{0.95};
@@ -44,7 +44,7 @@ struct DoorParams {
 };
 /// Leaf of a door, movable. Its frame stands at the hinge on the floor; the leaf lies along +x when shut, so
 /// a turn about z opens it.
-[[nodiscard]] Piece door(const DoorParams& params, const Material& material);
+[[nodiscard]] ObjectModel door(const DoorParams& params, const Material& material);
 /// Pose of the leaf in a frame in the middle of the opening, x along the wall.
 [[nodiscard]] Pose door_pose(const DoorParams& params, double open_rad);
 

@@ -18,19 +18,19 @@ constexpr double kFloor = 0.03;        // what ends below can be stepped on [m]
 constexpr double kStride = 0.1;        // between points at which a path is checked [m]
 
 struct Outline {
-  const PlacedThing* thing;
+  const PlacedObject* object;
   Polygon polygon;
 };
 
 /// Outlines of fixed shapes that are in the way of something as tall as a person.
-std::vector<Outline> obstacles(const std::vector<PlacedThing>& things) {
+std::vector<Outline> obstacles(const std::vector<PlacedObject>& objects) {
   std::vector<Outline> list;
-  for (const PlacedThing& thing : things) {
-    if (thing.body.mobility != Mobility::kFixed) continue;
-    for (const Shape& shape : thing.body.shapes)
+  for (const PlacedObject& object : objects) {
+    if (object.body.mobility != Mobility::kFixed) continue;
+    for (const Shape& shape : object.body.shapes)
       if (auto polygon =
-              outline(shape.geometry, thing.body.world_T_body * shape.body_T_shape, kFloor, kPersonHeight))
-        list.push_back({&thing, std::move(*polygon)});
+              outline(shape.geometry, object.body.world_T_body * shape.body_T_shape, kFloor, kPersonHeight))
+        list.push_back({&object, std::move(*polygon)});
   }
   return list;
 }
@@ -55,21 +55,21 @@ std::string text_of(const Eigen::Vector2d& point) {
   return out.str();
 }
 
-void check_places(const WorldSpec& world, const std::vector<PlacedThing>& things, Problems& problems) {
-  for (const PlacedThing& thing : things)
-    if (thing.bounded && !within(world, thing.body.world_T_body.translation().head<2>()))
-      problems.add(thing.origin.line, thing.origin.key_path,
-                   "\"" + thing.body.name + "\" stands outside the floor plan: move it or widen floor_plan");
+void check_places(const WorldSpec& world, const std::vector<PlacedObject>& objects, Problems& problems) {
+  for (const PlacedObject& object : objects)
+    if (object.bounded && !within(world, object.body.world_T_body.translation().head<2>()))
+      problems.add(object.origin.line, object.origin.key_path,
+                   "\"" + object.body.name + "\" stands outside the floor plan: move it or widen floor_plan");
 }
 
-void check_overlaps(const std::vector<PlacedThing>& things, Problems& problems) {
-  for (std::size_t i = 0; i < things.size(); ++i)
+void check_overlaps(const std::vector<PlacedObject>& objects, Problems& problems) {
+  for (std::size_t i = 0; i < objects.size(); ++i)
     for (std::size_t j = 0; j < i; ++j) {
-      const BodySpec& a = things[i].body;
-      const BodySpec& b = things[j].body;
+      const BodySpec& a = objects[i].body;
+      const BodySpec& b = objects[j].body;
       if (a.mobility != Mobility::kLoose && b.mobility != Mobility::kLoose) continue;
       if (certain_overlap_m(a, b) > kOverlap)
-        problems.add(things[i].origin.line, things[i].origin.key_path,
+        problems.add(objects[i].origin.line, objects[i].origin.key_path,
                      "\"" + a.name + "\" and \"" + b.name + "\" are inside each other: move one of them");
     }
 }
@@ -82,11 +82,11 @@ void check_robot(const WorldSpec& world, const std::vector<Outline>& fixed, cons
                  "the robot starts outside the floor plan: move it or widen floor_plan");
   if (const Outline* in_the_way = near(fixed, at, kRobotRadius))
     problems.add(origin.line, origin.key_path,
-                 "the robot starts inside or too near to \"" + in_the_way->thing->body.name +
+                 "the robot starts inside or too near to \"" + in_the_way->object->body.name +
                      "\" (its base needs 0.42 m around it): move one of them");
 }
 
-/// The first point of a path that is in a fixed thing or outside; points along the way included.
+/// The first point of a path that is in a fixed object or outside; points along the way included.
 void check_path(const WorldSpec& world, const std::vector<Outline>& fixed, const PersonSpec& person,
                 const Origin& origin, Problems& problems) {
   const std::size_t count = person.path_m.size();
@@ -102,7 +102,7 @@ void check_path(const WorldSpec& world, const std::vector<Outline>& fixed, const
           person.path_m[i] + way * (steps == 0 ? 0.0 : static_cast<double>(step) / steps);
       if (const Outline* hit = near(fixed, point, kPersonRadius))
         return problems.add(origin.line, origin.key_path,
-                            "\"" + person.name + "\" walks into \"" + hit->thing->body.name + "\" near " +
+                            "\"" + person.name + "\" walks into \"" + hit->object->body.name + "\" near " +
                                 text_of(point) + ": lead the path around it");
     }
   }
@@ -126,11 +126,11 @@ double certain_overlap_m(const BodySpec& a, const BodySpec& b) {
   return deepest;
 }
 
-void check_world(const WorldSpec& world, const std::vector<PlacedThing>& things, const Origin& robot,
+void check_world(const WorldSpec& world, const std::vector<PlacedObject>& objects, const Origin& robot,
                  const std::vector<Origin>& people, Problems& problems) {
-  const std::vector<Outline> fixed = obstacles(things);
-  check_places(world, things, problems);
-  check_overlaps(things, problems);
+  const std::vector<Outline> fixed = obstacles(objects);
+  check_places(world, objects, problems);
+  check_overlaps(objects, problems);
   check_robot(world, fixed, robot, problems);
   for (std::size_t i = 0; i < world.people.size(); ++i)
     check_path(world, fixed, world.people[i], people[i], problems);

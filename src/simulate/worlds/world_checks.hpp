@@ -2,13 +2,13 @@
 
 #include <vector>
 
-#include "simulate/worlds/thing_reader.hpp"
+#include "simulate/worlds/object_reader.hpp"
 
 namespace extperfc::simulate::worlds {
 
-/// What is wrong with things that are fine on their own: outside the floor plan, inside each other, robot or
+/// What is wrong with objects that are fine on their own: outside the floor plan, inside each other, robot or
 /// people where they cannot be. `people` has one origin per person of `world`.
-void check_world(const WorldSpec& world, const std::vector<PlacedThing>& things, const Origin& robot,
+void check_world(const WorldSpec& world, const std::vector<PlacedObject>& objects, const Origin& robot,
                  const std::vector<Origin>& people, Problems& problems);
 
 /// Depth by which two bodies certainly overlap: of boxes that lie within their shapes [m].

@@ -6,7 +6,7 @@
 #include <yaml-cpp/yaml.h>
 
 #include "simulate/worlds/material_reader.hpp"
-#include "simulate/worlds/thing_reader.hpp"
+#include "simulate/worlds/object_reader.hpp"
 #include "simulate/worlds/world_checks.hpp"
 #include "simulate/worlds/yaml_map.hpp"
 
@@ -43,8 +43,8 @@ Origin read_robot(YamlMap& file, WorldSpec& world) {
 
 void read_light(YamlMap& file, LightSpec& light) {
   YamlMap map = section(file, "light");
-  light.lamp_m = map.vector3("at", kAny, light.lamp_m);
-  light.lamp = static_cast<float>(map.number("lamp", {0, 2}, static_cast<double>(light.lamp)));
+  light.position_m = map.vector3("at", kAny, light.position_m);
+  light.direct = static_cast<float>(map.number("direct", {0, 2}, static_cast<double>(light.direct)));
   light.ambient = static_cast<float>(map.number("ambient", {0, 2}, static_cast<double>(light.ambient)));
   light.sky = read_colour(map, "sky", light.sky);
   map.refuse_unknown();
@@ -74,7 +74,7 @@ void check_names(const WorldSpec& world, const std::vector<Origin>& origins, Pro
     for (const BodySpec& body : world.bodies)
       if (body.name == world.people[i].name)
         problems.add(origins[i].line, origins[i].key_path + ".name",
-                     "a thing has the name \"" + body.name + "\" too: give them different names");
+                     "an object has the name \"" + body.name + "\" too: give them different names");
 }
 
 WorldSpec read_world(YamlMap& file) {
@@ -86,12 +86,12 @@ WorldSpec read_world(YamlMap& file) {
   read_light(file, world.light);
   const auto people = read_people(file, world);
   file.expect("templates");  // a place for YAML anchors
-  ThingReader reader(file.problems(), world.min_m, world.max_m);
+  ObjectReader reader(file.problems(), world.min_m, world.max_m);
   reader.read(file);
   file.refuse_unknown();
-  for (const PlacedThing& thing : reader.things()) world.bodies.push_back(thing.body);
+  for (const PlacedObject& object : reader.objects()) world.bodies.push_back(object.body);
   check_names(world, people, file.problems());
-  if (file.problems().empty()) check_world(world, reader.things(), robot, people, file.problems());
+  if (file.problems().empty()) check_world(world, reader.objects(), robot, people, file.problems());
   return world;
 }
 

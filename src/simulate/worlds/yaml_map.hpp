@@ -21,7 +21,7 @@ class Problems {
   void add(int line, const std::string& key_path, const std::string& what);
   [[nodiscard]] bool empty() const { return list_.empty(); }
   [[nodiscard]] std::size_t size() const { return list_.size(); }
-  /// One line per problem in the order of the file: "lab.yaml:12: things[3].cube.size: what: remedy".
+  /// One line per problem in the order of the file: "lab.yaml:12: objects[3].cube.size: what: remedy".
   [[nodiscard]] Error to_error() const;
 
  private:

@@ -13,11 +13,11 @@ namespace extperfc {
 namespace {
 
 template <typename Named>
-std::optional<int> index_of(const std::vector<Named>& things, const std::string& name) {
+std::optional<int> index_of(const std::vector<Named>& elements, const std::string& name) {
   const auto found =
-      std::find_if(things.begin(), things.end(), [&](const Named& thing) { return thing.name == name; });
-  if (found == things.end()) return std::nullopt;
-  return static_cast<int>(found - things.begin());
+      std::find_if(elements.begin(), elements.end(), [&](const Named& element) { return element.name == name; });
+  if (found == elements.end()) return std::nullopt;
+  return static_cast<int>(found - elements.begin());
 }
 
 double position_of(const Joint& joint, std::size_t index, const std::vector<double>& positions) {

@@ -54,7 +54,7 @@ TEST_F(Refusals, AnUnknownWorldIsToldWithThoseThatThereAre) {
 TEST_F(Refusals, ABrokenWorldIsToldWithItsLine) {
   const TemporaryFolder folder;
   const auto file = folder.path() / "broken.yaml";
-  std::ofstream(file) << "name: broken\nthings:\n  - dragon: {at: [0, 0]}\n";
+  std::ofstream(file) << "name: broken\nobjects:\n  - dragon: {at: [0, 0]}\n";
   expect_refusal({{"world", file.string()}}, {file.string(), "dragon"});
 }
 

@@ -1,4 +1,4 @@
-// The base and the world around it: driving, moving things, the ground truth, two robots of one master.
+// The base and the world around it: driving, moving objects, the ground truth, two robots of one master.
 #include <cmath>
 
 #include <geometry_msgs/Twist.h>

@@ -4,7 +4,7 @@ import unittest
 
 import numpy
 
-from truth import Box, Score, Thing, match, nearest, overlap
+from truth import Box, Score, TrueObject, match, nearest, overlap
 
 
 class Overlap(unittest.TestCase):
@@ -51,13 +51,13 @@ class Match(unittest.TestCase):
         self.assertEqual([None], match([Box("cube", (0, 0, 1, 1))], []))
 
 
-class NearestThing(unittest.TestCase):
+class NearestObject(unittest.TestCase):
     def test_of_the_same_class(self):
-        things = [Thing("cube", (1, 0, 0)), Thing("cone", (0.1, 0, 0)), Thing("cube", (0, 0, 2))]
-        found = nearest("cube", (0, 0, 0), things)
-        self.assertEqual(things[0], found.thing)
+        objects = [TrueObject("cube", (1, 0, 0)), TrueObject("cone", (0.1, 0, 0)), TrueObject("cube", (0, 0, 2))]
+        found = nearest("cube", (0, 0, 0), objects)
+        self.assertEqual(objects[0], found.object)
         self.assertAlmostEqual(1.0, found.error_m)
-        self.assertIsNone(nearest("sphere", (0, 0, 0), things))
+        self.assertIsNone(nearest("sphere", (0, 0, 0), objects))
 
 
 class Sums(unittest.TestCase):

@@ -140,7 +140,7 @@ class Shipped(unittest.TestCase):
         stated = re.search(r'^sha256: ([0-9a-f]{64})$', (MODEL / 'model.yaml').read_text(), re.M).group(1)
         self.assertEqual(stated, hashlib.sha256((MODEL / 'shapes.onnx').read_bytes()).hexdigest())
 
-    def test_finds_things_in_held_out_rooms(self):
+    def test_finds_objects_in_held_out_rooms(self):
         detector, hits, total, false = evaluate.Detector(MODEL / 'shapes.onnx'), 0, 0, 0
         for image, boxes in evaluate.rooms(24):
             found = detector(image)

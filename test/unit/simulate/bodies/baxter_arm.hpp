@@ -78,9 +78,9 @@ inline Pose from_above(const Eigen::Vector3d& tip) {
 }
 
 /// Moves the joints of a Bodies smoothly (cosine) from one posture to the next.
-class Mover {
+class ArmDriver {
  public:
-  Mover(Bodies& bodies, std::vector<double> start) : bodies_(&bodies), now_(std::move(start)) {
+  ArmDriver(Bodies& bodies, std::vector<double> start) : bodies_(&bodies), now_(std::move(start)) {
     send(now_, now_);
   }
 

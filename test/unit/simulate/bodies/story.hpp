@@ -12,7 +12,7 @@ inline WorldSpec clutter() {
                   body("table", Mobility::kFixed, box_of(0.6, 1.2, 0.03), make_pose({0.9, 0.3, 0.685}))};
   const std::vector<Geometry> shapes{Sphere{0.025}, box_of(0.05, 0.05, 0.05), Cone{0.03, 0.08}};
   for (int i = 0; i < 6; ++i)
-    world.bodies.push_back(body("thing" + std::to_string(i), Mobility::kLoose, shapes[i % 3],
+    world.bodies.push_back(body("object" + std::to_string(i), Mobility::kLoose, shapes[i % 3],
                                 make_pose({0.7 + 0.06 * (i % 3), 0.2 + 0.07 * (i / 3), 0.76 + 0.02 * i}),
                                 0.08));
   PersonSpec person;

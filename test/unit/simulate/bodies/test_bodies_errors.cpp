@@ -57,7 +57,7 @@ TEST(BodiesErrors, ShapesThatCannotBe) {
       box_of(0, 1, 1), box_of(kNaN, 1, 1),          Sphere{0}, Sphere{-1}, Cylinder{0.1, 0},
       Cone{kNaN, 0.1}, TriangleMesh{"/no/mesh.stl"}};
   for (const auto& geometry : bad)
-    EXPECT_NE(error_of(body("thing", Mobility::kFixed, geometry, Pose::Identity())), "") << geometry.index();
+    EXPECT_NE(error_of(body("object", Mobility::kFixed, geometry, Pose::Identity())), "") << geometry.index();
 }
 
 TEST(BodiesErrors, PosesAndCoefficientsThatAreNotNumbers) {
@@ -117,7 +117,7 @@ class MeshOnDisk {
 
 TEST(BodiesErrors, DamagedMeshesAreNamed) {
   const auto message = [](const MeshOnDisk& mesh) {
-    return error_of(body("thing", Mobility::kFixed, TriangleMesh{mesh.path()}, Pose::Identity()));
+    return error_of(body("object", Mobility::kFixed, TriangleMesh{mesh.path()}, Pose::Identity()));
   };
   const MeshOnDisk empty("empty.stl", 0, {});
   EXPECT_NE(message(empty).find("empty.stl"), std::string::npos);

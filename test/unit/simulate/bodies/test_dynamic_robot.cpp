@@ -162,9 +162,9 @@ TEST(DynamicRobot, PressingOnATableStaysBounded) {
   const auto above = reach("left", from_above({0.75, 0.3, 0.75}), untucked());
   const auto below = reach("left", from_above({0.75, 0.3, 0.55}), above);
   const auto bodies = make_bodies(world, mobile_baxter(), above, true);
-  Mover mover(*bodies, above);
+  ArmDriver driver(*bodies, above);
   const int hand = link_index("left_gripper");
-  mover.move(below, 1, [&] {
+  driver.move(below, 1, [&] {
     ASSERT_GT(bodies->world_T_link(hand).translation().z(), 0.65);
     for (const int joint : arm_joints("left")) ASSERT_LT(std::abs(bodies->velocity(joint)), 5);
   });
@@ -173,8 +173,8 @@ TEST(DynamicRobot, PressingOnATableStaysBounded) {
     for (const int joint : arm_joints("left"))
       ASSERT_LT(std::abs(bodies->velocity(joint)), 2) << "step " << i;
   }
-  mover.move(above, 1);
-  mover.move(above, 0.5);
+  driver.move(above, 1);
+  driver.move(above, 0.5);
   EXPECT_LT((bodies->world_T_link(hand).translation() - Eigen::Vector3d(0.75, 0.3, 0.75)).norm(), 0.003);
 }
 

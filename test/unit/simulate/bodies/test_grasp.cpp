@@ -52,12 +52,12 @@ TEST_P(Grasp, CubeIsLiftedCarriedAndPutDown) {
   Bodies& bodies = **made;
   const int finger = joint_index("l_gripper_l_finger_joint");
   const int hand = link_index("left_gripper");
-  Mover mover(bodies, plan.above);
-  mover.move(plan.above, 2.5);  // the cube falls asleep
-  mover.move(plan.at, 1.5);
+  ArmDriver driver(bodies, plan.above);
+  driver.move(plan.above, 2.5);  // the cube falls asleep
+  driver.move(plan.at, 1.5);
   EXPECT_FALSE(bodies.gripped(finger));
-  mover.move(closed(plan.at), 0.4);
-  mover.move(closed(plan.at), 0.4);
+  driver.move(closed(plan.at), 0.4);
+  driver.move(closed(plan.at), 0.4);
   ASSERT_EQ(bodies.gripped(finger), 2);
   EXPECT_GT(bodies.grip_force(finger), 10);
   const Pose hand_T_cube = bodies.world_T_link(hand).inverse() * bodies.world_T_body(2);
@@ -68,26 +68,26 @@ TEST_P(Grasp, CubeIsLiftedCarriedAndPutDown) {
     slip = std::max(slip, (now.translation() - hand_T_cube.translation()).norm());
     turn = std::max(turn, Eigen::AngleAxisd(hand_T_cube.linear().transpose() * now.linear()).angle());
   };
-  mover.move(closed(plan.lifted), 1.5, watch);
+  driver.move(closed(plan.lifted), 1.5, watch);
   EXPECT_NEAR(bodies.world_T_body(2).translation().z(), kCube.z() + 0.2, 0.006);
   // Ten seconds of carrying with the shoulder and the wrist.
   auto swung = closed(plan.lifted);
   swung[joint_index("left_s0")] += 0.5;
   swung[joint_index("left_w1")] += 0.4;
   swung[joint_index("left_w2")] -= 1.0;
-  mover.move(swung, 4, watch);
-  mover.move(swung, 2, watch);
-  mover.move(closed(plan.lifted), 4, watch);
+  driver.move(swung, 4, watch);
+  driver.move(swung, 2, watch);
+  driver.move(closed(plan.lifted), 4, watch);
   RecordProperty("slip_mm", std::to_string(1e3 * slip));
   RecordProperty("turn_rad", std::to_string(turn));
   EXPECT_EQ(bodies.gripped(finger), 2);
-  mover.move(closed(plan.at), 1.5, watch);
+  driver.move(closed(plan.at), 1.5, watch);
   EXPECT_LT(slip, GetParam().most_slip_m);
   EXPECT_LT(turn, 0.2);
-  mover.move(plan.at, 0.4);
+  driver.move(plan.at, 0.4);
   EXPECT_FALSE(bodies.gripped(finger));
-  mover.move(plan.above, 1);
-  mover.move(plan.above, 1);
+  driver.move(plan.above, 1);
+  driver.move(plan.above, 1);
   EXPECT_LT((bodies.world_T_body(2).translation() - kCube).norm(), 0.008);
   EXPECT_LT(bodies.body_velocity(2).norm(), 1e-3);
 }

@@ -80,9 +80,9 @@ TEST(KinematicRobot, HandPushesACubeAndTheTableStopsNothing) {
   goal[kFinger] = 0;
   auto start = reach("left", from_above(kCube + Eigen::Vector3d(0, -0.15, -0.01)), untucked());
   start[kFinger] = 0;
-  Mover mover(*bodies, start);
-  mover.move(goal, 2);
-  mover.move(goal, 1);
+  ArmDriver driver(*bodies, start);
+  driver.move(goal, 2);
+  driver.move(goal, 1);
   const Eigen::Vector3d cube = bodies->world_T_body(2).translation();
   EXPECT_GT(cube.y(), kCube.y() + 0.07) << "not pushed";
   EXPECT_LT(cube.y(), kCube.y() + 0.14) << "knocked away";
@@ -129,14 +129,14 @@ TEST(KinematicRobot, HeldCubeStaysOnTheTableThatIsInTheWay) {
   const auto bodies = make_bodies(table_with_cube(), mobile_baxter(), at);
   auto closed = at;
   closed[kFinger] = 0;
-  Mover mover(*bodies, at);
-  mover.move(closed, 0.3);
+  ArmDriver driver(*bodies, at);
+  driver.move(closed, 0.3);
   ASSERT_EQ(bodies->gripped(kFinger), 2);
   auto below = reach("left", from_above(kCube - Eigen::Vector3d(0, 0, 0.028)), at);
   below[kFinger] = 0;
-  mover.move(below, 1);
+  driver.move(below, 1);
   EXPECT_NEAR(bodies->world_T_body(2).translation().z(), kCube.z(), 0.003);
-  mover.move(closed, 1);
+  driver.move(closed, 1);
   EXPECT_LT(bodies->body_velocity(2).norm(), 0.5);
   EXPECT_EQ(bodies->gripped(kFinger), 2);
 }

@@ -108,7 +108,7 @@ TEST(LooseBodies, DoNotTunnel) {
                                      Cylinder{0.015, 0.03}};
   for (int i = 0; i < 36; ++i)
     world.bodies.push_back(
-        body("thing" + std::to_string(i), Mobility::kLoose, shapes[i % 4],
+        body("object" + std::to_string(i), Mobility::kLoose, shapes[i % 4],
              make_pose({0.5 * (i % 6) - 1.25, 0.5 * (i / 6) - 1.25, 2.0 + 0.003 * i}, {0.3 * i, 0.7 * i, 0}),
              0.03));
   const auto bodies = make_bodies(world);

@@ -28,7 +28,7 @@ TEST(Root, CollidesWithAWallAtTheChassisEdge) {
   EXPECT_FALSE(bodies->root_collides(make_pose({5, 0, 0})));
 }
 
-TEST(Root, FloorSillsAndLooseThingsDoNotCount) {
+TEST(Root, FloorSillsAndLooseObjectsDoNotCount) {
   WorldSpec world;
   world.bodies = {make_floor(), body("sill", Mobility::kFixed, box_of(0.1, 1, 0.02), make_pose({1, 0, 0.01})),
                   make_cube("cube", 0.05, {-1, 0, 0.025})};
@@ -37,7 +37,7 @@ TEST(Root, FloorSillsAndLooseThingsDoNotCount) {
   EXPECT_FALSE(bodies->root_collides(make_pose({-1, 0, 0})));
 }
 
-TEST(Root, CollidesWithPeopleAndMovableThingsWhereTheyAreNow) {
+TEST(Root, CollidesWithPeopleAndMovableObjectsWhereTheyAreNow) {
   WorldSpec world;
   PersonSpec person;
   person.path_m = {{2, 0}};
@@ -54,7 +54,7 @@ TEST(Root, CollidesWithPeopleAndMovableThingsWhereTheyAreNow) {
   EXPECT_TRUE(bodies->root_collides(make_pose({-3, 0, 0})));
 }
 
-TEST(Root, ChassisPushesLooseThings) {
+TEST(Root, ChassisPushesLooseObjects) {
   WorldSpec world;
   world.bodies = {make_floor(), make_cube("cube", 0.2, {0.8, 0, 0.1})};
   const auto bodies = make_bodies(world, mobile_baxter(), untucked());
@@ -79,9 +79,9 @@ class HeldCube : public ::testing::TestWithParam<bool> {
     bodies_ = make_bodies(world, mobile_baxter(), at, GetParam());
     auto closed = at;
     closed[kFinger] = 0;
-    Mover mover(*bodies_, at);
-    mover.move(closed, 0.3);
-    mover.move(closed, 0.3);
+    ArmDriver driver(*bodies_, at);
+    driver.move(closed, 0.3);
+    driver.move(closed, 0.3);
     ASSERT_EQ(bodies_->gripped(kFinger), 2);
     ASSERT_TRUE(bodies_->move_body(1, make_pose({8, 8, 0.685})));
     hand_T_cube_ = hand_T_cube();

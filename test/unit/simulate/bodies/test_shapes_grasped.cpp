@@ -5,7 +5,7 @@ namespace {
 
 constexpr double kTop = 0.70;  // of the table [m]
 
-/// A thing, the side that takes it, and how far above its origin the tips' frame goes.
+/// An object, the side that takes it, and how far above its origin the tips' frame goes.
 struct Case {
   const char* name;
   Geometry geometry;
@@ -25,25 +25,25 @@ TEST_P(ShapesGrasped, AreLiftedAndPutDown) {
   WorldSpec world;
   world.bodies = {make_floor(),
                   body("table", Mobility::kFixed, box_of(0.6, 1.6, 0.03), make_pose({0.9, 0, kTop - 0.015})),
-                  body("thing", Mobility::kLoose, c.geometry, make_pose(place), 0.1)};
+                  body("object", Mobility::kLoose, c.geometry, make_pose(place), 0.1)};
   const auto at = reach(c.side, from_above(place + Eigen::Vector3d(0, 0, c.tip_m)), untucked());
   auto lifted = reach(c.side, from_above(place + Eigen::Vector3d(0, 0, c.tip_m + 0.2)), at);
   const auto bodies = make_bodies(world, mobile_baxter(), at, c.dynamic);
-  Mover mover(*bodies, at);
+  ArmDriver driver(*bodies, at);
   auto closed = at;
   closed[finger] = lifted[finger] = 0;
-  mover.move(at, 0.2);
-  mover.move(closed, 0.5);
-  mover.move(closed, 0.4);
+  driver.move(at, 0.2);
+  driver.move(closed, 0.5);
+  driver.move(closed, 0.4);
   ASSERT_EQ(bodies->gripped(finger), 2);
   EXPECT_GT(bodies->position(finger), 0.001);
   const double start = bodies->world_T_body(2).translation().z();
-  mover.move(lifted, 1);
-  mover.move(lifted, 0.5);
+  driver.move(lifted, 1);
+  driver.move(lifted, 0.5);
   EXPECT_NEAR(bodies->world_T_body(2).translation().z(), start + 0.2, 0.002);
-  mover.move(closed, 1);
-  mover.move(at, 0.3);
-  mover.move(at, 1);
+  driver.move(closed, 1);
+  driver.move(at, 0.3);
+  driver.move(at, 1);
   EXPECT_FALSE(bodies->gripped(finger));
   EXPECT_NEAR(bodies->world_T_body(2).translation().z(), place.z(), 0.002);
   EXPECT_LT((bodies->world_T_body(2).translation() - place).norm(), 0.03);

@@ -110,7 +110,7 @@ TEST_F(SimulatorTest, AWallStopsTheBase) {
   EXPECT_GT(simulator_->base_state().odometry.x, 1.0);
 }
 
-TEST_F(SimulatorTest, LooseThingsFallAndCanBeMoved) {
+TEST_F(SimulatorTest, LooseObjectsFallAndCanBeMoved) {
   run(1.5);
   EXPECT_NEAR(simulator_->snapshot().world_T_body[1].translation().z(), 0.025, 2e-3);
   ASSERT_TRUE(simulator_->move_body("cube", make_pose({1, 1, 0.5})));

@@ -213,12 +213,12 @@ TEST(Camera, NothingIsSkyColoured) {
   EXPECT_NEAR(images.rgb[2], 0.90 * 255, 1.0);
 }
 
-/// A floor that a camera looks down at, a lamp above it, and a plate between them.
+/// A floor that a camera looks down at, a light above it, and a plate between them.
 SmallWorld shaded_floor() {
   SmallWorld world;
   world.add("floor", Box{{10, 10, 0.1}}, at(0, 0, -0.05));
   world.add("plate", Box{{0.5, 0.5, 0.02}}, at(0, 1.0, 1.0));
-  world.spec.light.lamp_m = {0, 2.0, 2.0};  // the plate's shadow falls around the origin
+  world.spec.light.position_m = {0, 2.0, 2.0};  // the plate's shadow falls around the origin
   return world;
 }
 
@@ -301,7 +301,7 @@ SmallWorld still_life() {
   world.add("cube", Box{{0.12, 0.12, 0.12}}, make_pose({1.2, -0.1, 0.78}, {0, 0, 0.5}), {{0.1F, 0.3F, 0.8F}});
   world.add("sphere", Sphere{0.07}, at(0.95, -0.35, 0.79), {{0.95F, 0.8F, 0.1F}, Texture::kNone, 1, 0.4F});
   world.spec.people.push_back({"anna", {{2.3, 0.9}}, 1, false, {0.2F, 0.5F, 0.3F}});
-  world.spec.light.lamp_m = {0.6, 0.8, 2.5};
+  world.spec.light.position_m = {0.6, 0.8, 2.5};
   return world;
 }
 

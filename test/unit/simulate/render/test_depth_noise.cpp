@@ -125,7 +125,7 @@ TEST(DepthNoise, HolesAreAsManyAsAsked) {
   EXPECT_NEAR(holes, 0.02 * kPixels, 5 * std::sqrt(0.02 * 0.98 * kPixels));
 }
 
-TEST(DepthNoise, TheRightEyesShadowLiesLeftOfNearThings) {
+TEST(DepthNoise, TheRightEyesShadowLiesLeftOfNearObjects) {
   auto params = params_with_noise();
   params.depth.edge_holes = 0.4;  // all of the shadow
   const auto images = measured(params, [](int x, int) { return x >= 160 && x < 220 ? 1.0 : 2.0; });

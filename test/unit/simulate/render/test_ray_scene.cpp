@@ -57,7 +57,7 @@ class Engine : public testing::TestWithParam<std::string> {
   std::unique_ptr<RayScene> scene_;
 };
 
-TEST_P(Engine, FindsTheNearestPieceWhereItWasPut) {
+TEST_P(Engine, FindsTheNearestInstanceWhereItWasPut) {
   const auto near = scene_->add(mesh_of(Box{{1, 1, 1}}));
   const auto far = scene_->add(mesh_of(Box{{1, 4, 4}}));
   scene_->place(near, shifted(3, 0, 0));
@@ -77,10 +77,10 @@ TEST_P(Engine, FindsTheNearestPieceWhereItWasPut) {
   scene_->intersect(active, true, packet);
   for (int k = 0; k < kLanes; ++k) {
     if (k == 3) {
-      EXPECT_EQ(packet.hit.piece[k], kNoHit);
+      EXPECT_EQ(packet.hit.mesh_instance[k], kNoHit);
       continue;
     }
-    EXPECT_EQ(packet.hit.piece[k], k < 8 ? near : far) << "lane " << k;
+    EXPECT_EQ(packet.hit.mesh_instance[k], k < 8 ? near : far) << "lane " << k;
     EXPECT_NEAR(packet.ray.far[k], k < 8 ? 2.5F : 7.5F, 1e-5F) << "lane " << k;
   }
 }
@@ -100,7 +100,7 @@ TEST_P(Engine, OccludedOnlyBetweenNearAndFar) {
   for (int k = 0; k < kLanes; ++k) EXPECT_EQ(rays.far[k] < 0, k != 1 && k != 2) << "lane " << k;
 }
 
-TEST_P(Engine, MovedPiecesAreSeenWhereTheyAreAfterCommit) {
+TEST_P(Engine, MovedInstancesAreSeenWhereTheyAreAfterCommit) {
   const auto ball = scene_->add(mesh_of(Sphere{0.5}));
   scene_->commit();
   for (const float x : {2.0F, 5.0F, 3.0F}) {
@@ -131,7 +131,7 @@ TEST_P(Engine, NoRayLeavesAClosedRoom) {
     auto packet = random_rays(rng, 0.5);
     scene_->intersect(kAllLanes, false, packet);
     for (int k = 0; k < kLanes; ++k)
-      ASSERT_NE(packet.hit.piece[k], kNoHit) << "packet " << i << ", lane " << k;
+      ASSERT_NE(packet.hit.mesh_instance[k], kNoHit) << "packet " << i << ", lane " << k;
   }
 }
 
@@ -177,12 +177,12 @@ TEST_F(Agreement, SameHitsOnTheSameRays) {
     embree_->intersect(kAllLanes, false, a);
     bvh_->intersect(kAllLanes, false, b);
     for (int k = 0; k < kLanes; ++k) {
-      hits += a.hit.piece[k] != kNoHit ? 1 : 0;
-      if (a.hit.piece[k] != b.hit.piece[k]) {
+      hits += a.hit.mesh_instance[k] != kNoHit ? 1 : 0;
+      if (a.hit.mesh_instance[k] != b.hit.mesh_instance[k]) {
         ++differing;  // grazes a silhouette
         continue;
       }
-      if (a.hit.piece[k] == kNoHit) continue;
+      if (a.hit.mesh_instance[k] == kNoHit) continue;
       ASSERT_NEAR(a.ray.far[k], b.ray.far[k], 1e-4F * (1 + a.ray.far[k]));
       if (a.hit.triangle[k] != b.hit.triangle[k]) continue;  // on an edge both are right
       ASSERT_NEAR(a.hit.u[k], b.hit.u[k], 2e-3F);

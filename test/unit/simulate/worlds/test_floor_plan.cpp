@@ -16,7 +16,7 @@ WorldSpec world_with(const Geometry& geometry, const Pose& pose, Mobility mobili
   world.max_m = {2, 2};
   world.robot_start = {-1.9, -1.9, 0};
   BodySpec body;
-  body.name = "thing";
+  body.name = "object";
   body.mobility = mobility;
   body.world_T_body = pose;
   body.shapes.push_back({geometry, Pose::Identity(), {}});
@@ -79,7 +79,7 @@ TEST(FloorPlan, CountsOnlyWhatLiesBetweenTheHeights) {
   EXPECT_EQ(occupied_area(plan_of(ball, 0.02, 1.001, 2)), 0);
 }
 
-TEST(FloorPlan, MovableThingsCountAndLooseOnesDoNot) {
+TEST(FloorPlan, MovableObjectsCountAndLooseOnesDoNot) {
   const Box box{{0.4, 0.4, 1}};
   const Pose pose = make_pose({0, 0, 0.5});
   EXPECT_GT(occupied_area(plan_of(world_with(box, pose, Mobility::kMovable), 0.05)), 0.1);
@@ -91,7 +91,7 @@ TEST(FloorPlan, WhatCannotBeReachedIsUnknownUnlessADoorLeadsThere) {
 name: rooms
 floor_plan: {min: [-3, -2], max: [3, 2]}
 robot: {at: [-2, 0]}
-things:
+objects:
   - wall: {closed: true, thickness: 0.1, path: [[-2.95, -1.95], [2.95, -1.95], [2.95, 1.95], [-2.95, 1.95]]}
   - wall: {path: [[0, -1.9], [0, 1.9]], thickness: 0.1)";
   const auto shut = parse_world(std::string(room) + "}\n", "shut");

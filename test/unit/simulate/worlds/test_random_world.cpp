@@ -26,8 +26,8 @@ WorldSpec make(std::uint64_t seed, const RandomWorldParams& params = {}) {
 
 /// Every number of a world, for comparing bit by bit.
 std::vector<double> numbers_of(const WorldSpec& world) {
-  std::vector<double> numbers{world.min_m.x(), world.max_m.y(), world.light.lamp_m.x(),
-                              static_cast<double>(world.light.lamp)};
+  std::vector<double> numbers{world.min_m.x(), world.max_m.y(), world.light.position_m.x(),
+                              static_cast<double>(world.light.direct)};
   for (const BodySpec& body : world.bodies) {
     numbers.insert(numbers.end(), body.world_T_body.data(), body.world_T_body.data() + 16);
     numbers.push_back(body.mass_kg);
@@ -99,7 +99,7 @@ TEST(RandomWorld, SameSeedSameWorld) {
     }
 }
 
-TEST(RandomWorld, ThingsStandOnTheTableOrOnEachOther) {
+TEST(RandomWorld, ObjectsStandOnTheTableOrOnEachOther) {
   for (std::uint64_t seed = 0; seed < kSeeds; ++seed) {
     const WorldSpec world = make(seed);
     const BodySpec& table = table_of(world);
@@ -124,7 +124,7 @@ TEST(RandomWorld, ThingsStandOnTheTableOrOnEachOther) {
   }
 }
 
-TEST(RandomWorld, ThingsAreNotInsideEachOther) {
+TEST(RandomWorld, ObjectsAreNotInsideEachOther) {
   for (std::uint64_t seed = 0; seed < kSeeds; ++seed) {
     const WorldSpec world = make(seed);
     std::vector<std::vector<Extent>> extents;
@@ -185,14 +185,14 @@ TEST(RandomWorld, NamesAreUniqueAndTheRobotHasRoom) {
 
 TEST(RandomWorld, WorldsDiffer) {
   std::set<int> table_heights;
-  std::set<int> lamps;
+  std::set<int> lights;
   for (std::uint64_t seed = 0; seed < 50; ++seed) {
     const WorldSpec world = make(seed);
     table_heights.insert(static_cast<int>(heights_of(table_of(world)).high * 20));
-    lamps.insert(static_cast<int>(world.light.lamp * 20));
+    lights.insert(static_cast<int>(world.light.direct * 20));
   }
   EXPECT_GE(table_heights.size(), 8U);
-  EXPECT_GE(lamps.size(), 6U);
+  EXPECT_GE(lights.size(), 6U);
 }
 
 /// Most rooms of a floor can be reached through doorways that are wide enough for the robot's map.

@@ -1,4 +1,4 @@
-// Loose things are in equilibrium where a world puts them: half a second of physics hardly moves them.
+// Loose objects are in equilibrium where a world puts them: half a second of physics hardly moves them.
 
 #include <filesystem>
 #include <string>

@@ -14,7 +14,7 @@ namespace {
 constexpr double kDegree = 0.01745329251994329577;
 
 const std::string kHead = "name: test\nfloor_plan: {min: [-3, -3], max: [3, 3]}\n";
-const std::string kThings = "things:\n";  // line 3 when it follows kHead
+const std::string kObjects = "objects:\n";  // line 3 when it follows kHead
 
 WorldSpec read(const std::string& yaml) {
   const auto world = parse_world(yaml, "test.yaml");
@@ -46,18 +46,18 @@ void expect_problem(const std::string& yaml, int line, const std::vector<std::st
   EXPECT_TRUE(found) << "no line with " << start << parts[0] << " in:\n" << message;
 }
 
-void expect_thing_problem(const std::string& thing, const std::vector<std::string>& parts) {
-  expect_problem(kHead + kThings + "  - " + thing + "\n", 4, parts);
+void expect_object_problem(const std::string& object, const std::vector<std::string>& parts) {
+  expect_problem(kHead + kObjects + "  - " + object + "\n", 4, parts);
 }
 
 TEST(WorldSpec, ReadsEveryPart) {
   const WorldSpec world = read(kHead + R"(
 description: a room
 robot: {at: [-1, 0.5], yaw_deg: 90}
-light: {at: [0, 1, 2], lamp: 0.5, ambient: 0.3, sky: [0.1, 0.2, 0.3]}
+light: {at: [0, 1, 2], direct: 0.5, ambient: 0.3, sky: [0.1, 0.2, 0.3]}
 materials:
   ash: {like: oak, colour: "#ff0000", texture_size: 0.4, gloss: 0.2}
-things:
+objects:
   - box: {name: crate, at: [1, 2, 0.5], size: [0.2, 0.4, 0.6], yaw_deg: 90, material: ash, mobility: movable}
 people:
   - {name: eve, path: [[0, 1], [1, -1]], speed: 1.2, closed: true, colour: red}
@@ -66,7 +66,7 @@ people:
   EXPECT_EQ(world.description, "a room");
   EXPECT_DOUBLE_EQ(world.robot_start.x, -1);
   EXPECT_DOUBLE_EQ(world.robot_start.yaw, 90 * kDegree);
-  EXPECT_EQ(world.light.lamp_m, Eigen::Vector3d(0, 1, 2));
+  EXPECT_EQ(world.light.position_m, Eigen::Vector3d(0, 1, 2));
   EXPECT_FLOAT_EQ(world.light.sky.z(), 0.3F);
   ASSERT_EQ(world.bodies.size(), 1U);
   const BodySpec& crate = world.bodies[0];
@@ -83,8 +83,8 @@ people:
   EXPECT_DOUBLE_EQ(world.people[0].speed_m_s, 1.2);
 }
 
-TEST(WorldSpec, LooseThingsStandOnOthersWithTheirFrameInTheCentreOfMass) {
-  const WorldSpec world = read(kHead + kThings + R"(
+TEST(WorldSpec, LooseObjectsStandOnOthersWithTheirFrameInTheCentreOfMass) {
+  const WorldSpec world = read(kHead + kObjects + R"(
   - table: {name: table, at: [1, 0], size: [0.8, 1.2, 0.7], yaw_deg: 30}
   - cone: {on: table, at: [1.1, 0.1], diameter: 0.08, height: 0.12, colour: red}
   - cube: {on: table, at: [0.9, 0], size: 0.05, colour: blue}
@@ -101,7 +101,7 @@ TEST(WorldSpec, LooseThingsStandOnOthersWithTheirFrameInTheCentreOfMass) {
 }
 
 TEST(WorldSpec, ShelvesHaveLevels) {
-  const WorldSpec world = read(kHead + kThings + R"(
+  const WorldSpec world = read(kHead + kObjects + R"(
   - shelf: {name: shelf, at: [1, 0], yaw_deg: 180, size: [0.3, 1, 1.672], levels: 4, books: 0}
   - can: {name: low, on: shelf, at: [1, 0.2]}
   - can: {name: high, on: shelf, level: 4, at: [1, 0.2]}
@@ -111,11 +111,11 @@ TEST(WorldSpec, ShelvesHaveLevels) {
   EXPECT_NEAR(apart, 3 * 0.4, 1e-9);
 }
 
-TEST(WorldSpec, GroupsMoveAndNameTheirThings) {
-  const WorldSpec world = read(kHead + kThings + R"(
-  - group: {name: a, at: [1, 1], yaw_deg: 90, things: &two [{box: {name: box, at: [0.5, 0], size: [0.1, 0.1, 0.1]}},
+TEST(WorldSpec, GroupsMoveAndNameTheirObjects) {
+  const WorldSpec world = read(kHead + kObjects + R"(
+  - group: {name: a, at: [1, 1], yaw_deg: 90, objects: &two [{box: {name: box, at: [0.5, 0], size: [0.1, 0.1, 0.1]}},
                                                             {can: {on: box, at: [0.5, 0]}}]}
-  - group: {name: b, at: [-1, -1], things: *two}
+  - group: {name: b, at: [-1, -1], objects: *two}
 )");
   ASSERT_EQ(world.bodies.size(), 4U);
   EXPECT_TRUE(body(world, "a_box").world_T_body.translation().isApprox(Eigen::Vector3d(1, 1.5, 0)));
@@ -125,13 +125,13 @@ TEST(WorldSpec, GroupsMoveAndNameTheirThings) {
 
 TEST(WorldSpec, CopiesStandInARow) {
   const WorldSpec world =
-      read(kHead + kThings + "  - stool: {name: s, at: [1, 1], copies: {count: 3, step: [0, -0.5]}}\n");
+      read(kHead + kObjects + "  - stool: {name: s, at: [1, 1], copies: {count: 3, step: [0, -0.5]}}\n");
   ASSERT_EQ(world.bodies.size(), 3U);
   EXPECT_TRUE(body(world, "s_3").world_T_body.translation().isApprox(Eigen::Vector3d(1, 0, 0)));
 }
 
 TEST(WorldSpec, DoorsHangInTheirOpenings) {
-  const WorldSpec world = read(kHead + kThings + R"(
+  const WorldSpec world = read(kHead + kObjects + R"(
   - wall: {path: [[-2, 1], [2, 1]], openings: [{at: [0.5, 1], width: 1, door: {name: d, open_deg: 90}}]}
 )");
   const BodySpec& door = body(world, "d");
@@ -141,20 +141,20 @@ TEST(WorldSpec, DoorsHangInTheirOpenings) {
 
 TEST(WorldSpecErrors, NameEveryProblemAtOnceInTheOrderOfTheFile) {
   const auto world = parse_world(
-      "name: test\nfloor_plan: {min: [-3, -3], max: [3, 3]}\nrobt: {at: [0, 0]}\nthings:\n"
+      "name: test\nfloor_plan: {min: [-3, -3], max: [3, 3]}\nrobt: {at: [0, 0]}\nobjects:\n"
       "  - box: {at: [1, 0], size: [1, -1, 1], colour: rad}\n  - tabel: {at: [0, 0]}\n",
       "w.yaml");
   ASSERT_FALSE(world);
   EXPECT_EQ(world.error().code, ErrorCode::kInvalidArgument);
   const std::string& message = world.error().message;
   EXPECT_EQ(std::count(message.begin(), message.end(), '\n'), 3) << message;
-  EXPECT_LT(message.find("w.yaml:3: robt: unknown key"), message.find("w.yaml:5: things[0].box.size[1]"));
+  EXPECT_LT(message.find("w.yaml:3: robt: unknown key"), message.find("w.yaml:5: objects[0].box.size[1]"));
   EXPECT_NE(message.find("did you mean \"robot\"?"), std::string::npos) << message;
-  EXPECT_NE(message.find("w.yaml:5: things[0].box.colour: unknown colour \"rad\", did you mean \"red\"?"),
+  EXPECT_NE(message.find("w.yaml:5: objects[0].box.colour: unknown colour \"rad\", did you mean \"red\"?"),
             std::string::npos)
       << message;
   EXPECT_NE(
-      message.find("w.yaml:6: things[1].tabel: unknown kind of thing \"tabel\", did you mean \"table\"?"),
+      message.find("w.yaml:6: objects[1].tabel: unknown kind of object \"tabel\", did you mean \"table\"?"),
       std::string::npos)
       << message;
 }
@@ -165,7 +165,7 @@ TEST(WorldSpecErrors, OfTheFile) {
   EXPECT_EQ(missing.error().code, ErrorCode::kNotFound);
   EXPECT_NE(missing.error().message.find("/no/such/world.yaml"), std::string::npos);
   const TemporaryFolder folder;
-  const auto broken = load_world(folder.write("broken.yaml", "name: x\nthings: [a\nb: c\n"));
+  const auto broken = load_world(folder.write("broken.yaml", "name: x\nobjects: [a\nb: c\n"));
   ASSERT_FALSE(broken);
   EXPECT_EQ(broken.error().code, ErrorCode::kCorrupt);
   EXPECT_NE(broken.error().message.find("broken.yaml:3: not YAML"), std::string::npos)
@@ -180,36 +180,36 @@ TEST(WorldSpecErrors, OfTheHead) {
   expect_problem("name: x\n", 1, {"floor_plan", "is missing"});
   expect_problem("floor_plan: {min: [0, 0], max: [1, 1]}\n", 1, {"name", "is missing"});
   expect_problem("name: x\nfloor_plan: {min: [0, 0], max: [1, 0]}\n", 2, {"floor_plan.max", "greater than"});
-  expect_problem(kHead + "light: {lamp: -1}\n", 3, {"light.lamp", "[0, 2]"});
+  expect_problem(kHead + "light: {direct: -1}\n", 3, {"light.direct", "[0, 2]"});
   expect_problem(kHead + "name: again\n", 3, {"name", "twice"});
   expect_problem(kHead + "materials: {m: {texture: wod}}\n", 3,
                  {"materials.m.texture", "did you mean \"wood\""});
-  expect_problem(kHead + "things: 3\n", 3, {"things", "must be a list"});
+  expect_problem(kHead + "objects: 3\n", 3, {"objects", "must be a list"});
 }
 
-TEST(WorldSpecErrors, OfThings) {
-  expect_thing_problem("box: {at: [1, 0], size: [0, 1, 1]}", {"things[0].box.size[0]", "[0.0001, 1000]"});
-  expect_thing_problem("box: {at: [1, 0], size: [1, 1]}", {"size", "3 numbers"});
-  expect_thing_problem("box: {at: [1, .nan], size: [1, 1, 1]}", {"at[1]", "must be a number"});
-  expect_thing_problem("box: {size: [1, 1, 1]}", {"at", "is missing"});
-  expect_thing_problem("box: {at: [1], size: [1, 1, 1]}", {"at", "[x, y]"});
-  expect_thing_problem("box: {at: [1, 0], size: [1, 1, 1], mobility: loose}", {"mass", "kg"});
-  expect_thing_problem("box: {at: [1, 0], size: [1, 1, 1], mobility: floating}",
-                       {"mobility", "fixed, movable or"});
-  expect_thing_problem("cube: {at: [1, 0], size: 0.1, mass: 0}", {"mass", "must be a number"});
-  expect_thing_problem("cube: {at: [1, 0], size: 0.1, texture: fur}", {"texture", "use one of none, wood"});
-  expect_thing_problem("cube: {at: [1, 0], size: 0.1, material: oka}", {"material", "did you mean \"oak\""});
-  expect_thing_problem("cube: {at: [1, 0], size: 0.1, on: table}", {"on", "no thing \"table\""});
-  expect_thing_problem("cube: {at: [9, 0], size: 0.1}", {"outside the floor plan"});
-  expect_thing_problem("{}", {"one kind in each item"});
-  expect_thing_problem("box", {"must be a map"});
+TEST(WorldSpecErrors, OfObjects) {
+  expect_object_problem("box: {at: [1, 0], size: [0, 1, 1]}", {"objects[0].box.size[0]", "[0.0001, 1000]"});
+  expect_object_problem("box: {at: [1, 0], size: [1, 1]}", {"size", "3 numbers"});
+  expect_object_problem("box: {at: [1, .nan], size: [1, 1, 1]}", {"at[1]", "must be a number"});
+  expect_object_problem("box: {size: [1, 1, 1]}", {"at", "is missing"});
+  expect_object_problem("box: {at: [1], size: [1, 1, 1]}", {"at", "[x, y]"});
+  expect_object_problem("box: {at: [1, 0], size: [1, 1, 1], mobility: loose}", {"mass", "kg"});
+  expect_object_problem("box: {at: [1, 0], size: [1, 1, 1], mobility: floating}",
+                        {"mobility", "fixed, movable or"});
+  expect_object_problem("cube: {at: [1, 0], size: 0.1, mass: 0}", {"mass", "must be a number"});
+  expect_object_problem("cube: {at: [1, 0], size: 0.1, texture: fur}", {"texture", "use one of none, wood"});
+  expect_object_problem("cube: {at: [1, 0], size: 0.1, material: oka}", {"material", "did you mean \"oak\""});
+  expect_object_problem("cube: {at: [1, 0], size: 0.1, on: table}", {"on", "no object \"table\""});
+  expect_object_problem("cube: {at: [9, 0], size: 0.1}", {"outside the floor plan"});
+  expect_object_problem("{}", {"one kind in each item"});
+  expect_object_problem("box", {"must be a map"});
 }
 
-TEST(WorldSpecErrors, BetweenThings) {
+TEST(WorldSpecErrors, BetweenObjects) {
   const std::string table =
-      kHead + kThings + "  - table: {name: table, at: [1.5, 0], size: [0.8, 1.2, 0.7]}\n";
+      kHead + kObjects + "  - table: {name: table, at: [1.5, 0], size: [0.8, 1.2, 0.7]}\n";
   expect_problem(table + "  - box: {name: table, at: [2.5, 2], size: [0.1, 0.1, 0.1]}\n", 5,
-                 {"two things \"table\"", "line 4"});
+                 {"two objects \"table\"", "line 4"});
   expect_problem(table + "  - cube: {on: table, at: [2.2, 0], size: 0.05}\n", 5,
                  {"at", "not above \"table\""});
   expect_problem(table + "  - cube: {on: table, level: 2, at: [1.5, 0], size: 0.05}\n", 5,
@@ -223,39 +223,39 @@ TEST(WorldSpecErrors, BetweenThings) {
 
 TEST(WorldSpecErrors, OfWalls) {
   const std::string wall = "wall: {path: [[-2, 1], [2, 1]], openings: ";
-  expect_thing_problem("wall: {path: [[-2, 1]]}", {"path", "at least 2 points"});
-  expect_thing_problem("wall: {path: [[-2, 1], [-2, 1.05]]}", {"path", "shorter"});
-  expect_thing_problem(wall + "[{at: [0, 2]}]}", {"openings[0].at", "not on the wall"});
-  expect_thing_problem(wall + "[{at: [1.8, 1]}]}", {"width", "over an end"});
-  expect_thing_problem(wall + "[{at: [0, 1]}, {at: [0.5, 1]}]}", {"openings[1].at", "overlaps"});
-  expect_thing_problem(wall + "[{at: [0, 1], top: 5}]}", {"top", "wall's height"});
-  expect_thing_problem(wall + "[{at: [0, 1], door: {hinge: up}}]}", {"hinge", "left or right"});
+  expect_object_problem("wall: {path: [[-2, 1]]}", {"path", "at least 2 points"});
+  expect_object_problem("wall: {path: [[-2, 1], [-2, 1.05]]}", {"path", "shorter"});
+  expect_object_problem(wall + "[{at: [0, 2]}]}", {"openings[0].at", "not on the wall"});
+  expect_object_problem(wall + "[{at: [1.8, 1]}]}", {"width", "over an end"});
+  expect_object_problem(wall + "[{at: [0, 1]}, {at: [0.5, 1]}]}", {"openings[1].at", "overlaps"});
+  expect_object_problem(wall + "[{at: [0, 1], top: 5}]}", {"top", "wall's height"});
+  expect_object_problem(wall + "[{at: [0, 1], door: {hinge: up}}]}", {"hinge", "left or right"});
 }
 
 TEST(WorldSpecErrors, OfGroupsThatHoldThemselves) {
   const auto cyclic =
-      parse_world(kHead + "things: &all\n  - group: {name: g, at: [0, 0], things: *all}\n", "test.yaml");
+      parse_world(kHead + "objects: &all\n  - group: {name: g, at: [0, 0], objects: *all}\n", "test.yaml");
   ASSERT_FALSE(cyclic);
   EXPECT_NE(cyclic.error().message.find("does this one hold itself?"), std::string::npos)
       << cyclic.error().message;
   // Ten times ten times ten times ten boxes.
   std::string yaml = kHead + "templates:\n  - &g0 [{box: {at: [0, 2], size: [0.1, 0.1, 0.1]}}]\n";
   for (int level = 1; level <= 4; ++level) {
-    const std::string group = "{group: {at: [0, 0], things: *g" + std::to_string(level - 1) + "}}";
+    const std::string group = "{group: {at: [0, 0], objects: *g" + std::to_string(level - 1) + "}}";
     yaml += "  - &g" + std::to_string(level) + " [";
     for (int i = 0; i < 10; ++i) yaml += (i == 0 ? "" : ", ") + group;
     yaml += "]\n";
   }
-  const auto many = parse_world(yaml + "things: *g4\n", "test.yaml");
+  const auto many = parse_world(yaml + "objects: *g4\n", "test.yaml");
   ASSERT_FALSE(many);
-  EXPECT_NE(many.error().message.find("more than 5000 things"), std::string::npos);
+  EXPECT_NE(many.error().message.find("more than 5000 objects"), std::string::npos);
   EXPECT_LT(many.error().message.size(), 1000000U);
 }
 
 TEST(WorldSpecErrors, OfTheRobot) {
   expect_problem(kHead + "robot: {at: [5, 0]}\n", 3, {"robot", "outside the floor plan"});
   expect_problem(
-      kHead + "robot: {at: [1, 0.3]}\nthings: [{box: {name: b, at: [1, 0], size: [0.4, 0.4, 1]}}]\n", 3,
+      kHead + "robot: {at: [1, 0.3]}\nobjects: [{box: {name: b, at: [1, 0], size: [0.4, 0.4, 1]}}]\n", 3,
       {"robot", "\"b\""});
 }
 
@@ -267,12 +267,12 @@ TEST(WorldSpecErrors, OfPeople) {
                  {"two people \"eve\""});
   expect_problem(kHead +
                      "people:\n  - {name: eve, path: [[-2, 1], [2, 1]]}\n"
-                     "things: [{box: {name: b, at: [0, 1], size: [0.4, 0.4, 1]}}]\n",
+                     "objects: [{box: {name: b, at: [0, 1], size: [0.4, 0.4, 1]}}]\n",
                  4, {"\"eve\" walks into \"b\""});
   expect_problem(kHead +
                      "people:\n  - {name: b, path: [[-2, 1]]}\n"
-                     "things: [{box: {name: b, at: [1, 1], size: [0.4, 0.4, 1]}}]\n",
-                 4, {"a thing has the name \"b\" too"});
+                     "objects: [{box: {name: b, at: [1, 1], size: [0.4, 0.4, 1]}}]\n",
+                 4, {"an object has the name \"b\" too"});
 }
 
 }  // namespace

@@ -1,6 +1,6 @@
-"""The things in a scene, and how to make cones, cubes and spheres.
+"""The objects in a scene, and how to make cones, cubes and spheres.
 
-A thing has unit size (its largest extent is about 1 m), z up, and is scaled when it is placed.
+An object has unit size (its largest extent is about 1 m), z up, and is scaled when it is placed.
 """
 from dataclasses import dataclass, field
 
@@ -34,8 +34,8 @@ def any_rotation(rng):
 
 
 @dataclass
-class Thing:
-    """Parts to draw, points whose hull is the thing, and its class (-1: not to be found)."""
+class SceneObject:
+    """Parts to draw, points whose hull is the object, and its class (-1: not to be found)."""
 
     label: int
     parts: list = field(default_factory=list)
@@ -117,7 +117,7 @@ def sphere(rng):
         albedo = solids.worn(rng, albedo)
     turn = any_rotation(rng)
     squash = 1 + rng.normal(0, 0.01)
-    return Thing(SPHERE).ellipsoid((0, 0, 0), (.5, .5, .5 * squash), surface(rng, albedo), turn)
+    return SceneObject(SPHERE).ellipsoid((0, 0, 0), (.5, .5, .5 * squash), surface(rng, albedo), turn)
 
 
 def dice_face(rng, ground, ink, count):
@@ -182,15 +182,15 @@ def box(rng, label, size):
     faces = [edged(rng, face) for face in _faces(rng)]
     looks = [render.Surface(None, face, look.gloss * .7, look.shininess) for face in faces]
     size = np.asarray(size) / max(size)
-    thing = Thing(label).box((0, 0, 0), size, looks)
+    obj = SceneObject(label).box((0, 0, 0), size, looks)
     if rng.random() < 0.08 and label == CUBE:  # open flaps of a carton
         for side in (-1, 1):
             out = rng.uniform(-.1, .3)
             x = side * size[0] / 2
-            thing.polygon([(x, -size[1] / 2, size[2] / 2), (x, size[1] / 2, size[2] / 2),
+            obj.polygon([(x, -size[1] / 2, size[2] / 2), (x, size[1] / 2, size[2] / 2),
                            (x + side * out, size[1] / 2, size[2] / 2 + .18), (x + side * out, -size[1] / 2, size[2] / 2 + .18)],
                           looks[0], True)
-    return thing
+    return obj
 
 
 def cube(rng):
@@ -210,7 +210,7 @@ def _lying(alpha):
 
 def cone(rng):
     """A plain cone, a party hat or a traffic cone with its base plate."""
-    thing = Thing(CONE)
+    obj = SceneObject(CONE)
     radius = rng.uniform(0.18, 0.52)
     tip = 0.0
     if rng.random() < 0.5:  # traffic cone
@@ -221,21 +221,21 @@ def cone(rng):
         base = body if rng.random() < .6 else textures.colour(rng, 'dark')
         if rng.random() < 0.6:
             flat = render.Surface(None, textures.grain(rng, base, .03), look.gloss)
-            thing.box((0, 0, -.5 + plate / 2), (2 * wide, 2 * wide, plate), [flat])
+            obj.box((0, 0, -.5 + plate / 2), (2 * wide, 2 * wide, plate), [flat])
         elif rng.random() < 0.7:
             round_look = render.Surface(solids.solid(rng, base), None, look.gloss)
-            thing.frustum((0, 0, -.5 + plate / 2), wide, wide * .95, plate, round_look)
-        thing.frustum((0, 0, plate / 2), radius, tip, 1 - plate, look)
-        thing.frustum((0, 0, .5), tip * .85, tip * .85, .004, render.Surface(solids.solid(rng, (.05, .04, .04))))
+            obj.frustum((0, 0, -.5 + plate / 2), wide, wide * .95, plate, round_look)
+        obj.frustum((0, 0, plate / 2), radius, tip, 1 - plate, look)
+        obj.frustum((0, 0, .5), tip * .85, tip * .85, .004, render.Surface(solids.solid(rng, (.05, .04, .04))))
     else:
         tip = 0.0 if rng.random() < 0.7 else radius * rng.uniform(0.03, 0.22)
         look = surface(rng, solids.any_cone(rng))
-        thing.frustum((0, 0, 0), radius, tip, 1.0, look)
+        obj.frustum((0, 0, 0), radius, tip, 1.0, look)
         if rng.random() < 0.15:  # bobble on the tip
             size = rng.uniform(.04, .1)
-            thing.ellipsoid((0, 0, .5), (size,) * 3, surface(rng, solids.solid(rng)))
-    thing.rests = [np.eye(3)] * 9 + [_lying(np.arctan2(radius - tip, 1.0))]
-    return thing
+            obj.ellipsoid((0, 0, .5), (size,) * 3, surface(rng, solids.solid(rng)))
+    obj.rests = [np.eye(3)] * 9 + [_lying(np.arctan2(radius - tip, 1.0))]
+    return obj
 
 
 MAKERS = (cone, cube, sphere)

@@ -1,4 +1,4 @@
-#include "simulate/render_tool/develop.hpp"
+#include "simulate/render_tool/camera_effects.hpp"
 
 #include <algorithm>
 #include <array>
@@ -123,7 +123,7 @@ void add_noise(Rng& rng, std::vector<std::uint8_t>& rgb, double sigma) {
 
 }  // namespace
 
-void develop(Rng& rng, std::vector<std::uint8_t>& rgb, int width, int height) {
+void apply_camera_effects(Rng& rng, std::vector<std::uint8_t>& rgb, int width, int height) {
   const double unit = height / 480.0;
   const double kind = rng.uniform(0, 1);
   const double amount = rng.uniform(0, 1);

@@ -1,4 +1,4 @@
-#include "simulate/control/walker.hpp"
+#include "simulate/control/pedestrian.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -11,7 +11,7 @@ constexpr double kTurnRateRadS = 4.0;
 
 }  // namespace
 
-Walker::Walker(const PersonSpec& person) : corners_(person.path_m), speed_m_s_(person.speed_m_s) {
+Pedestrian::Pedestrian(const PersonSpec& person) : corners_(person.path_m), speed_m_s_(person.speed_m_s) {
   if (!person.closed)
     for (std::size_t i = person.path_m.size() - 1; i-- > 0;) corners_.push_back(person.path_m[i]);
   else
@@ -20,7 +20,7 @@ Walker::Walker(const PersonSpec& person) : corners_(person.path_m), speed_m_s_(p
   pose_ = at(0);
 }
 
-Pose2 Walker::at(double along_m) const {
+Pose2 Pedestrian::at(double along_m) const {
   for (std::size_t i = 1; i < corners_.size(); ++i) {
     const Eigen::Vector2d way = corners_[i] - corners_[i - 1];
     const double length = way.norm();
@@ -33,26 +33,26 @@ Pose2 Walker::at(double along_m) const {
   return {corners_.back().x(), corners_.back().y(), 0};
 }
 
-bool Walker::way_is_free(const Pose2& robot) const {
+bool Pedestrian::path_is_clear(const Pose2& robot) const {
   const Eigen::Vector2d to_robot(robot.x - pose_.x, robot.y - pose_.y);
   const Pose2 next = at(along_m_);
   const Eigen::Vector2d ahead(std::cos(next.yaw), std::sin(next.yaw));
   return to_robot.norm() > kPersonalSpaceM || ahead.dot(to_robot) < 0;
 }
 
-void Walker::turn_towards(double heading, double step_s) {
+void Pedestrian::rotate_towards(double heading, double step_s) {
   const double turn = wrap_angle(heading - pose_.yaw);
   const double most = kTurnRateRadS * step_s;
   pose_.yaw = wrap_angle(pose_.yaw + std::clamp(turn, -most, most));
 }
 
-void Walker::step(double step_s, const Pose2& robot) {
+void Pedestrian::step(double step_s, const Pose2& robot) {
   if (length_m_ <= 0) return;
-  if (way_is_free(robot)) along_m_ = std::fmod(along_m_ + speed_m_s_ * step_s, length_m_);
+  if (path_is_clear(robot)) along_m_ = std::fmod(along_m_ + speed_m_s_ * step_s, length_m_);
   const Pose2 next = at(along_m_);
   pose_.x = next.x;
   pose_.y = next.y;
-  turn_towards(next.yaw, step_s);
+  rotate_towards(next.yaw, step_s);
 }
 
 }  // namespace extperfc::simulate

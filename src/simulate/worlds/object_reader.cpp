@@ -1,9 +1,9 @@
-#include "simulate/worlds/thing_reader.hpp"
+#include "simulate/worlds/object_reader.hpp"
 
 #include <algorithm>
 #include <cmath>
 
-#include "simulate/worlds/piece_reader.hpp"
+#include "simulate/worlds/object_model_reader.hpp"
 
 namespace extperfc::simulate::worlds {
 
@@ -12,27 +12,27 @@ namespace {
 constexpr double kDegree = 0.01745329251994329577;  // [rad]
 constexpr int kMostCopies = 100;
 constexpr int kDeepest = 8;                // groups in groups: an anchor may hold itself
-constexpr std::size_t kMostThings = 5000;  // groups of groups of copies may multiply
+constexpr std::size_t kMaxObjects = 5000;  // groups of groups of copies may multiply
 
 /// `mobility`, `mass`, `label`, `friction` and `rolling_friction`.
-void read_body_keys(YamlMap& map, Piece& piece) {
+void read_body_keys(YamlMap& map, ObjectModel& model) {
   const std::string fixed_names[] = {"fixed", "movable", "loose"};
-  const std::string mobility = map.text("mobility", fixed_names[static_cast<int>(piece.mobility)]);
+  const std::string mobility = map.text("mobility", fixed_names[static_cast<int>(model.mobility)]);
   const auto* found = std::find(std::begin(fixed_names), std::end(fixed_names), mobility);
   if (found == std::end(fixed_names))
     map.problem("mobility", "unknown mobility \"" + mobility + "\": use fixed, movable or loose");
   else
-    piece.mobility = static_cast<Mobility>(found - std::begin(fixed_names));
-  const bool loose = piece.mobility == Mobility::kLoose;
+    model.mobility = static_cast<Mobility>(found - std::begin(fixed_names));
+  const bool loose = model.mobility == Mobility::kLoose;
   if (map.has("mass"))
-    piece.mass_kg = map.number("mass", {1e-4, 1000});
-  else if (loose && piece.mass_kg <= 0)
+    model.mass_kg = map.number("mass", {1e-4, 1000});
+  else if (loose && model.mass_kg <= 0)
     map.problem("mass", "a loose body needs a mass: add `mass` in kg");
   else
     map.expect("mass");
-  piece.label = map.text("label", piece.label);
-  piece.friction = map.number("friction", {0, 10}, piece.friction);
-  piece.rolling_friction = map.number("rolling_friction", {0, 1}, piece.rolling_friction);
+  model.label = map.text("label", model.label);
+  model.friction = map.number("friction", {0, 10}, model.friction);
+  model.rolling_friction = map.number("rolling_friction", {0, 1}, model.rolling_friction);
 }
 
 /// The opening's place: nearest segment to a point on the wall.
@@ -57,7 +57,8 @@ void locate_opening(YamlMap& map, const WallParams& wall, const Eigen::Vector2d&
 void check_opening(YamlMap& map, const WallParams& wall, const Opening& opening) {
   const double half = opening.width_m / 2;
   if (opening.at_m - half < 0.01 || opening.at_m + half > segment_length_m(wall, opening.segment) - 0.01)
-    map.problem("width", "the opening reaches over an end of its piece of wall: move it or make it narrower");
+    map.problem("width",
+                "the opening reaches over an end of its section of wall: move it or make it narrower");
   if (opening.top_m > wall.height_m || opening.sill_m >= opening.top_m)
     map.problem("top", "the opening must lie between `sill` and the wall's height: lower `top` or `sill`");
   for (const Opening& other : wall.openings)
@@ -90,29 +91,29 @@ std::string colour_word(const YamlMap& map) {
 
 }  // namespace
 
-void ThingReader::read(YamlMap& world) {
+void ObjectReader::read(YamlMap& world) {
   materials_.read_own(world);
   read_list(world, {});
 }
 
-void ThingReader::read_list(YamlMap& owner, const Group& group) {
-  for (YamlMap& entry : owner.maps("things")) {
-    if (things_.size() >= kMostThings) {
-      entry.problem("", "more than 5000 things: make the world smaller");
+void ObjectReader::read_list(YamlMap& owner, const Group& group) {
+  for (YamlMap& entry : owner.maps("objects")) {
+    if (objects_.size() >= kMaxObjects) {
+      entry.problem("", "more than 5000 objects: make the world smaller");
       return;
     }
     if (entry.raw().size() != 1) {
       entry.problem(
-          "", "must be one thing like `table: {at: [1, 0], ...}`: put one kind in each item of the list");
+          "", "must be one object like `table: {at: [1, 0], ...}`: put one kind in each item of the list");
       continue;
     }
     const std::string kind = entry.raw().begin()->first.as<std::string>("");
     YamlMap map(entry.raw().begin()->second, entry.path() + "." + kind, *problems_);
-    read_thing(kind, map, group);
+    read_object(kind, map, group);
   }
 }
 
-void ThingReader::read_thing(const std::string& kind, YamlMap& map, const Group& group) {
+void ObjectReader::read_object(const std::string& kind, YamlMap& map, const Group& group) {
   if (kind == "group") return read_group(map, group);
   if (kind == "wall") return read_wall(map, group);
   if (kind == "floor" || kind == "ceiling") {
@@ -124,45 +125,45 @@ void ThingReader::read_thing(const std::string& kind, YamlMap& map, const Group&
     params.width_m = map.number("width", {0.3, 5}, params.width_m);
     params.height_m = map.number("height", {0.3, 5}, params.height_m);
     read_door(map, group.world_T_group * opening, params, group);
-  } else if (auto piece = read_piece(kind, map, materials_)) {
-    read_placed(map, group, std::move(*piece), kind + colour_word(map));
+  } else if (auto model = read_object_model(kind, map, materials_)) {
+    read_placed(map, group, std::move(*model), kind + colour_word(map));
   } else {
-    auto kinds = piece_kinds();
+    auto kinds = object_kinds();
     for (const char* more : {"group", "wall", "floor", "ceiling", "door"}) kinds.emplace_back(more);
-    map.problem("", "unknown kind of thing \"" + kind + "\"" + hint_for(kind, kinds) +
+    map.problem("", "unknown kind of object \"" + kind + "\"" + hint_for(kind, kinds) +
                         ": config/worlds/README.md lists them");
     return;
   }
   map.refuse_unknown();
 }
 
-void ThingReader::read_group(YamlMap& map, const Group& group) {
+void ObjectReader::read_group(YamlMap& map, const Group& group) {
   Group inner = group;
   inner.prefix = name_of(map, group, "group") + "_";
   const Eigen::Vector3d at = map.place("at");
   inner.world_T_group =
       group.world_T_group * upright(at.x(), at.y(), at.z(), map.number("yaw_deg", kAny, 0) * kDegree);
-  map.expect("things");
+  map.expect("objects");
   map.refuse_unknown();
   if (++inner.depth > kDeepest)
-    map.problem("things", "groups within groups are too deep: does this one hold itself?");
+    map.problem("objects", "groups within groups are too deep: does this one hold itself?");
   else
     read_list(map, inner);
 }
 
-void ThingReader::read_slab(YamlMap& map, const Group& group, bool ceiling) {
+void ObjectReader::read_slab(YamlMap& map, const Group& group, bool ceiling) {
   const Eigen::Vector2d size = map.vector2("size", kLength, Eigen::Vector2d(max_m_ - min_m_));
   const Eigen::Vector2d middle = map.vector2("at", kAny, Eigen::Vector2d((min_m_ + max_m_) / 2));
   const double thick = 0.1;
   const double z = ceiling ? map.number("height", {0.1, 100}, 2.6) : -thick;
-  Piece piece;
+  ObjectModel model;
   const Material material = materials_.read(map, ceiling ? "plaster" : "tiles");
-  add(piece, Box{{size.x(), size.y(), thick}}, {0, 0, thick / 2}, material);
+  add(model, Box{{size.x(), size.y(), thick}}, {0, 0, thick / 2}, material);
   const std::string name = name_of(map, group, ceiling ? "ceiling" : "floor");
-  keep(map, piece, name, group.world_T_group * upright(middle.x(), middle.y(), z, 0));
+  keep(map, model, name, group.world_T_group * upright(middle.x(), middle.y(), z, 0));
 }
 
-void ThingReader::read_wall(YamlMap& map, const Group& group) {
+void ObjectReader::read_wall(YamlMap& map, const Group& group) {
   WallParams wall;
   wall.closed = map.flag("closed", false);
   wall.path_m = map.points("path", wall.closed ? 3 : 2);
@@ -176,8 +177,8 @@ void ThingReader::read_wall(YamlMap& map, const Group& group) {
   if (wall.path_m.size() < 2) return;
   for (std::size_t i = 0; i < segment_count(wall); ++i)
     if (segment_length_m(wall, i) < wall.thickness_m)
-      map.problem("path",
-                  "piece " + std::to_string(i + 1) + " is shorter than the wall is thick: take a point out");
+      map.problem("path", "section " + std::to_string(i + 1) +
+                              " is shorter than the wall is thick: take a point out");
   for (YamlMap& opening : openings) {
     read_opening(opening, wall);
     read_opening_door(opening, wall, group);
@@ -186,7 +187,7 @@ void ThingReader::read_wall(YamlMap& map, const Group& group) {
   keep(map, walls(wall, material), name, group.world_T_group, "", false);
 }
 
-void ThingReader::read_opening(YamlMap& map, WallParams& wall) {
+void ObjectReader::read_opening(YamlMap& map, WallParams& wall) {
   Opening opening;
   opening.width_m = map.number("width", {0.05, 100}, opening.width_m);
   opening.sill_m = map.number("sill", {0, 20}, opening.sill_m);
@@ -196,7 +197,7 @@ void ThingReader::read_opening(YamlMap& map, WallParams& wall) {
   wall.openings.push_back(opening);
 }
 
-void ThingReader::read_opening_door(YamlMap& opening, const WallParams& wall, const Group& group) {
+void ObjectReader::read_opening_door(YamlMap& opening, const WallParams& wall, const Group& group) {
   const auto node = opening.node("door");
   if (!node) return;
   YamlMap map(*node, opening.path() + ".door", *problems_);
@@ -207,8 +208,8 @@ void ThingReader::read_opening_door(YamlMap& opening, const WallParams& wall, co
   map.refuse_unknown();
 }
 
-void ThingReader::read_door(YamlMap& map, const Pose& world_T_opening, DoorParams params,
-                            const Group& group) {
+void ObjectReader::read_door(YamlMap& map, const Pose& world_T_opening, DoorParams params,
+                             const Group& group) {
   const std::string hinge = map.text("hinge", "left");
   if (hinge != "left" && hinge != "right")
     map.problem("hinge", "must be left or right, not \"" + hinge + "\"");
@@ -219,8 +220,8 @@ void ThingReader::read_door(YamlMap& map, const Pose& world_T_opening, DoorParam
   keep(map, door(params, material), name, world_T_opening * door_pose(params, open));
 }
 
-void ThingReader::read_placed(YamlMap& map, const Group& group, Piece piece, const std::string& kind) {
-  read_body_keys(map, piece);
+void ObjectReader::read_placed(YamlMap& map, const Group& group, ObjectModel model, const std::string& kind) {
+  read_body_keys(map, model);
   const Eigen::Vector3d at = map.place("at");
   const double yaw = map.number("yaw_deg", kAny, 0) * kDegree;
   const Support under = support(map, group);
@@ -230,49 +231,49 @@ void ThingReader::read_placed(YamlMap& map, const Group& group, Piece piece, con
     const Eigen::Vector2d point = at.head<2>() + i * copies.step_m;
     Pose pose = group.world_T_group * upright(point.x(), point.y(), at.z(), yaw);
     if (!under.name.empty()) rest_on(map, under, pose);
-    keep(map, piece, copies.count > 1 ? name + "_" + std::to_string(i + 1) : name, pose, under.name);
+    keep(map, model, copies.count > 1 ? name + "_" + std::to_string(i + 1) : name, pose, under.name);
   }
 }
 
-void ThingReader::rest_on(YamlMap& map, const Support& support, Pose& world_T_piece) const {
-  const Eigen::Vector3d local = support.world_T_support.inverse() * world_T_piece.translation();
+void ObjectReader::rest_on(YamlMap& map, const Support& support, Pose& world_T_object) const {
+  const Eigen::Vector3d local = support.world_T_support.inverse() * world_T_object.translation();
   const Eigen::Vector2d off = (local.head<2>() - support.surface.centre_m).cwiseAbs();
   if ((off - support.surface.half_m).maxCoeff() > 0)
     map.problem("at", "is not above \"" + support.name + "\": choose a point on it, or take `on` out");
-  world_T_piece.translation().z() = support.world_T_support.translation().z() + support.surface.z_m;
+  world_T_object.translation().z() = support.world_T_support.translation().z() + support.surface.z_m;
 }
 
-ThingReader::Support ThingReader::support(YamlMap& map, const Group& group) const {
+ObjectReader::Support ObjectReader::support(YamlMap& map, const Group& group) const {
   const std::string on = map.text("on", "");
   const int level = map.integer("level", 1, 20, 1);
   if (on.empty()) return {};
-  const PlacedThing* under = find(group.prefix + on);
+  const PlacedObject* under = find(group.prefix + on);
   if (under == nullptr) under = find(on);
   if (under == nullptr) {
-    map.problem("on", "there is no thing \"" + on + "\" above this line: name one that stands earlier");
+    map.problem("on", "there is no object \"" + on + "\" above this line: name one that stands earlier");
     return {};
   }
   const auto& surfaces = under->surfaces;
   if (static_cast<std::size_t>(level) <= surfaces.size())
-    return {under->body.name, under->world_T_piece, surfaces[static_cast<std::size_t>(level - 1)]};
+    return {under->body.name, under->world_T_object, surfaces[static_cast<std::size_t>(level - 1)]};
   map.problem(surfaces.empty() ? "on" : "level", "\"" + under->body.name + "\" has " +
                                                      std::to_string(surfaces.size()) +
-                                                     " places to stand on: choose another level or thing");
+                                                     " places to stand on: choose another level or object");
   return {};
 }
 
-void ThingReader::keep(const YamlMap& map, const Piece& piece, const std::string& name,
-                       const Pose& world_T_piece, const std::string& on, bool bounded) {
-  if (const PlacedThing* other = find(name))
+void ObjectReader::keep(const YamlMap& map, const ObjectModel& model, const std::string& name,
+                        const Pose& world_T_object, const std::string& on, bool bounded) {
+  if (const PlacedObject* other = find(name))
     problems_->add(map.line("name"), map.path() + ".name",
-                   "there are two things \"" + name + "\" (the other one at line " +
+                   "there are two objects \"" + name + "\" (the other one at line " +
                        std::to_string(other->origin.line) + "): give them different names");
-  index_by_name_.emplace(name, things_.size());
-  things_.push_back(
-      {place(piece, name, world_T_piece), world_T_piece, piece.surfaces, map.origin(), on, bounded});
+  index_by_name_.emplace(name, objects_.size());
+  objects_.push_back(
+      {place(model, name, world_T_object), world_T_object, model.surfaces, map.origin(), on, bounded});
 }
 
-std::string ThingReader::name_of(YamlMap& map, const Group& group, const std::string& kind) {
+std::string ObjectReader::name_of(YamlMap& map, const Group& group, const std::string& kind) {
   if (map.has("name")) return group.prefix + map.text("name");
   map.expect("name");
   const std::string base = group.prefix + kind;
@@ -282,9 +283,9 @@ std::string ThingReader::name_of(YamlMap& map, const Group& group, const std::st
   return name;
 }
 
-const PlacedThing* ThingReader::find(const std::string& name) const {
+const PlacedObject* ObjectReader::find(const std::string& name) const {
   const auto found = index_by_name_.find(name);
-  return found == index_by_name_.end() ? nullptr : &things_[found->second];
+  return found == index_by_name_.end() ? nullptr : &objects_[found->second];
 }
 
 }  // namespace extperfc::simulate::worlds

@@ -1,4 +1,4 @@
-#include "simulate/worlds/piece_reader.hpp"
+#include "simulate/worlds/object_model_reader.hpp"
 
 #include <map>
 
@@ -9,7 +9,7 @@ namespace extperfc::simulate::worlds {
 
 namespace {
 
-using Reader = Piece (*)(YamlMap&, const MaterialReader&);
+using Reader = ObjectModel (*)(YamlMap&, const MaterialReader&);
 using Readers = std::map<std::string, Reader>;
 
 std::uint64_t seed_of(YamlMap& map) {
@@ -29,14 +29,14 @@ double height_of(YamlMap& map, double fallback) {
 }
 
 /// A plain shape: fixed unless its `mobility` says otherwise, without a mass of its own.
-Piece plain(Piece piece) {
-  piece.mobility = Mobility::kFixed;
-  piece.mass_kg = 0;
-  piece.label.clear();
-  return piece;
+ObjectModel plain(ObjectModel model) {
+  model.mobility = Mobility::kFixed;
+  model.mass_kg = 0;
+  model.label.clear();
+  return model;
 }
 
-Piece read_shelf(YamlMap& map, const MaterialReader& materials) {
+ObjectModel read_shelf(YamlMap& map, const MaterialReader& materials) {
   ShelfParams params;
   params.size_m = size_of(map, params.size_m);
   params.levels = map.integer("levels", 1, 20, params.levels);
@@ -196,7 +196,8 @@ const Readers& object_readers() {
 
 }  // namespace
 
-std::optional<Piece> read_piece(const std::string& kind, YamlMap& map, const MaterialReader& materials) {
+std::optional<ObjectModel> read_object_model(const std::string& kind, YamlMap& map,
+                                             const MaterialReader& materials) {
   for (const Readers* readers : {&furniture_readers(), &panel_readers(), &object_readers()}) {
     const auto found = readers->find(kind);
     if (found != readers->end()) return found->second(map, materials);
@@ -204,7 +205,7 @@ std::optional<Piece> read_piece(const std::string& kind, YamlMap& map, const Mat
   return std::nullopt;
 }
 
-std::vector<std::string> piece_kinds() {
+std::vector<std::string> object_kinds() {
   std::vector<std::string> kinds;
   for (const Readers* readers : {&furniture_readers(), &panel_readers(), &object_readers()})
     for (const auto& [kind, reader] : *readers) kinds.push_back(kind);

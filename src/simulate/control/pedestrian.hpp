@@ -9,17 +9,17 @@ namespace extperfc::simulate {
 
 /// A person on the way along a path: at constant speed, turned to where it goes, and waiting while the way is
 /// not free.
-class Walker {
+class Pedestrian {
  public:
-  explicit Walker(const PersonSpec& person);
+  explicit Pedestrian(const PersonSpec& person);
 
   /// One step. A person waits while the robot's centre is nearer than 1 m and ahead.
   void step(double step_s, const Pose2& robot);
   [[nodiscard]] const Pose2& pose() const { return pose_; }
 
  private:
-  [[nodiscard]] bool way_is_free(const Pose2& robot) const;
-  void turn_towards(double heading, double step_s);
+  [[nodiscard]] bool path_is_clear(const Pose2& robot) const;
+  void rotate_towards(double heading, double step_s);
   [[nodiscard]] Pose2 at(double along_m) const;
 
   std::vector<Eigen::Vector2d> corners_;  // the way, there and back when it is open

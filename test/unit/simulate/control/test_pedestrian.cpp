@@ -1,0 +1,60 @@
+#include <cmath>
+
+#include <gtest/gtest.h>
+
+#include "simulate/control/pedestrian.hpp"
+
+namespace extperfc::simulate {
+namespace {
+
+constexpr double kStep = 1.0 / 240;
+constexpr Pose2 kFarAway{100, 100, 0};
+
+PersonSpec person(std::vector<Eigen::Vector2d> path, bool closed) {
+  PersonSpec spec;
+  spec.path_m = std::move(path);
+  spec.speed_m_s = 1.0;
+  spec.closed = closed;
+  return spec;
+}
+
+void walk(Pedestrian& pedestrian, double seconds, const Pose2& robot = kFarAway) {
+  for (int i = 0; i < std::lround(seconds / kStep); ++i) pedestrian.step(kStep, robot);
+}
+
+TEST(Pedestrian, GoesThereAndBackOnAnOpenPath) {
+  Pedestrian pedestrian(person({{0, 0}, {2, 0}}, false));
+  walk(pedestrian, 1.0);
+  EXPECT_NEAR(pedestrian.pose().x, 1.0, 0.01);
+  EXPECT_NEAR(pedestrian.pose().yaw, 0.0, 1e-6);
+  walk(pedestrian, 2.0);
+  EXPECT_NEAR(pedestrian.pose().x, 1.0, 0.01);
+  EXPECT_NEAR(std::abs(pedestrian.pose().yaw), M_PI, 1e-6);
+}
+
+TEST(Pedestrian, GoesRoundOnAClosedPath) {
+  Pedestrian pedestrian(person({{0, 0}, {1, 0}, {1, 1}, {0, 1}}, true));
+  walk(pedestrian, 3.5);
+  EXPECT_NEAR(pedestrian.pose().x, 0.0, 0.01);
+  EXPECT_NEAR(pedestrian.pose().y, 0.5, 0.01);
+  walk(pedestrian, 0.5);
+  EXPECT_NEAR(pedestrian.pose().y, 0.0, 0.01);
+}
+
+TEST(Pedestrian, WaitsForTheRobotAheadAndPassesOneBehind) {
+  Pedestrian pedestrian(person({{0, 0}, {4, 0}}, false));
+  walk(pedestrian, 3.0, Pose2{2, 0, 0});
+  EXPECT_NEAR(pedestrian.pose().x, 2.0 - 1.0, 0.01);
+  walk(pedestrian, 1.0, Pose2{0.8, 0, 0});
+  EXPECT_GT(pedestrian.pose().x, 2.0);
+}
+
+TEST(Pedestrian, StandsWithoutAPath) {
+  Pedestrian pedestrian(person({{3, 4}}, false));
+  walk(pedestrian, 1.0);
+  EXPECT_EQ(pedestrian.pose().x, 3);
+  EXPECT_EQ(pedestrian.pose().y, 4);
+}
+
+}  // namespace
+}  // namespace extperfc::simulate
