@@ -41,21 +41,21 @@ std::string text_of(double value) {
 
 }  // namespace
 
-Result<Arguments> Arguments::read(const std::vector<std::string>& words, const ArgumentSyntax& syntax) {
+Result<Arguments> Arguments::read(const std::vector<std::string>& tokens, const ArgumentSyntax& syntax) {
   Arguments arguments;
   bool options_end = false;
-  for (std::size_t i = 0; i < words.size(); ++i) {
-    const std::string word = words[i] == "-h" && !options_end ? "--help" : words[i];
-    if (options_end || word.substr(0, 2) != "--") {
-      arguments.words_.push_back(word);
+  for (std::size_t i = 0; i < tokens.size(); ++i) {
+    const std::string token = tokens[i] == "-h" && !options_end ? "--help" : tokens[i];
+    if (options_end || token.substr(0, 2) != "--") {
+      arguments.operands_.push_back(token);
       continue;
     }
-    if (word == "--") {
+    if (token == "--") {
       options_end = true;
       continue;
     }
-    const auto equals = word.find('=');
-    const auto name = word.substr(0, equals);
+    const auto equals = token.find('=');
+    const auto name = token.substr(0, equals);
     if (syntax.flags.count(name) != 0 && equals == std::string::npos) {
       arguments.values_[name];
     } else if (syntax.flags.count(name) != 0) {
@@ -63,17 +63,18 @@ Result<Arguments> Arguments::read(const std::vector<std::string>& words, const A
     } else if (syntax.values.count(name) == 0) {
       return unknown_option(name, syntax);
     } else if (equals != std::string::npos) {
-      arguments.values_[name].push_back(word.substr(equals + 1));
-    } else if (++i == words.size()) {
+      arguments.values_[name].push_back(token.substr(equals + 1));
+    } else if (++i == tokens.size()) {
       return fail(ErrorCode::kInvalidArgument, name + " needs a value");
     } else {
-      arguments.values_[name].push_back(words[i]);
+      arguments.values_[name].push_back(tokens[i]);
     }
   }
-  if (arguments.words_.size() < syntax.least && !arguments.has("--help"))
+  if (arguments.operands_.size() < syntax.min_operands && !arguments.has("--help"))
     return fail(ErrorCode::kInvalidArgument, "too few arguments");
-  if (arguments.words_.size() > syntax.most)
-    return fail(ErrorCode::kInvalidArgument, "unexpected argument " + arguments.words_[syntax.most]);
+  if (arguments.operands_.size() > syntax.max_operands)
+    return fail(ErrorCode::kInvalidArgument,
+                "unexpected argument " + arguments.operands_[syntax.max_operands]);
   return arguments;
 }
 

@@ -12,8 +12,8 @@ struct Layer {
   float far_m;
 };
 
-/// The nearest depth range that holds a considerable share of the samples: the object, when what lies behind
-/// it or beside it is deeper. Precondition: samples.size >= 1. O(samples).
+/// The nearest depth range that holds a considerable fraction of the samples: the object, when what lies
+/// behind it or beside it is deeper. Precondition: samples.size >= 1. O(samples).
 [[nodiscard]] Layer nearest_layer(const Samples& samples, const StereoNoiseModel& noise);
 
 }  // namespace extperfc::depth

@@ -35,7 +35,7 @@ namespace extperfc::detect {
 
 /// A lower bound, nearly exact, of the logits whose sigmoid reaches `p`: sigmoid() itself rounds to 1 from
 /// about 17 on.
-[[nodiscard]] inline float least_logit(float p) {
+[[nodiscard]] inline float min_logit(float p) {
   const float below_one = std::min(p, 0.999999F);
   return std::log(below_one / (1.0F - below_one)) - 1e-4F;
 }

@@ -23,7 +23,7 @@ class ScoreRows {
         columns_(static_cast<std::size_t>(ssd_columns(spec))),
         background_(spec.output.background_class),
         softmaxed_(spec.output.apply_softmax ? columns_ : 0U),
-        margin_(least_logit(spec.thresholds.score)) {}
+        margin_(min_logit(spec.thresholds.score)) {}
 
   /// Scores of candidate `i`; nothing when none of them can reach the threshold.
   const float* row(int i) {
@@ -35,7 +35,7 @@ class ScoreRows {
   }
 
  private:
-  /// A class at softmax score p is at least least_logit(p) above every other one. Most candidates are
+  /// A class at softmax score p is at least min_logit(p) above every other one. Most candidates are
   /// background, and this spares them the exponentials.
   bool is_background(const float* row) const {
     const float bar = row[background_] + margin_;

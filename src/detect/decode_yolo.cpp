@@ -31,7 +31,7 @@ void decode_anchor(const ModelSpec& spec, const float* planes, int columns, int 
   const auto area = static_cast<std::size_t>(columns) * static_cast<std::size_t>(rows);
   const auto stride = static_cast<float>(stride_px);
   // The score is at most the objectness.
-  scan(planes + 4 * area, columns * rows, least_logit(spec.thresholds.score), [&](int cell) {
+  scan(planes + 4 * area, columns * rows, min_logit(spec.thresholds.score), [&](int cell) {
     const float* at = planes + cell;
     const BestClass best = best_class(at + 5 * area, class_count(spec), area);
     const float score = sigmoid(at[4 * area]) * sigmoid(best.value);
@@ -98,9 +98,9 @@ Detections decode_yolo_grid(const ModelSpec& spec, const TensorView& output) {
   const float cell_w = static_cast<float>(spec.input.width) / static_cast<float>(columns);
   const float cell_h = static_cast<float>(spec.input.height) / static_cast<float>(rows);
   // Class scores are at most 1, so the objectness alone must reach the threshold.
-  const float least_objectness = std::pow(spec.thresholds.score, 1.0F / 0.6F);
+  const float min_objectness = std::pow(spec.thresholds.score, 1.0F / 0.6F);
   Detections found;
-  scan(output.data, columns * rows, least_objectness, [&](int cell) {
+  scan(output.data, columns * rows, min_objectness, [&](int cell) {
     const float* at = output.data + cell;
     const BestClass best = best_class(at + 5 * area, class_count(spec), area);
     const float score = std::pow(at[0], 0.6F) * std::pow(best.value, 0.4F);

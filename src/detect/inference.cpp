@@ -18,17 +18,17 @@ template <typename Table>
 auto from_name(const Table& table, const std::string& what, const std::string& name)
     -> Result<decltype(table[0].first)> {
   std::string all;
-  for (const auto& [value, word] : table) {
-    if (name == word) return value;
-    all += (all.empty() ? "" : ", ") + std::string(word);
+  for (const auto& [value, known_name] : table) {
+    if (name == known_name) return value;
+    all += (all.empty() ? "" : ", ") + std::string(known_name);
   }
   return fail(ErrorCode::kInvalidArgument, "unknown " + what + " \"" + name + "\": use one of " + all);
 }
 
 template <typename Table, typename Value>
 const char* name_of(const Table& table, Value value) {
-  for (const auto& [candidate, word] : table)
-    if (candidate == value) return word;
+  for (const auto& [candidate, known_name] : table)
+    if (candidate == value) return known_name;
   return "unknown";
 }
 

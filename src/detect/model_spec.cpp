@@ -113,16 +113,16 @@ Result<KnownModel> recognise(const fs::path& folder, const fs::path& known_model
 
 Result<OutputLayout> layout_from_name(const std::string& name) {
   std::string all;
-  for (const auto& [layout, word] : kLayouts) {
-    if (name == word) return layout;
-    all += (all.empty() ? "" : ", ") + std::string(word);
+  for (const auto& [layout, known_name] : kLayouts) {
+    if (name == known_name) return layout;
+    all += (all.empty() ? "" : ", ") + std::string(known_name);
   }
   return fail(ErrorCode::kUnsupported, "unknown layout \"" + name + "\": use one of " + all);
 }
 
 const char* to_string(OutputLayout layout) {
-  for (const auto& [candidate, word] : kLayouts)
-    if (candidate == layout) return word;
+  for (const auto& [candidate, known_name] : kLayouts)
+    if (candidate == layout) return known_name;
   return "unknown";
 }
 

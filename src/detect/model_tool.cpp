@@ -35,7 +35,7 @@ constexpr const char* kHelp =
 
 Options:
   --out FILE          run: writes the image with the boxes drawn in
-  --score NUMBER      run: least score, 0 to 1, instead of the model's
+  --score NUMBER      run: minimum score, 0 to 1, instead of the model's
   --backend NAME      auto (default), opencv or openvino
   --device NAME       CPU (default), GPU, NPU or AUTO
   --precision NAME    f32 (default), f16 or bf16
@@ -64,20 +64,20 @@ int complain(const std::string& message, int status) {
   return status;
 }
 
-Result<Arguments> parse(const std::vector<std::string>& words) {
+Result<Arguments> parse(const std::vector<std::string>& tokens) {
   constexpr std::array<const char*, 9> kOptions{"--out",  "--score",   "--backend", "--device", "--precision",
                                                 "--mode", "--threads", "--cache",   "--known"};
   Arguments arguments;
-  for (std::size_t i = 0; i < words.size(); ++i) {
-    const std::string& word = words[i];
-    if (word.rfind("--", 0) != 0) {
-      (arguments.command.empty() ? arguments.command : arguments.operands.emplace_back()) = word;
-    } else if (std::find(kOptions.begin(), kOptions.end(), word) == kOptions.end()) {
-      return fail(ErrorCode::kInvalidArgument, "unknown option " + word);
-    } else if (i + 1 == words.size()) {
-      return fail(ErrorCode::kInvalidArgument, word + " needs a value");
+  for (std::size_t i = 0; i < tokens.size(); ++i) {
+    const std::string& token = tokens[i];
+    if (token.rfind("--", 0) != 0) {
+      (arguments.command.empty() ? arguments.command : arguments.operands.emplace_back()) = token;
+    } else if (std::find(kOptions.begin(), kOptions.end(), token) == kOptions.end()) {
+      return fail(ErrorCode::kInvalidArgument, "unknown option " + token);
+    } else if (i + 1 == tokens.size()) {
+      return fail(ErrorCode::kInvalidArgument, token + " needs a value");
     } else {
-      arguments.options[word] = words[++i];
+      arguments.options[token] = tokens[++i];
     }
   }
   return arguments;
@@ -130,9 +130,9 @@ void print_row(const char* key, const std::string& value) {
   std::printf("  %-11s %s\n", key, value.c_str());
 }
 
-std::string joined(const std::vector<std::string>& words) {
+std::string joined(const std::vector<std::string>& names) {
   std::string text;
-  for (const auto& word : words) text += (text.empty() ? "" : ", ") + word;
+  for (const auto& name : names) text += (text.empty() ? "" : ", ") + name;
   return text;
 }
 
@@ -280,8 +280,8 @@ int run(const Arguments& arguments, const InferenceOptions& options) {
 
 struct Command {
   const char* name;
-  std::size_t least_operands;
-  std::size_t most_operands;
+  std::size_t min_operands;
+  std::size_t max_operands;
   const char* usage;
   std::function<int(const Arguments&, const InferenceOptions&)> execute;
 };
@@ -294,7 +294,7 @@ int dispatch(const Arguments& arguments) {
   for (const Command& command : commands) {
     if (arguments.command != command.name) continue;
     const std::size_t count = arguments.operands.size();
-    if (count < command.least_operands || count > command.most_operands)
+    if (count < command.min_operands || count > command.max_operands)
       return complain("the command is: " + std::string(command.usage), kUsage);
     const auto options = inference_options(arguments);
     return options ? command.execute(arguments, *options) : complain(options.error().message, kUsage);
@@ -305,11 +305,11 @@ int dispatch(const Arguments& arguments) {
 }  // namespace
 
 int main(int argc, char** argv) {
-  const std::vector<std::string> words(argv + 1, argv + argc);
-  if (std::find(words.begin(), words.end(), "--help") != words.end()) {
+  const std::vector<std::string> tokens(argv + 1, argv + argc);
+  if (std::find(tokens.begin(), tokens.end(), "--help") != tokens.end()) {
     std::cout << kHelp;
     return kFine;
   }
-  const auto arguments = parse(words);
+  const auto arguments = parse(tokens);
   return arguments ? dispatch(*arguments) : complain(arguments.error().message, kUsage);
 }

@@ -27,13 +27,13 @@ std::array<float, 3> triple(const std::vector<float>& values) {
   return {values[0], values[1], values[2]};
 }
 
-/// One of two words; the first is the default.
+/// One of two names; the first is the default.
 bool second_of(YamlSection& section, const std::string& key, const std::string& first,
                const std::string& second) {
-  const std::string word = section.text(key, first);
-  if (word != first && word != second)
-    section.problem(key, "must be " + first + " or " + second + ", not \"" + word + "\"");
-  return word == second;
+  const std::string name = section.text(key, first);
+  if (name != first && name != second)
+    section.problem(key, "must be " + first + " or " + second + ", not \"" + name + "\"");
+  return name == second;
 }
 
 InputSpec parse_input(YamlSection section) {
@@ -108,9 +108,10 @@ void parse_ssd_keys(YamlSection& section, const InputSpec& input, OutputSpec& ou
 
 OutputSpec parse_output(YamlSection section, const InputSpec& input) {
   OutputSpec output;
-  const std::string word = section.text("layout");
-  const auto layout = layout_from_name(word);
-  if (!layout && !word.empty()) section.problem("layout", layout.error().message, ErrorCode::kUnsupported);
+  const std::string layout_name = section.text("layout");
+  const auto layout = layout_from_name(layout_name);
+  if (!layout && !layout_name.empty())
+    section.problem("layout", layout.error().message, ErrorCode::kUnsupported);
   if (!layout) return output;  // which other keys belong here is not known
 
   output.layout = *layout;
@@ -119,11 +120,11 @@ OutputSpec parse_output(YamlSection section, const InputSpec& input) {
   if (*layout == OutputLayout::kYoloAnchors) output.anchors = parse_anchors(section);
   output.names = section.texts("names", tensor_count(output) > 1);
   if (!output.names.empty() && output.names.size() != tensor_count(output))
-    section.problem("names", "layout " + word + " has " + std::to_string(tensor_count(output)) +
+    section.problem("names", "layout " + layout_name + " has " + std::to_string(tensor_count(output)) +
                                  " output tensors, but " + std::to_string(output.names.size()) +
                                  " names are listed");
   for (const char* key : {"background_class", "apply_softmax", "variances", "priors", "anchors"})
-    if (!section.asked_for(key)) section.refuse(key, "is not used by layout " + word + ": remove it");
+    if (!section.asked_for(key)) section.refuse(key, "is not used by layout " + layout_name + ": remove it");
   section.refuse_unknown();
   return output;
 }

@@ -71,10 +71,10 @@ Result<void> check_image(const ImageView& image) {
   if (is_depth(image.format))
     return fail(ErrorCode::kUnsupported,
                 "a depth image (" + encoding + ") cannot be searched for objects: give a colour image");
-  const auto least = static_cast<std::size_t>(image.width) * bytes_per_pixel(image.format);
-  if (image.row_bytes < least)
+  const auto min_row_bytes = static_cast<std::size_t>(image.width) * bytes_per_pixel(image.format);
+  if (image.row_bytes < min_row_bytes)
     return fail(ErrorCode::kInvalidArgument, "a row of the " + size + " " + encoding + " image needs " +
-                                                 std::to_string(least) + " bytes, but its step is " +
+                                                 std::to_string(min_row_bytes) + " bytes, but its step is " +
                                                  std::to_string(image.row_bytes));
   return {};
 }

@@ -10,7 +10,7 @@ namespace extperfc::detect {
 namespace {
 
 // Suppression takes quadratic time: a threshold near 0 must not stall the robot.
-constexpr int kMostCandidatesPerClass = 1000;
+constexpr int kMaxCandidatesPerClass = 1000;
 
 struct ClassCandidates {
   std::vector<cv::Rect2d> boxes;
@@ -35,7 +35,7 @@ Detections suppress(const Detections& candidates, const Thresholds& thresholds) 
   std::vector<int> survivors;
   for (const auto& [class_index, group] : classes) {
     cv::dnn::NMSBoxes(group.boxes, group.scores, 0.0F, thresholds.nms_iou, survivors, 1.0F,
-                      kMostCandidatesPerClass);
+                      kMaxCandidatesPerClass);
     for (const int i : survivors) kept.push_back(candidates[group.indices[static_cast<std::size_t>(i)]]);
   }
   std::stable_sort(kept.begin(), kept.end(), [](const auto& a, const auto& b) { return a.score > b.score; });

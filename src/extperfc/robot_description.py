@@ -201,7 +201,7 @@ def _parse(urdf):
 
 
 def _numbers(text, count):
-    values = tuple(float(word) for word in text.split())
+    values = tuple(float(token) for token in text.split())
     if len(values) != count or not all(math.isfinite(v) for v in values):
         raise ValueError(f"'{text}' should be {count} numbers")
     return values

@@ -8,8 +8,8 @@ namespace extperfc {
 
 namespace {
 
-constexpr std::size_t kMostRays = 100000;
-constexpr double kWidestSweepRad = 3 * M_PI;  // drivers overlap a turn by some rays
+constexpr std::size_t kMaxRays = 100000;
+constexpr double kWidestSweepRad = 3 * M_PI;  // drivers overlap a revolution by some rays
 
 bool is_finite(const Pose2& pose) {
   return std::isfinite(pose.x) && std::isfinite(pose.y) && std::isfinite(pose.yaw);
@@ -40,11 +40,11 @@ Result<void> validate(const LaserScan& scan) {
     return wrong("range_max " + std::to_string(scan.range_max) + " is not above range_min " +
                  std::to_string(scan.range_min));
   if (scan.ranges.empty()) return wrong("it has no rays");
-  if (scan.ranges.size() > kMostRays)
+  if (scan.ranges.size() > kMaxRays)
     return wrong("it has " + std::to_string(scan.ranges.size()) + " rays, more than " +
-                 std::to_string(kMostRays));
+                 std::to_string(kMaxRays));
   if (std::abs(scan.angle_increment) * static_cast<double>(scan.ranges.size() - 1) > kWidestSweepRad)
-    return wrong("it sweeps more than a turn and a half; is angle_increment in radians?");
+    return wrong("it sweeps more than one and a half revolutions; is angle_increment in radians?");
   if (!is_finite(scan.base_T_sensor)) return wrong("the pose of the scanner on the robot is not finite");
   return {};
 }

@@ -48,7 +48,7 @@ Result<void> validate(const MapThresholds& thresholds) {
 
 Result<void> validate(const OccupancyGrid& map) {
   if (map.width == 0 || map.height == 0) return fail(ErrorCode::kInvalidArgument, "the map has no cells");
-  if (map.height > kMostMapCells / map.width)
+  if (map.height > kMaxMapCells / map.width)
     return fail(ErrorCode::kInvalidArgument, "the map has more than 2^28 cells");
   if (map.cells.size() != map.width * map.height)
     return fail(ErrorCode::kInvalidArgument, "the map holds " + std::to_string(map.cells.size()) +
@@ -187,8 +187,8 @@ Result<YAML::Node> read_yaml(const fs::path& file) {
   const auto bytes = fs::file_size(file, error);
   std::ifstream in(file);
   if (error || !in) return fail(ErrorCode::kNotFound, "cannot read the map " + file.string());
-  constexpr std::uintmax_t kMostBytes = 1 << 20;
-  if (bytes > kMostBytes)
+  constexpr std::uintmax_t kMaxBytes = 1 << 20;
+  if (bytes > kMaxBytes)
     return fail(ErrorCode::kCorrupt,
                 file.string() + " is too large for a map's description; give the .yaml file of the map");
   try {

@@ -11,12 +11,12 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr unsigned kMostGrey = 65535;
-constexpr unsigned kMostByte = 255;
+constexpr unsigned kMaxGrey = 65535;
+constexpr unsigned kMaxByte = 255;
 
 /// The next number of a PNM text, over blanks and comments; nothing when another character comes first or the
-/// number is above `most`.
-std::optional<std::size_t> next_number(std::istream& in, std::size_t most) {
+/// number is above `max_value`.
+std::optional<std::size_t> next_number(std::istream& in, std::size_t max_value) {
   int c = in.get();
   while (c == '#' || std::isspace(c) != 0) {
     if (c == '#')
@@ -28,21 +28,21 @@ std::optional<std::size_t> next_number(std::istream& in, std::size_t most) {
   std::size_t value = 0;
   for (; std::isdigit(c) != 0; c = in.get()) {
     value = value * 10 + static_cast<std::size_t>(c - '0');
-    if (value > most) return std::nullopt;
+    if (value > max_value) return std::nullopt;
   }
   if (c != EOF && std::isspace(c) == 0) return std::nullopt;  // exactly one blank ends a binary header
   return value;
 }
 
 Result<void> read_header(std::istream& in, GreyImage& image) {
-  const auto width = next_number(in, kMostMapCells);
-  const auto height = width ? next_number(in, kMostMapCells) : std::nullopt;
-  const auto largest = height ? next_number(in, kMostGrey) : std::nullopt;
+  const auto width = next_number(in, kMaxMapCells);
+  const auto height = width ? next_number(in, kMaxMapCells) : std::nullopt;
+  const auto largest = height ? next_number(in, kMaxGrey) : std::nullopt;
   if (!largest || *width == 0 || *height == 0 || *largest == 0)
     return fail(ErrorCode::kCorrupt,
                 "its header is damaged (width, height and the largest grey value must be "
                 "positive, the last at most 65535)");
-  if (*height > kMostMapCells / *width)
+  if (*height > kMaxMapCells / *width)
     return fail(ErrorCode::kCorrupt, "it claims " + std::to_string(*width) + " x " + std::to_string(*height) +
                                          " pixels, more than 2^28");
   image.width = *width;
@@ -58,8 +58,8 @@ tl::unexpected<Error> broken_off(const GreyImage& image) {
 }
 
 void append(GreyImage& image, std::size_t value) {
-  if (image.largest > kMostByte) image.bytes.push_back(static_cast<char>(value >> 8U));
-  image.bytes.push_back(static_cast<char>(value & kMostByte));
+  if (image.largest > kMaxByte) image.bytes.push_back(static_cast<char>(value >> 8U));
+  image.bytes.push_back(static_cast<char>(value & kMaxByte));
 }
 
 Result<void> read_text(std::istream& in, GreyImage& image) {
@@ -77,10 +77,10 @@ Result<void> read_text(std::istream& in, GreyImage& image) {
 
 Result<void> read_pixels(std::istream& in, std::uintmax_t file_bytes, bool binary, GreyImage& image) {
   const std::size_t pixels = image.width * image.height;
-  const std::size_t bytes = pixels * (image.largest > kMostByte ? 2 : 1);
-  // Before memory is taken: a digit and a blank are the least that a pixel of a text file needs.
-  const std::uintmax_t least = binary ? bytes : 2 * std::uintmax_t{pixels} - 1;
-  if (file_bytes < least) return broken_off(image);
+  const std::size_t bytes = pixels * (image.largest > kMaxByte ? 2 : 1);
+  // Before memory is taken: a digit and a blank are the minimum that a pixel of a text file needs.
+  const std::uintmax_t min_bytes = binary ? bytes : 2 * std::uintmax_t{pixels} - 1;
+  if (file_bytes < min_bytes) return broken_off(image);
   if (!binary) {
     image.bytes.reserve(bytes);
     return read_text(in, image);
@@ -96,7 +96,7 @@ Result<void> read_pixels(std::istream& in, std::uintmax_t file_bytes, bool binar
 unsigned GreyImage::at(std::size_t x, std::size_t y) const {
   const std::size_t i = y * width + x;
   const auto byte = [&](std::size_t at) { return static_cast<unsigned char>(bytes[at]); };
-  if (largest <= kMostByte) return std::min<unsigned>(byte(i), largest);
+  if (largest <= kMaxByte) return std::min<unsigned>(byte(i), largest);
   return std::min((unsigned{byte(2 * i)} << 8U) | byte(2 * i + 1), largest);
 }
 

@@ -10,7 +10,7 @@
 namespace extperfc {
 
 /// Larger maps are taken for damaged files.
-constexpr std::size_t kMostMapCells = std::size_t{1} << 28;
+constexpr std::size_t kMaxMapCells = std::size_t{1} << 28;
 
 /// A grey image, top row first.
 struct GreyImage {

@@ -41,16 +41,16 @@ Pose2 between(const Pose2& a, const Pose2& b) {
 }
 
 Pose2 advance(const Pose2& pose, const Twist2& twist, double duration_s) {
-  const double turn = twist.wz * duration_s;
+  const double yaw = twist.wz * duration_s;
   // sin(a)/a and (1 - cos(a))/a, by their series where the quotient loses digits.
-  const bool small = std::abs(turn) < 1e-6;
-  const double along = small ? 1 - turn * turn / 6 : std::sin(turn) / turn;
-  const double across = small ? turn / 2 : (1 - std::cos(turn)) / turn;
+  const bool small = std::abs(yaw) < 1e-6;
+  const double along = small ? 1 - yaw * yaw / 6 : std::sin(yaw) / yaw;
+  const double across = small ? yaw / 2 : (1 - std::cos(yaw)) / yaw;
   const double dx = (twist.vx * along - twist.vy * across) * duration_s;
   const double dy = (twist.vx * across + twist.vy * along) * duration_s;
   const double c = std::cos(pose.yaw);
   const double s = std::sin(pose.yaw);
-  return {pose.x + c * dx - s * dy, pose.y + s * dx + c * dy, wrap_angle(pose.yaw + turn)};
+  return {pose.x + c * dx - s * dy, pose.y + s * dx + c * dy, wrap_angle(pose.yaw + yaw)};
 }
 
 }  // namespace extperfc

@@ -133,8 +133,8 @@ class BuildLists(unittest.TestCase):
     def test_cmake_lists_every_definition(self):
         for package in PACKAGES:
             base = INTERFACES / package
-            listed = {word for word in (base / "CMakeLists.txt").read_text(encoding="utf-8").split()
-                      if word.endswith((".msg", ".srv", ".action"))}
+            listed = {name for name in (base / "CMakeLists.txt").read_text(encoding="utf-8").split()
+                      if name.endswith((".msg", ".srv", ".action"))}
             present = {path.name for kind in ("msg", "srv", "action") for path in base.glob(f"{kind}/*.{kind}")}
             with self.subTest(package):
                 self.assertEqual(listed, present)

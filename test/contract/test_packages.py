@@ -28,7 +28,7 @@ class Packages(unittest.TestCase):
         self.assertEqual(needed - own, set(debian_list()))
 
     def test_debian_knows_the_packages(self):
-        names = sorted({word for value in debian_list().values() for word in value.split()})
+        names = sorted({name for value in debian_list().values() for name in value.split()})
         if not pathlib.Path("/etc/debian_version").exists():
             self.skipTest("not a Debian system")
         shown = subprocess.run(["dpkg-query", "-W", "-f", "${Package}\n", *names], capture_output=True, text=True)

@@ -78,9 +78,10 @@ struct PlanarScanner {
   }
 };
 
-/// Odometry as wheels give it: off by a constant share and by noise that grows with the way and the turn.
+/// Odometry as wheels give it: off by a constant fraction and by noise that grows with the distance and the
+/// rotation.
 struct PlanarOdometry {
-  double scale{0.02};              ///< too long by this share
+  double scale{0.02};              ///< too long by this fraction
   double veer_rad_per_m{0.01};     ///< always to the same side
   double sigma_m_per_m{0.05};      ///< of each step
   double sigma_rad_per_m{0.02};    ///< of each step
@@ -91,9 +92,9 @@ struct PlanarOdometry {
   const Pose2& move(const Pose2& step, Rng& rng) {
     const double way = std::hypot(step.x, step.y);
     const double stretch = 1 + scale + rng.normal(0, sigma_m_per_m);
-    const double turn = veer_rad_per_m * way +
-                        rng.normal(0, 1) * (sigma_rad_per_m * way + sigma_rad_per_rad * std::abs(step.yaw));
-    pose = compose(pose, {step.x * stretch, step.y * stretch, step.yaw + turn});
+    const double yaw = veer_rad_per_m * way +
+                       rng.normal(0, 1) * (sigma_rad_per_m * way + sigma_rad_per_rad * std::abs(step.yaw));
+    pose = compose(pose, {step.x * stretch, step.y * stretch, step.yaw + yaw});
     return pose;
   }
 };
@@ -107,10 +108,10 @@ inline std::vector<Pose2> planar_drive(const std::vector<Eigen::Vector2d>& corne
     const double yaw = std::atan2(way.y(), way.x());
     if (poses.empty()) poses.push_back({corners[0].x(), corners[0].y(), yaw});
     const Pose2 corner = poses.back();
-    const double turn = wrap_angle(yaw - corner.yaw);
-    const int turns = static_cast<int>(std::ceil(std::abs(turn) / step_rad - 1e-9));
-    for (int k = 1; k <= turns; ++k)
-      poses.push_back({corner.x, corner.y, wrap_angle(corner.yaw + turn * k / turns)});
+    const double yaw_step = wrap_angle(yaw - corner.yaw);
+    const int yaw_steps = static_cast<int>(std::ceil(std::abs(yaw_step) / step_rad - 1e-9));
+    for (int k = 1; k <= yaw_steps; ++k)
+      poses.push_back({corner.x, corner.y, wrap_angle(corner.yaw + yaw_step * k / yaw_steps)});
     const int steps = std::max(1, static_cast<int>(std::ceil(way.norm() / step_m - 1e-9)));
     for (int k = 1; k <= steps; ++k) {
       const Eigen::Vector2d at = corners[i - 1] + way * k / steps;

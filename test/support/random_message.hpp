@@ -12,8 +12,8 @@ namespace extperfc::translate {
 
 /// How large and how odd random messages are.
 struct RandomMessageParams {
-  int most_elements{4};    ///< of a variable array; fewer the deeper it is embedded
-  int most_characters{9};  ///< of a string
+  int max_elements{4};    ///< of a variable array; fewer the deeper it is embedded
+  int max_characters{9};  ///< of a string
   /// Numbers of any bits (also NaN, infinities and the extremes) instead of small whole ones, as a
   /// probability.
   double wild{0.3};
@@ -38,7 +38,7 @@ class RandomMessage {
   void append(const Field& field, ByteBuffer& out, int depth) {
     std::uint32_t count = field.arity == Arity::kFixed ? field.fixed_count : 1;
     if (field.arity == Arity::kVariable) {
-      count = static_cast<std::uint32_t>(rng_.integer(0, std::max(1, params_.most_elements - depth)));
+      count = static_cast<std::uint32_t>(rng_.integer(0, std::max(1, params_.max_elements - depth)));
       out.append(&count, sizeof count);
     }
     for (std::uint32_t i = 0; i < count; ++i) append_element(field, out, depth);
@@ -83,7 +83,7 @@ class RandomMessage {
   }
 
   void append_string(ByteBuffer& out) {
-    const auto size = static_cast<std::uint32_t>(rng_.integer(0, params_.most_characters));
+    const auto size = static_cast<std::uint32_t>(rng_.integer(0, params_.max_characters));
     out.append(&size, sizeof size);
     if (rng_.chance(0.8)) {
       for (std::uint32_t i = 0; i < size; ++i)

@@ -21,9 +21,9 @@ class ModelTool(unittest.TestCase):
         done = tool("--help")
         self.assertEqual(0, done.returncode)
         self.assertIn("check FOLDER", done.stdout)
-        for words in ((), ("check",), ("nonsense", "x"), ("check", SHAPES, "--nonsense")):
-            done = tool(*words)
-            self.assertEqual(2, done.returncode, words)
+        for arguments in ((), ("check",), ("nonsense", "x"), ("check", SHAPES, "--nonsense")):
+            done = tool(*arguments)
+            self.assertEqual(2, done.returncode, arguments)
             self.assertEqual(1, len(done.stderr.strip().splitlines()), done.stderr)
 
     def test_missing_folder_is_named(self):
@@ -34,8 +34,8 @@ class ModelTool(unittest.TestCase):
     def test_default_model_is_good(self):
         done = tool("check", SHAPES)
         self.assertEqual(0, done.returncode, done.stdout + done.stderr)
-        for word in ("shapes", "cone", "cube", "sphere", "opencv"):
-            self.assertIn(word, done.stdout)
+        for text in ("shapes", "cone", "cube", "sphere", "opencv"):
+            self.assertIn(text, done.stdout)
 
     def test_every_problem_of_a_broken_model_at_once(self):
         with tempfile.TemporaryDirectory() as folder:
@@ -47,12 +47,12 @@ class ModelTool(unittest.TestCase):
             (copy / "model.yaml").write_text(text)
             done = tool("check", copy)
         self.assertEqual(1, done.returncode)
-        for word in ("yolo_v99", "nonsense"):
-            self.assertIn(word, done.stdout + done.stderr)
+        for text in ("yolo_v99", "nonsense"):
+            self.assertIn(text, done.stdout + done.stderr)
 
     def test_wrong_checksum_and_damaged_network(self):
-        for damage, word in ((b"x", "instead of"), (None, "ONNX")):
-            with tempfile.TemporaryDirectory() as folder, self.subTest(word):
+        for damage, expected in ((b"x", "instead of"), (None, "ONNX")):
+            with tempfile.TemporaryDirectory() as folder, self.subTest(expected):
                 copy = pathlib.Path(folder) / "model"
                 shutil.copytree(SHAPES, copy)
                 network = copy / "shapes.onnx"
@@ -64,7 +64,7 @@ class ModelTool(unittest.TestCase):
                     (copy / "model.yaml").write_text(re.sub(r"sha256: \w+\n", "", text))
                 done = tool("check", copy)
                 self.assertEqual(1, done.returncode)
-                self.assertIn(word, done.stdout + done.stderr)
+                self.assertIn(expected, done.stdout + done.stderr)
 
     def test_runs_on_an_image(self):
         with tempfile.TemporaryDirectory() as folder:

@@ -25,11 +25,11 @@ def error(a, b):
     return math.hypot(a.x - b.x, a.y - b.y), abs(math.remainder(a.yaw - b.yaw, 2 * math.pi))
 
 
-def interpolate(a, b, share):
-    """From a (share 0) to b (share 1)."""
-    turn = math.remainder(b.yaw - a.yaw, 2 * math.pi)
-    return Pose(a.x + share * (b.x - a.x), a.y + share * (b.y - a.y),
-                math.remainder(a.yaw + share * turn, 2 * math.pi))
+def interpolate(a, b, fraction):
+    """From a (fraction 0) to b (fraction 1)."""
+    yaw = math.remainder(b.yaw - a.yaw, 2 * math.pi)
+    return Pose(a.x + fraction * (b.x - a.x), a.y + fraction * (b.y - a.y),
+                math.remainder(a.yaw + fraction * yaw, 2 * math.pi))
 
 
 class Track:
@@ -67,11 +67,11 @@ class Track:
         return self.poses[after - 1] if after else None
 
 
-def settled_after(stamps, errors, most_m, most_rad):
+def settled_after(stamps, errors, max_m, max_rad):
     """When the errors (pairs of metres and radians) came below both limits for good; None when they did not."""
     settled = None
     for stamp, (metres, radians) in zip(stamps, errors):
-        if metres > most_m or radians > most_rad:
+        if metres > max_m or radians > max_rad:
             settled = None
         elif settled is None:
             settled = stamp

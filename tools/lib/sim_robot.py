@@ -9,7 +9,7 @@ import numpy
 
 from pose_errors import Pose, Track, compose, error, inverse
 
-LEAST_CLEARANCE_M = 0.65  # of the robot's middle to what stands around; its corners are 0.57 m away
+MIN_CLEARANCE_M = 0.65  # of the robot's middle to what stands around; its corners are 0.57 m away
 
 
 class Stalled(Exception):
@@ -25,17 +25,17 @@ def planar(pose):
 def towards(here, goal, speed_m_s):
     """Velocity (vx, vy, wz) in the robot's own frame to a point, facing it; a holonomic base turns while it drives."""
     dx, dy = goal[0] - here.x, goal[1] - here.y
-    away, turn = math.hypot(dx, dy), math.remainder(math.atan2(dy, dx) - here.yaw, 2 * math.pi)
-    speed = min(speed_m_s, 1.5 * away) * max(0.0, math.cos(turn))
-    return speed * math.cos(turn), speed * math.sin(turn), max(-1.0, min(1.0, 2.0 * turn))
+    away, bearing = math.hypot(dx, dy), math.remainder(math.atan2(dy, dx) - here.yaw, 2 * math.pi)
+    speed = min(speed_m_s, 1.5 * away) * max(0.0, math.cos(bearing))
+    return speed * math.cos(bearing), speed * math.sin(bearing), max(-1.0, min(1.0, 2.0 * bearing))
 
 
-def wander(here, clearance_at, turn_sign):
+def wander(here, clearance_at, yaw_sign):
     """Velocity of a robot that drives in slight bows where there is room ahead and turns where there is none."""
     ahead = [(here.x + way * math.cos(here.yaw), here.y + way * math.sin(here.yaw)) for way in (0.2, 0.4, 0.6)]
-    if all(clearance_at(x, y) > LEAST_CLEARANCE_M for x, y in ahead):
-        return 0.5, 0.0, 0.2 * turn_sign
-    return 0.0, 0.0, 0.8 * turn_sign
+    if all(clearance_at(x, y) > MIN_CLEARANCE_M for x, y in ahead):
+        return 0.5, 0.0, 0.2 * yaw_sign
+    return 0.0, 0.0, 0.8 * yaw_sign
 
 
 class SimRobot:
@@ -210,6 +210,6 @@ class SimRobot:
     def free_places(self):
         """Middles of cells of the true map with room for the robot, as an array of (x, y)."""
         info = self.map.info
-        rows, columns = numpy.nonzero(self.clearance() > LEAST_CLEARANCE_M)
+        rows, columns = numpy.nonzero(self.clearance() > MIN_CLEARANCE_M)
         origin = info.origin.position
         return numpy.stack([origin.x + (columns + 0.5) * info.resolution, origin.y + (rows + 0.5) * info.resolution], 1)

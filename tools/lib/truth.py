@@ -4,7 +4,7 @@ import collections
 
 import numpy
 
-LEAST_OVERLAP = 0.5  # of a detection's box and a visible object's, as intersection over union
+MIN_OVERLAP = 0.5  # of a detection's box and a visible object's, as intersection over union
 
 Box = collections.namedtuple("Box", "label corners")         # corners: x0 y0 x1 y1 [px], edges of the pixels
 TrueObject = collections.namedtuple("TrueObject", "label position")    # position: centre, 3 values [m]
@@ -21,7 +21,7 @@ def overlap(a, b):
     return both / ((a[2] - a[0]) * (a[3] - a[1]) + (b[2] - b[0]) * (b[3] - b[1]) - both)
 
 
-def match(detections, visible, least_overlap=LEAST_OVERLAP):
+def match(detections, visible, min_overlap=MIN_OVERLAP):
     """For each detection the index of the visible object that it is, or None.
 
     `detections` are Box, the best first; each takes the object of its class that it overlaps most, if nobody took it.
@@ -31,7 +31,7 @@ def match(detections, visible, least_overlap=LEAST_OVERLAP):
     for found in detections:
         overlaps = [(overlap(found.corners, visible[i].corners), i) for i in free if visible[i].label == found.label]
         best, index = max(overlaps, default=(0.0, None))
-        if index is not None and best < least_overlap:
+        if index is not None and best < min_overlap:
             index = None
         free.discard(index)
         matches.append(index)
@@ -67,8 +67,8 @@ class Score:
         """Lines for people."""
         if not self.frames:
             return []
-        share = f" ({100 * self.found / self.visible:.0f} %)" if self.visible else ""
-        lines = [f"found {self.found} of {self.visible} visible objects in {self.frames} frames{share}, "
+        fraction = f" ({100 * self.found / self.visible:.0f} %)" if self.visible else ""
+        lines = [f"found {self.found} of {self.visible} visible objects in {self.frames} frames{fraction}, "
                  f"{self.false} false detections"]
         if self.errors_m:
             lines.append(f"position of the objects' centres: mean error {100 * numpy.mean(self.errors_m):.1f} cm, "

@@ -12,19 +12,20 @@ namespace extperfc {
 
 /// What a program takes on its command line.
 struct ArgumentSyntax {
-  std::size_t least{0}, most{0};  ///< words that are no options
-  std::set<std::string> values;   ///< options with a value, which may be given several times: "--set"
-  std::set<std::string> flags;    ///< options without: "--json"
+  std::size_t min_operands{0}, max_operands{0};  ///< arguments that are not options
+  std::set<std::string> values;  ///< options with a value, which may be given several times: "--set"
+  std::set<std::string> flags;   ///< options without: "--json"
 };
 
-/// The words behind a program's name. `--name=value` and `--name value` are the same; behind `--` nothing is
-/// an option, and -h is --help. Errors name the word that does not fit, with the nearest option that exists.
+/// The arguments behind a program's name. `--name=value` and `--name value` are the same; behind `--` nothing
+/// is an option, and -h is --help. Errors name the argument that does not fit, with the nearest option that
+/// exists.
 class Arguments {
  public:
-  [[nodiscard]] static Result<Arguments> read(const std::vector<std::string>& words,
+  [[nodiscard]] static Result<Arguments> read(const std::vector<std::string>& tokens,
                                               const ArgumentSyntax& syntax);
 
-  [[nodiscard]] const std::vector<std::string>& words() const { return words_; }
+  [[nodiscard]] const std::vector<std::string>& operands() const { return operands_; }
   [[nodiscard]] bool has(const std::string& option) const { return values_.count(option) != 0; }
   [[nodiscard]] std::vector<std::string> all(const std::string& option) const;
   /// The last one given.
@@ -37,7 +38,7 @@ class Arguments {
                                                                    std::size_t count) const;
 
  private:
-  std::vector<std::string> words_;
+  std::vector<std::string> operands_;
   std::map<std::string, std::vector<std::string>> values_;
 };
 

@@ -5,8 +5,8 @@
 
 namespace extperfc {
 
-/// How many characters must be inserted, removed or replaced to make one word of the other (Levenshtein). For
-/// hints to people who mistyped a name; takes the product of both lengths.
+/// How many characters must be inserted, removed or replaced to turn one token into the other (Levenshtein).
+/// For hints to people who mistyped a name; takes the product of both lengths.
 [[nodiscard]] std::size_t edit_distance(std::string_view from, std::string_view to);
 
 }  // namespace extperfc

@@ -8,7 +8,8 @@ namespace extperfc {
 
 /// Lets results that several threads compute leave in the order in which their work began.
 ///
-/// Each thread takes the next ticket when it starts and waits for its turn before it hands its result on.
+/// Each thread takes the next ticket when it starts and waits until the earlier ones are finished before it
+/// hands its result on.
 class InOrder {
  public:
   /// The next ticket, from 0 upwards. Every ticket must be passed to finish(), whatever became of the work.
@@ -23,21 +24,21 @@ class InOrder {
   void finish(std::uint64_t ticket, Deliver&& deliver) {
     {
       std::unique_lock lock(mutex_);
-      turn_.wait(lock, [&] { return turn_ticket_ == ticket; });
+      finished_.wait(lock, [&] { return next_to_finish_ == ticket; });
     }
     deliver();
     {
       const std::lock_guard lock(mutex_);
-      ++turn_ticket_;
+      ++next_to_finish_;
     }
-    turn_.notify_all();
+    finished_.notify_all();
   }
 
  private:
   std::mutex mutex_;
-  std::condition_variable turn_;
+  std::condition_variable finished_;
   std::uint64_t next_{0};
-  std::uint64_t turn_ticket_{0};
+  std::uint64_t next_to_finish_{0};
 };
 
 }  // namespace extperfc

@@ -30,7 +30,7 @@ struct ObjectFitParams {
   int min_object_px{30};        ///< fewer pixels that stand out of the support are no object, >= 10
   int min_support_px{60};       ///< fewer pixels of the support around the box are none, >= 10
   double max_rms{3.0};          ///< largest spread about the shape, in standard deviations of the noise, > 1
-  double least_fitting{0.6};    ///< share of the object's pixels that must lie on the shape, (0, 1]
+  double min_fitting{0.6};      ///< fraction of the object's pixels that must lie on the shape, (0, 1]
   std::uint64_t seed{1};        ///< of the search for the support
   StereoNoiseModel noise;
 };

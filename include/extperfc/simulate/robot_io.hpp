@@ -109,14 +109,14 @@ struct JointSample {
 enum class FaultKind {
   kNone,
   kCameraFreeze,  ///< the same image again, with new stamps
-  kCameraDrop,    ///< value: share of frames that are lost, [0, 1]
-  kCameraNan,     ///< value: share of depth pixels without a measurement, [0, 1] (NaN in 32FC1, 0 in 16UC1)
-  kLidarRings,    ///< target: ring numbers, e.g. "3,7"; their points are missing
-  kLidarDrop,     ///< value: share of sweeps that are lost, [0, 1]
-  kJointStuck,    ///< target: joint; it stays where it is
-  kWheelSlip,     ///< target: fl, fr, rl, rr or all; value: share of its motion that is lost, [0, 1]
-  kClockJump,     ///< value: seconds by which the clock jumps, once
-  kDie,           ///< value: seconds until the process ends itself with exit code 1
+  kCameraDrop,    ///< value: fraction of frames that are lost, [0, 1]
+  kCameraNan,   ///< value: fraction of depth pixels without a measurement, [0, 1] (NaN in 32FC1, 0 in 16UC1)
+  kLidarRings,  ///< target: ring numbers, e.g. "3,7"; their points are missing
+  kLidarDrop,   ///< value: fraction of sweeps that are lost, [0, 1]
+  kJointStuck,  ///< target: joint; it stays where it is
+  kWheelSlip,   ///< target: fl, fr, rl, rr or all; value: fraction of its motion that is lost, [0, 1]
+  kClockJump,   ///< value: seconds by which the clock jumps, once
+  kDie,         ///< value: seconds until the process ends itself with exit code 1
 };
 
 /// Name as services and parameters write it: "camera_freeze", "camera_drop", "camera_nan", "lidar_rings",

@@ -26,7 +26,7 @@ struct DepthNoiseParams {
   double disparity_step_px{1.0 / 32.0};  ///< of the matcher; 0: none. Not used without noise
   double quantum_m{0.001};               ///< depth unit
   double hole_probability{0.002};        ///< of a pixel on a plain surface, [0, 1]
-  double edge_holes{0.35};  ///< share of pixels without a measurement beside an edge of depth, [0, 1]
+  double edge_holes{0.35};  ///< fraction of pixels without a measurement beside an edge of depth, [0, 1]
 };
 
 struct CameraParams {
@@ -35,7 +35,7 @@ struct CameraParams {
   bool shadows{true};
   bool soft_light{true};  ///< a light with a size and less light in corners; false: sharp shadows, cheaper
   int supersampling{1};   ///< 1 or 2: 2 x 2 rays per pixel, for training images
-  double image_noise{0.006};  ///< standard deviation of a colour value, as a share of full scale; 0: none
+  double image_noise{0.006};  ///< standard deviation of a colour value, as a fraction of full scale; 0: none
   DepthNoiseParams depth;
 };
 
@@ -53,7 +53,7 @@ struct CameraImages {
 struct LidarParams {
   std::uint32_t sensor{0};   ///< number of this lidar: tells its noise from another's
   double rotation_hz{10.0};  ///< [5, 20]
-  int columns{1875};         ///< firings of all rings per turn at rotation_hz
+  int columns{1875};         ///< firings of all rings per revolution at rotation_hz
   double min_range_m{0.4};
   double max_range_m{100.0};
   double range_noise_m{0.01};  ///< standard deviation (the data sheet promises +-3 cm)
@@ -99,8 +99,8 @@ class SensorRig {
   /// the optical frame (x right, y down, z forward).
   virtual void camera(const CameraParams& params, const Pose& world_T_optical, CameraImages& images) = 0;
 
-  /// One turn. The sensor's pose is interpolated from its start to its end, so points are in the sensor's
-  /// frame at their own time, as the real sensor's are. Points are ordered by column, then by ring.
+  /// One revolution. The sensor's pose is interpolated from its start to its end, so points are in the
+  /// sensor's frame at their own time, as the real sensor's are. Points are ordered by column, then by ring.
   virtual void lidar(const LidarParams& params, const Pose& world_T_begin, const Pose& world_T_end,
                      std::vector<LidarPoint>& points) = 0;
 

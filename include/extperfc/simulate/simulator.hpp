@@ -16,17 +16,17 @@ namespace extperfc::simulate {
 
 /// Wheels, odometry and IMU of the holonomic base.
 struct BaseParams {
-  double max_speed_m_s{1.0};             ///< along x and y together, (0, 1.84]
-  double max_turn_rad_s{1.5};            ///< (0, 3.1]
-  double max_accel_m_s2{1.0};            ///< (0, 4]
-  double max_turn_accel_rad_s2{3.1416};  ///< (0, 9.5]
-  double command_timeout_s{0.2};         ///< the base stops when no command came for this long, (0, 5]
-  /// Standard deviation of the error of a wheel's measured speed, as a share of it, [0, 0.5]. It wanders with
-  /// a correlation time of 0.5 s.
+  double max_speed_m_s{1.0};            ///< along x and y together, (0, 1.84]
+  double max_yaw_rate_rad_s{1.5};       ///< (0, 3.1]
+  double max_accel_m_s2{1.0};           ///< (0, 4]
+  double max_yaw_accel_rad_s2{3.1416};  ///< (0, 9.5]
+  double command_timeout_s{0.2};        ///< the base stops when no command came for this long, (0, 5]
+  /// Standard deviation of the error of a wheel's measured speed, as a fraction of it, [0, 0.5]. It wanders
+  /// with a correlation time of 0.5 s.
   double wheel_noise{0.01};
-  /// The same of the share of a wheel's motion that the floor does not take.
+  /// The same of the fraction of a wheel's motion that the floor does not take.
   double wheel_slip{0.01};
-  double lateral_slip{0.02};       ///< share of sideways motion that mecanum rollers lose, [0, 0.5]
+  double lateral_slip{0.02};       ///< fraction of sideways motion that mecanum rollers lose, [0, 0.5]
   double gyro_noise_rad_s{0.002};  ///< standard deviation of a sample, [0, 1]
   double gyro_bias_rad_s{
       0.001};  ///< standard deviation of the constant bias, drawn once from the seed, [0, 1]

@@ -14,7 +14,7 @@ namespace extperfc::simulate {
 /// A joint that a follower moves.
 struct FollowedJoint {
   std::string name;
-  double lower{-std::numeric_limits<double>::infinity()};  ///< least position [rad]
+  double lower{-std::numeric_limits<double>::infinity()};  ///< minimum position [rad]
   double upper{std::numeric_limits<double>::infinity()};   ///< greatest position [rad]
 };
 

@@ -27,7 +27,7 @@ struct LaserScan {
 
 /// An error that names the first field that cannot be: a stamp or
 /// angles that are not finite, a zero increment, a sweep of more
-/// than one turn and a half, range_max not above range_min, no rays or more than 100,000.
+/// than one and a half revolutions, range_max not above range_min, no rays or more than 100,000.
 [[nodiscard]] Result<void> validate(const LaserScan& scan);
 
 }  // namespace extperfc

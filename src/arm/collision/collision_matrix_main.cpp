@@ -57,7 +57,7 @@ Result<CollisionMatrixParams> params_of(const Arguments& arguments) {
 }
 
 Result<Srdf> make_srdf(const Arguments& arguments, const CollisionMatrixParams& params) {
-  const std::filesystem::path urdf = arguments.words().front();
+  const std::filesystem::path urdf = arguments.operands().front();
   const std::filesystem::path above = std::filesystem::absolute(urdf).parent_path().parent_path();
   const auto robot = RobotModel::from_file(urdf, arguments.last("--resources").value_or(above.string()));
   if (!robot) return tl::unexpected(robot.error());

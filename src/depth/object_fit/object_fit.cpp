@@ -14,7 +14,7 @@ namespace extperfc::depth {
 namespace {
 
 constexpr double kStandsOut = 4.0;     // standard deviations of the support's height that a pixel must exceed
-constexpr double kLeastRise = 0.002;   // and that many metres
+constexpr double kMinRise = 0.002;     // and that many metres
 constexpr double kRoughness = 0.0005;  // of an object's surface against the ideal shape [m]
 
 const char* name_of(FitShape shape) {
@@ -55,7 +55,7 @@ std::vector<fit::Sample> standing_out(const fit::Points& points, const fit::Supp
     if (!point.in_box) continue;
     const Eigen::Vector3d position = plane_T_camera * point.position;
     const double sigma = point.sigma_m * std::abs(normal.dot(point.position.normalized()));
-    if (position.z() < std::max(kLeastRise, kStandsOut * sigma) || position.z() > params.max_size_m) continue;
+    if (position.z() < std::max(kMinRise, kStandsOut * sigma) || position.z() > params.max_size_m) continue;
     samples.push_back({position, std::hypot(point.sigma_m, kRoughness)});
   }
   return samples;
@@ -66,7 +66,7 @@ Result<void> check_fit(FitShape shape, const fit::SolidFit& found, const ObjectF
   if (!size.allFinite() || size.minCoeff() < params.min_size_m || size.maxCoeff() > params.max_size_m)
     return fail(ErrorCode::kNotFound, std::string("as a ") + name_of(shape) + " it would be " +
                                           std::to_string(size.maxCoeff()) + " m large");
-  if (found.fitting < params.least_fitting || found.rms > params.max_rms)
+  if (found.fitting < params.min_fitting || found.rms > params.max_rms)
     return fail(ErrorCode::kNotFound,
                 std::string("what stands there does not look like a ") + name_of(shape) + ": " +
                     std::to_string(static_cast<int>(100 * found.fitting)) + " % of its pixels fit");
@@ -87,15 +87,15 @@ ObjectFit place(FitShape shape, const fit::SolidFit& found, const fit::SupportPl
   object.support = support.camera_T_plane * Eigen::Vector3d(found.numbers[0], found.numbers[1], 0);
 
   // d origin / d numbers; the height is half of the size along z.
-  Eigen::Matrix<double, 3, Eigen::Dynamic, 0, 3, fit::kMostNumbers> by =
-      Eigen::Matrix<double, 3, Eigen::Dynamic, 0, 3, fit::kMostNumbers>::Zero(3, found.numbers.size());
+  Eigen::Matrix<double, 3, Eigen::Dynamic, 0, 3, fit::kMaxNumbers> by =
+      Eigen::Matrix<double, 3, Eigen::Dynamic, 0, 3, fit::kMaxNumbers>::Zero(3, found.numbers.size());
   by(0, 0) = by(1, 1) = 1;
   by(2, shape == FitShape::kCone ? 3 : 2) = shape == FitShape::kSphere ? 1 : 0.5;
   Eigen::Matrix3d in_plane = by * found.covariance * by.transpose();
   in_plane(2, 2) += support.height_sigma_m * support.height_sigma_m;
-  const Eigen::Matrix3d turn = support.camera_T_plane.linear();
+  const Eigen::Matrix3d rotation = support.camera_T_plane.linear();
   const Eigen::Vector3d ray = shared_sigma_m * object.camera_T_object.translation().normalized();
-  object.covariance = turn * in_plane * turn.transpose() + ray * ray.transpose();
+  object.covariance = rotation * in_plane * rotation.transpose() + ray * ray.transpose();
   object.size_sigma_m = std::sqrt(found.covariance(2, 2)) * (shape == FitShape::kCube ? 1 : 2);
   object.rms_m = found.rms_m;
   object.support_px = support.pixels;
@@ -122,8 +122,8 @@ Result<void> validate(const ObjectFitParams& p) {
                     "min_object_px and min_support_px must be 10 or more");
       !r)
     return r;
-  return need(p.max_rms > 1 && p.least_fitting > 0 && p.least_fitting <= 1,
-              "max_rms must be above 1, least_fitting in (0, 1]");
+  return need(p.max_rms > 1 && p.min_fitting > 0 && p.min_fitting <= 1,
+              "max_rms must be above 1, min_fitting in (0, 1]");
 }
 
 Result<ObjectFit> fit_object(const ImageView& depth, const CameraModel& camera, const Box2& box,

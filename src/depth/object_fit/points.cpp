@@ -9,10 +9,11 @@
 namespace extperfc::depth::fit {
 namespace {
 
-constexpr double kMostPixels = 4000;
+constexpr double kMaxPixels = 4000;
 constexpr double kRounding = 0.001 / 3.4641016151377544;  // sigma of rounding to 1 mm [m]: 1 mm / sqrt(12)
-constexpr double kBoxGrowth = 0.05;  // detections are tight or a little too small: share of the box's sides
-constexpr double kReach = 2.0;       // of what belongs to the object's surroundings, in diagonals of the box
+constexpr double kBoxGrowth =
+    0.05;                       // detections are tight or a little too small: fraction of the box's sides
+constexpr double kReach = 2.0;  // of what belongs to the object's surroundings, in diagonals of the box
 
 /// Depth [m] of a pixel; 0 or not finite: no measurement.
 double depth_at(const ImageView& depth, int x, int y) {
@@ -53,7 +54,7 @@ Points gather(const ImageView& depth, const CameraModel& camera, const Box2& box
   const Range columns = range_of(box.x_min, box.x_max, params.surround * side, depth.width);
   const Range rows = range_of(box.y_min, box.y_max, params.surround * side, depth.height);
   const double pixels = static_cast<double>(columns.length()) * rows.length();
-  const int step = std::max(1, static_cast<int>(std::ceil(std::sqrt(pixels / kMostPixels))));
+  const int step = std::max(1, static_cast<int>(std::ceil(std::sqrt(pixels / kMaxPixels))));
   const double reach = kReach * std::hypot(box.width() / camera.fx, box.height() / camera.fy) * anchor.z();
   Points points;
   const double patch = params.noise.correlation_px * params.noise.correlation_px;

@@ -11,16 +11,16 @@
 namespace extperfc::depth::fit {
 namespace {
 
-constexpr double kLeastLength = 1e-3;   // of a radius, edge or height on the way [m]
-constexpr double kMostStep = 0.02;      // of one iteration [m], and ten times as many [rad]
+constexpr double kMinLength = 1e-3;     // of a radius, edge or height on the way [m]
+constexpr double kMaxStep = 0.02;       // of one iteration [m], and ten times as many [rad]
 constexpr double kDelta = 1e-6;         // of numerical derivatives [m] or [rad]
 constexpr double kFits = 3.0;           // standard deviations
-constexpr double kWidthSigma = 0.08;    // of a radius that the silhouette tells, as a share of it
+constexpr double kWidthSigma = 0.08;    // of a radius that the silhouette tells, as a fraction of it
 constexpr double kWidthSigmaM = 0.001;  // and that many metres
 /// Cauchy's scale in standard deviations: wide at first, so that a bad start is drawn in.
 constexpr std::array<double, 18> kScales{32, 32, 32, 16, 16, 16, 8, 8, 8, 4, 4, 4, 2, 2, 2, 2, 2, 2};
 
-using Row = Eigen::Matrix<double, 1, Eigen::Dynamic, 1, 1, kMostNumbers>;
+using Row = Eigen::Matrix<double, 1, Eigen::Dynamic, 1, 1, kMaxNumbers>;
 
 double cauchy(double residual, double scale) {
   const double r = residual / scale;
@@ -112,9 +112,9 @@ void advance(FitShape shape, Numbers& numbers, const Sums& sums) {
   Numbers step = damped(sums.normal).ldlt().solve(sums.right);
   for (Eigen::Index i = 0; i < step.size(); ++i) {
     const bool is_yaw = shape == FitShape::kCube && i == 3;
-    const double most = is_yaw ? 10 * kMostStep : kMostStep;
-    numbers[i] += std::clamp(step[i], -most, most);
-    if (i >= 2 && !is_yaw) numbers[i] = std::max(numbers[i], kLeastLength);
+    const double max_step = is_yaw ? 10 * kMaxStep : kMaxStep;
+    numbers[i] += std::clamp(step[i], -max_step, max_step);
+    if (i >= 2 && !is_yaw) numbers[i] = std::max(numbers[i], kMinLength);
   }
 }
 
@@ -159,17 +159,17 @@ std::vector<Sample> thinned(const std::vector<Sample>& samples, std::size_t coun
   return few;
 }
 
-/// The start that leads to the least cost.
+/// The start that leads to the lowest cost.
 Numbers best_start(const Problem& few, const std::vector<Numbers>& starts) {
   if (starts.size() == 1) return starts.front();
   Numbers best = starts.front();
-  double least = std::numeric_limits<double>::infinity();
+  double lowest = std::numeric_limits<double>::infinity();
   for (const Numbers& start : starts) {
     const Numbers numbers = descend(few, start);
     const double cost = robust_cost(few.shape, numbers, few.samples);
-    if (!(cost < least)) continue;
+    if (!(cost < lowest)) continue;
     best = numbers;
-    least = cost;
+    lowest = cost;
   }
   return best;
 }

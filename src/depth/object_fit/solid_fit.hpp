@@ -14,15 +14,14 @@ struct Sample {
   double sigma_m{0};         ///< standard deviation [m], > 0
 };
 
-using NumbersCovariance =
-    Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, 0, kMostNumbers, kMostNumbers>;
+using NumbersCovariance = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, 0, kMaxNumbers, kMaxNumbers>;
 
 struct SolidFit {
   Numbers numbers;
   NumbersCovariance covariance;
   double rms{0};      ///< spread of what lies on the solid, in standard deviations
   double rms_m{0};    ///< the same [m]
-  double fitting{0};  ///< share of the samples within 3 standard deviations
+  double fitting{0};  ///< fraction of the samples within 3 standard deviations
 };
 
 /// The solid of this shape that lies nearest to the samples; the best of several starts. `independent`: how

@@ -7,7 +7,7 @@
 namespace extperfc::depth::fit {
 namespace {
 
-constexpr int kYaws = 6;                          // starts of a cube over a quarter turn
+constexpr int kYaws = 6;                          // starts of a cube over a quarter rotation
 constexpr double kQuarter = 1.57079632679489662;  // [rad]
 
 double sphere_distance(const Numbers& sphere, const Eigen::Vector3d& point) {
@@ -50,13 +50,13 @@ Eigen::Vector2d middle_above(const std::vector<Eigen::Vector3d>& points, double 
   return sum / std::max(1, count);
 }
 
-/// Height that a share of the points stays below.
-double height_of(const std::vector<Eigen::Vector3d>& points, double share) {
+/// Height that a fraction of the points stays below.
+double height_of(const std::vector<Eigen::Vector3d>& points, double fraction) {
   std::vector<double> heights;
   heights.reserve(points.size());
   for (const auto& point : points) heights.push_back(point.z());
   const auto place =
-      heights.begin() + static_cast<std::ptrdiff_t>(share * static_cast<double>(heights.size() - 1));
+      heights.begin() + static_cast<std::ptrdiff_t>(fraction * static_cast<double>(heights.size() - 1));
   std::nth_element(heights.begin(), place, heights.end());
   return *place;
 }

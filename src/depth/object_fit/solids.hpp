@@ -10,8 +10,8 @@
 /// sphere (x, y, radius), cone (x, y, radius, height), cube (x, y, edge, yaw).
 namespace extperfc::depth::fit {
 
-inline constexpr int kMostNumbers = 4;
-using Numbers = Eigen::Matrix<double, Eigen::Dynamic, 1, 0, kMostNumbers, 1>;
+inline constexpr int kMaxNumbers = 4;
+using Numbers = Eigen::Matrix<double, Eigen::Dynamic, 1, 0, kMaxNumbers, 1>;
 
 /// How many numbers a solid has: 3 or 4.
 [[nodiscard]] int number_count(FitShape shape);

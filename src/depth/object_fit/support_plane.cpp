@@ -13,11 +13,11 @@ namespace extperfc::depth::fit {
 namespace {
 
 constexpr int kRounds = 80;
-constexpr double kInlier = 3.0;          // standard deviations
-constexpr double kMostTiltSigmas = 3.0;  // of the normal against `up`
-constexpr double kRoughness = 0.0005;    // of a surface that is called flat [m]
+constexpr double kInlier = 3.0;         // standard deviations
+constexpr double kMaxTiltSigmas = 3.0;  // of the normal against `up`
+constexpr double kRoughness = 0.0005;   // of a surface that is called flat [m]
 constexpr int kRefinements = 3;
-constexpr double kLeastShare = 0.1;  // of the pixels around the box that the support must hold
+constexpr double kMinFraction = 0.1;  // of the pixels around the box that the support must hold
 
 /// n . p = offset
 struct Plane {
@@ -41,14 +41,14 @@ int count_on(const Plane& plane, const std::vector<Point>& ring) {
 }
 
 std::optional<Plane> plane_through(const Point& a, const Point& b, const Point& c, const Eigen::Vector3d& up,
-                                   double most_tilt) {
+                                   double max_tilt) {
   Eigen::Vector3d normal = (b.position - a.position).cross(c.position - a.position);
   if (normal.norm() < 1e-9) return std::nullopt;
   normal.normalize();
   if (normal.dot(up) < 0) normal = -normal;
   // Three near points say little about a tilt: what they say is drawn to what is allowed.
   const double tilt = std::acos(std::min(1.0, normal.dot(up)));
-  if (tilt > most_tilt) normal = up;
+  if (tilt > max_tilt) normal = up;
   return Plane{normal, normal.dot(a.position)};
 }
 
@@ -57,14 +57,14 @@ std::optional<Plane> search(const std::vector<Point>& ring, const Eigen::Vector3
   Rng rng(params.seed);
   const int last = static_cast<int>(ring.size()) - 1;
   std::optional<Plane> best;
-  int most = std::max(params.min_support_px, static_cast<int>(kLeastShare * (last + 1))) - 1;
+  int max_inliers = std::max(params.min_support_px, static_cast<int>(kMinFraction * (last + 1))) - 1;
   for (int round = 0; round < kRounds; ++round) {
     const auto plane = plane_through(ring[rng.integer(0, last)], ring[rng.integer(0, last)],
-                                     ring[rng.integer(0, last)], up, kMostTiltSigmas * params.tilt_sigma_rad);
+                                     ring[rng.integer(0, last)], up, kMaxTiltSigmas * params.tilt_sigma_rad);
     if (!plane) continue;
     const int on = count_on(*plane, ring);
-    if (on <= most) continue;
-    most = on;
+    if (on <= max_inliers) continue;
+    max_inliers = on;
     best = plane;
   }
   return best;

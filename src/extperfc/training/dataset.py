@@ -124,7 +124,7 @@ def move(boxes, scale, shift):
     return out
 
 
-def crop_boxes(boxes, area, keep=0.35, least=11):
+def crop_boxes(boxes, area, keep=0.35, min_side=11):
     """Cuts boxes to area x0, y0, x1, y1; those with too little left become ignored, specks are dropped."""
     if not len(boxes):
         return boxes
@@ -133,7 +133,7 @@ def crop_boxes(boxes, area, keep=0.35, least=11):
     out[:, 2::2] = np.clip(boxes[:, 2::2], area[1], area[3])
     size = out[:, 3:] - out[:, 1:3]
     full = np.maximum(1e-3, np.prod(boxes[:, 3:] - boxes[:, 1:3], axis=1))
-    good = (np.prod(size, axis=1) >= keep * full) & (size.max(1) >= least) & (size.min(1) >= 3)
+    good = (np.prod(size, axis=1) >= keep * full) & (size.max(1) >= min_side) & (size.min(1) >= 3)
     out[~good, 0] = -1
     return out[(size.min(1) >= 2) & (size.max(1) >= 4)]
 
@@ -205,7 +205,7 @@ class Augmenter:
         return np.concatenate([self._into(canvas, area, np.exp(self.rng.uniform(-1.0, -.15))) for area in areas])
 
     def sample(self, mosaic=0.2):
-        """One training sample; the share of mosaics is given."""
+        """One training sample; the fraction of mosaics is given."""
         canvas = np.full((HEIGHT, WIDTH, 3), PAD, np.uint8)
         kind = self.rng.random()
         if kind < mosaic:

@@ -98,8 +98,8 @@ def rooms(count):
     """Yields images and boxes of ordinary views: the scenes of tools/generate_images, none of them trained on."""
     for seed in range(dataset.ROOMS[0], dataset.ROOMS[0] + (count + len(VIEWS) - 1) // len(VIEWS)):
         scene = sequence.Scene(seed)
-        for share in VIEWS:
-            sample = scene.render(share)[0]
+        for fraction in VIEWS:
+            sample = scene.render(fraction)[0]
             yield sample.image, rows(sample)
 
 

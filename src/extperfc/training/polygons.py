@@ -30,11 +30,11 @@ def _clip(frame, points):
 def _inside(pixels, shape):
     """Mask (h, w) of the pixel centres in a convex polygon (N, 2); neighbours share edges without teeth or gaps."""
     after = np.roll(pixels, -1, axis=0)
-    turn = np.sign(np.sum(pixels[:, 0] * after[:, 1] - pixels[:, 1] * after[:, 0]))
+    winding = np.sign(np.sum(pixels[:, 0] * after[:, 1] - pixels[:, 1] * after[:, 0]))
     xs, ys = np.arange(shape[1]), np.arange(shape[0])[:, None]
     mask = np.ones(shape, bool)
     for (x0, y0), (x1, y1) in zip(pixels, after):
-        mask &= turn * ((x1 - x0) * (ys - y0) - (y1 - y0) * (xs - x0)) >= 0
+        mask &= winding * ((x1 - x0) * (ys - y0) - (y1 - y0) * (xs - x0)) >= 0
     return mask
 
 

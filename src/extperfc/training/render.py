@@ -36,13 +36,13 @@ class Light:
     wrap: float = 0.0  # 0: a point-like sun; towards 1: a large soft light that reaches around objects
 
     def direct(self, normals):
-        """Share of the sun's light that normals (..., 3) receive."""
+        """Fraction of the sun's light that normals (..., 3) receive."""
         return np.maximum((normals @ self.towards + self.wrap) / (1 + self.wrap), 0)
 
     def ambient(self, normals):
         """Light from all around for normals (..., 3)."""
-        share = 0.5 + 0.5 * (normals @ self.up)
-        return self.bounce + share[..., None] * (self.sky - self.bounce)
+        fraction = 0.5 + 0.5 * (normals @ self.up)
+        return self.bounce + fraction[..., None] * (self.sky - self.bounce)
 
 
 @dataclass

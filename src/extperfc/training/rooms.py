@@ -6,10 +6,10 @@ from . import textures
 from .textures import pick
 
 
-def _sky(rng, frame, turn):
+def _sky(rng, frame, rotation):
     """Fills the image above the horizon: gradient, clouds, a line of trees or houses."""
     rays = frame.rays((slice(0, frame.height), slice(0, frame.width)))
-    up = rays @ np.float32(turn[:, 2])
+    up = rays @ np.float32(rotation[:, 2])
     t = np.clip(up * 2, 0, 1)[..., None]
     top, low = textures.colour(rng, pick(rng, ('pastel', 'neutral'))), np.float32([.85, .88, .92])
     if rng.random() < .6:
@@ -41,8 +41,8 @@ def collage(rng, frame):
             cv2.line(image, tuple(np.int32(at)), end, ink, int(rng.integers(1, 12)), cv2.LINE_AA)
         elif kind == 2:
             axes = (int(size), int(size * rng.uniform(.2, .7)))
-            turn, width = rng.uniform(0, 180), int(pick(rng, (-1, 2, 5)))
-            cv2.ellipse(image, tuple(np.int32(at)), axes, turn, 0, 360, ink, width, cv2.LINE_AA)
+            angle, width = rng.uniform(0, 180), int(pick(rng, (-1, 2, 5)))
+            cv2.ellipse(image, tuple(np.int32(at)), axes, angle, 0, 360, ink, width, cv2.LINE_AA)
         elif kind == 3:
             end = tuple(np.int32(at + size * rng.uniform(.3, 2, 2)))
             cv2.rectangle(image, tuple(np.int32(at)), end, ink, int(pick(rng, (-1, -1, 3))))
@@ -61,7 +61,7 @@ def room(rng, world):
     height, far = world.place[2], world.place[2] * rng.uniform(1.5, 12)
     tabletop = rng.random() < 0.4
     if rng.random() < 0.3:
-        _sky(rng, world.frame, world.turn)
+        _sky(rng, world.frame, world.rotation)
         wide = 80.0
     else:
         wide = far

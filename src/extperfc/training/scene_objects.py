@@ -45,24 +45,24 @@ class SceneObject:
         """Sample points (N, 3) of all parts."""
         return np.concatenate([part[1] for part in self.parts])
 
-    def ellipsoid(self, centre, radii, surface, turn=None):
+    def ellipsoid(self, centre, radii, surface, rotation=None):
         """Adds an ellipsoid."""
-        turn = np.eye(3) if turn is None else turn
+        rotation = np.eye(3) if rotation is None else rotation
         centre = np.asarray(centre, float)
-        points = (_BALL * radii) @ turn.T + centre
+        points = (_BALL * radii) @ rotation.T + centre
         self.parts.append((lambda frame, ident, rot, t, s: render.ellipsoid(
-            frame, ident, rot @ turn, t + s * (rot @ centre), np.asarray(radii) * s, surface), points))
+            frame, ident, rot @ rotation, t + s * (rot @ centre), np.asarray(radii) * s, surface), points))
         return self
 
-    def frustum(self, centre, bottom, top, height, surface, turn=None):
+    def frustum(self, centre, bottom, top, height, surface, rotation=None):
         """Adds a cone, cylinder or disc."""
-        turn = np.eye(3) if turn is None else turn
+        rotation = np.eye(3) if rotation is None else rotation
         centre = np.asarray(centre, float)
         ends = ((bottom, -height / 2), (top, height / 2))
         rings = [np.column_stack([_RING * r, np.full(len(_RING), z)]) for r, z in ends]
-        points = np.concatenate(rings) @ turn.T + centre
+        points = np.concatenate(rings) @ rotation.T + centre
         self.parts.append((lambda frame, ident, rot, t, s: render.frustum(
-            frame, ident, rot @ turn, t + s * (rot @ centre), bottom * s, top * s, height * s, surface), points))
+            frame, ident, rot @ rotation, t + s * (rot @ centre), bottom * s, top * s, height * s, surface), points))
         return self
 
     def polygon(self, points, surface, two_sided=False):
@@ -75,16 +75,16 @@ class SceneObject:
         self.parts.append((draw, points))
         return self
 
-    def box(self, centre, size, surfaces, turn=None):
+    def box(self, centre, size, surfaces, rotation=None):
         """Adds a box with one surface per face (six, or one for all)."""
-        turn = np.eye(3) if turn is None else turn
+        rotation = np.eye(3) if rotation is None else rotation
         for index in range(6):
             axis, sign = index // 2, (-1, 1)[index % 2]
             u, v = np.eye(3)[(axis + 1) % 3], np.eye(3)[(axis + 2) % 3] * sign
             middle = np.eye(3)[axis] * sign
             corners = np.array([middle - u - v, middle + u - v, middle + u + v, middle - u + v]) * np.asarray(size) / 2
             # The sign of v makes every face's normal point outwards.
-            self.polygon(corners @ turn.T + centre, surfaces[index % len(surfaces)])
+            self.polygon(corners @ rotation.T + centre, surfaces[index % len(surfaces)])
         return self
 
     def draw(self, frame, ident, rot, t, scale):
@@ -115,9 +115,9 @@ def sphere(rng):
     albedo = solids.any_ball(rng)
     if rng.random() < 0.35:
         albedo = solids.worn(rng, albedo)
-    turn = any_rotation(rng)
+    rotation = any_rotation(rng)
     squash = 1 + rng.normal(0, 0.01)
-    return SceneObject(SPHERE).ellipsoid((0, 0, 0), (.5, .5, .5 * squash), surface(rng, albedo), turn)
+    return SceneObject(SPHERE).ellipsoid((0, 0, 0), (.5, .5, .5 * squash), surface(rng, albedo), rotation)
 
 
 def dice_face(rng, ground, ink, count):

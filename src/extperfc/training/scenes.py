@@ -33,7 +33,7 @@ class World:
 
     def __init__(self, rng, size, pose, focal, light):
         self.rng = rng
-        self.turn, self.place = pose  # rows: camera axes in the world; camera position [m]
+        self.rotation, self.place = pose  # rows: camera axes in the world; camera position [m]
         self.frame = render.Frame(size[0], size[1], focal, light)
         self.ground_id, self.count = 1, 1
         self.strength, self.softness = rng.uniform(.2, .9), rng.uniform(.03, .35)
@@ -41,7 +41,7 @@ class World:
 
     def to_camera(self, points):
         """World points (N, 3) in the camera frame."""
-        return (np.asarray(points) - self.place) @ self.turn.T
+        return (np.asarray(points) - self.place) @ self.rotation.T
 
     def plane(self, origin, edge_u, edge_v, texture, repeat, ident=0, gloss=0.0):
         """Draws a textured rectangle spanned by two edges."""
@@ -52,17 +52,17 @@ class World:
     def shade(self, points, ident=None):
         """Draws the shadow of world points on the ground: a soft one from the sun, a dark one at the contact."""
         ident = self.ground_id if ident is None else ident
-        seen, plane = self.to_camera(points), (self.to_camera([[0, 0, 0]])[0], self.turn[:, 2])
+        seen, plane = self.to_camera(points), (self.to_camera([[0, 0, 0]])[0], self.rotation[:, 2])
         polygons.shadow(self.frame, seen, plane, self.frame.light.towards, ident, self.strength, self.softness)
         low = points[points[:, 2] < points[:, 2].min() + 0.3 * np.ptp(points[:, 2])]
         if low[:, 2].min() < 0.02 * np.ptp(points[:, 2]) + 1e-3:
             centre = low.mean(0)
-            polygons.shadow(self.frame, self.to_camera(centre + (low - centre) * 1.12), plane, self.turn[:, 2], ident, .5, .12)
+            polygons.shadow(self.frame, self.to_camera(centre + (low - centre) * 1.12), plane, self.rotation[:, 2], ident, .5, .12)
 
-    def draw(self, obj, turn, place, scale):
+    def draw(self, obj, rotation, place, scale):
         """Draws an object with world orientation and centre [m]; returns its number."""
         self.count += 1
-        rot, t = self.turn @ turn, self.to_camera([place])[0]
+        rot, t = self.rotation @ rotation, self.to_camera([place])[0]
         points = (obj.points() * scale) @ rot.T + t
         if points[:, 2].min() < render.NEAR:
             return None
@@ -71,10 +71,10 @@ class World:
         self.drawn.append((self.count, obj.label, max(1.0, cv2.contourArea(hull))))
         return self.count
 
-    def labelled(self, image, min_share=0.35, min_size=12):
+    def labelled(self, image, min_fraction=0.35, min_size=12):
         """The labelled image; objects too hidden or too small are only listed as ignored (sizes at 320 px width)."""
         labels, boxes, numbers, ignored = [], [], [], []
-        least = min_size * self.frame.width / 320
+        min_side = min_size * self.frame.width / 320
         for number, label, area in self.drawn:
             if label < 0:
                 continue
@@ -83,8 +83,8 @@ class World:
             if visible < max(12, 0.06 * area):
                 continue
             x, y, w, h = cv2.boundingRect(np.uint8(mask))
-            share = visible / area / (0.75 if label == scene_objects.CONE else 1.0)  # a cone with its plate does not fill its hull
-            if share >= min_share and max(w, h) >= least and min(w, h) >= 0.4 * least:
+            fraction = visible / area / (0.75 if label == scene_objects.CONE else 1.0)  # a cone with its plate does not fill its hull
+            if fraction >= min_fraction and max(w, h) >= min_side and min(w, h) >= 0.4 * min_side:
                 labels.append(label)
                 boxes.append([x, y, x + w, y + h])
                 numbers.append(number)
@@ -102,7 +102,7 @@ def look(pitch, roll, yaw=0.0):
     return np.stack([right, down, ahead])
 
 
-def random_light(rng, turn):
+def random_light(rng, rotation):
     """Sun, sky and bounced light of random direction, colour and balance."""
     elevation, azimuth = rng.uniform(0.3, 1.45), rng.uniform(0, 2 * np.pi)
     towards = np.array([np.cos(elevation) * np.cos(azimuth), np.cos(elevation) * np.sin(azimuth), np.sin(elevation)])
@@ -110,7 +110,7 @@ def random_light(rng, turn):
     sun = rng.uniform(0.2, 1.4)
     sky = rng.uniform(0.3, 1.0)
     bounce = sky * rng.uniform(0.25, 0.9)
-    return render.Light(turn @ towards, turn @ np.array([0, 0, 1.0]), np.float32(sun * tint[0]),
+    return render.Light(rotation @ towards, rotation @ np.array([0, 0, 1.0]), np.float32(sun * tint[0]),
                         np.float32(sky * tint[1]), np.float32(bounce * tint[2]), pick(rng, (0.0, rng.uniform(0, .8))))
 
 
@@ -132,13 +132,13 @@ def _flat_shape(rng, world, spot, size):
 
 def _stack(rng, placed):
     """Puts an object on top of the cube that was placed last."""
-    below, turn, place, scale = placed[-1]
-    top = (below.points() @ turn.T)[:, 2].max() * scale + place[2]
+    below, rotation, place, scale = placed[-1]
+    top = (below.points() @ rotation.T)[:, 2].max() * scale + place[2]
     obj = pick(rng, scene_objects.MAKERS)(rng)
     size = scale * rng.uniform(.5, 1)
-    turn = scene_objects.rotation((0, 0, 1), rng.uniform(0, 6.28))
-    rise = top - (obj.points() @ turn.T)[:, 2].min() * size
-    placed.append((obj, turn, np.array([place[0], place[1], rise]), size))
+    rotation = scene_objects.rotation((0, 0, 1), rng.uniform(0, 6.28))
+    rise = top - (obj.points() @ rotation.T)[:, 2].min() * size
+    placed.append((obj, rotation, np.array([place[0], place[1], rise]), size))
 
 
 def _spot(rng, world, taken):
@@ -149,7 +149,7 @@ def _spot(rng, world, taken):
         inside = np.clip(pixel[:2], 0, (frame.width - 1, frame.height - 1)).astype(int)
         if frame.ids[inside[1], inside[0]] != world.ground_id:
             continue
-        ray = np.array([(pixel[0] - frame.centre[0]) / frame.focal, (pixel[1] - frame.centre[1]) / frame.focal, 1.0]) @ world.turn
+        ray = np.array([(pixel[0] - frame.centre[0]) / frame.focal, (pixel[1] - frame.centre[1]) / frame.focal, 1.0]) @ world.rotation
         if ray[2] > -0.03:
             continue
         scale = -world.place[2] / ray[2]
@@ -160,7 +160,7 @@ def _spot(rng, world, taken):
 
 
 def _orientation(rng, obj):
-    """A resting pose turned about the vertical, seldom any pose at all."""
+    """A resting pose rotated about the vertical, seldom any pose at all."""
     if rng.random() < 0.06:
         return scene_objects.any_rotation(rng)
     yaw = rng.uniform(0, 2 * np.pi)
@@ -203,17 +203,17 @@ def _on_ground(rng, world):
             pixels *= rng.uniform(1, 2)
         scale = pixels * distance / world.frame.focal
         scale = min(scale, 0.8 * distance)
-        turn = _orientation(rng, obj)
-        points = obj.points() @ turn.T * scale
+        rotation = _orientation(rng, obj)
+        points = obj.points() @ rotation.T * scale
         lift = scale * rng.uniform(0, 2) if rng.random() < .1 else 0.0
         place = spot + np.array([0, 0, lift - points[:, 2].min()])
         taken.append((spot, 0.45 * scale))
-        placed.append((obj, turn, place, scale))
+        placed.append((obj, rotation, place, scale))
         world.shade(points + place)
         if obj.label == scene_objects.CUBE and rng.random() < .15:
             _stack(rng, placed)
-    for obj, turn, place, scale in placed:
-        world.draw(obj, turn, place, scale)
+    for obj, rotation, place, scale in placed:
+        world.draw(obj, rotation, place, scale)
         if obj.label >= 0 and rng.random() < (.1 if obj.label == scene_objects.SPHERE else .04):
             hand = others.limb(rng)
             world.draw(hand, scene_objects.any_rotation(rng), place + rng.normal(0, .35, 3) * scale, scale * rng.uniform(1, 2))
@@ -225,18 +225,18 @@ def _in_air(rng, world):
     for make in _wanted(rng):
         obj, distance = make(rng), rng.uniform(1, 3)
         ray = np.array([rng.uniform(-.5, .5) * frame.width / frame.focal, rng.uniform(-.5, .5) * frame.height / frame.focal, 1])
-        place = world.place + distance * ray @ world.turn
-        turn = _orientation(rng, obj) if rng.random() < .7 else scene_objects.any_rotation(rng)
-        world.draw(obj, turn, place, _pixels(rng, frame) * distance / frame.focal)
+        place = world.place + distance * ray @ world.rotation
+        rotation = _orientation(rng, obj) if rng.random() < .7 else scene_objects.any_rotation(rng)
+        world.draw(obj, rotation, place, _pixels(rng, frame) * distance / frame.focal)
 
 
 def make_image(seed, size=SIZE):
     """The image of a seed; one seed in two sizes shows the same scene."""
     rng = np.random.default_rng(seed)
     pitch = np.radians(pick(rng, (rng.uniform(-3, 20), rng.uniform(5, 40), rng.uniform(20, 60), rng.uniform(50, 88))))
-    turn = look(pitch, rng.normal(0, np.radians(4)))
+    rotation = look(pitch, rng.normal(0, np.radians(4)))
     place = np.array([0, 0, np.exp(rng.uniform(np.log(.2), np.log(2.2)))])
-    world = World(rng, size, (turn, place), size[0] * rng.uniform(.65, 1.6), random_light(rng, turn))
+    world = World(rng, size, (rotation, place), size[0] * rng.uniform(.65, 1.6), random_light(rng, rotation))
     if rng.random() < .72:
         rooms.room(rng, world)
         _on_ground(rng, world)

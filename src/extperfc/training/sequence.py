@@ -18,10 +18,10 @@ SUBPIXEL, DEPTH_FOCAL, BASELINE_M = 0.08, 424.0, 0.05  # stereo error, focal len
 
 @dataclass
 class Placed:
-    """An object of the scene: orientation, centre [m], scale [m], and its kind in words."""
+    """An object of the scene: orientation, centre [m], scale [m], and its kind as text."""
 
     obj: scene_objects.SceneObject
-    turn: np.ndarray
+    rotation: np.ndarray
     place: np.ndarray
     scale: float
     kind: str
@@ -106,26 +106,26 @@ class Scene:
                     break
             else:
                 continue
-            turn = scene_objects.rotation((0, 0, 1), rng.uniform(0, 2 * np.pi))
-            low = (obj.points() @ turn.T)[:, 2].min() * scale
+            rotation = scene_objects.rotation((0, 0, 1), rng.uniform(0, 2 * np.pi))
+            low = (obj.points() @ rotation.T)[:, 2].min() * scale
             taken.append((spot, scale))
-            self.placed.append(Placed(obj, turn, np.array([spot[0], spot[1], -low]), scale, name))
+            self.placed.append(Placed(obj, rotation, np.array([spot[0], spot[1], -low]), scale, name))
 
     @staticmethod
     def _class(name):
         return KINDS[name][0](np.random.default_rng(0)).label
 
-    def pose(self, share):
-        """Camera axes in the world (rows) and position [m] at a share 0..1 of the way along the arc."""
-        ease = share * share * (3 - 2 * share)
+    def pose(self, fraction):
+        """Camera axes in the world (rows) and position [m] at a fraction 0..1 of the way along the arc."""
+        ease = fraction * fraction * (3 - 2 * fraction)
         azimuth = np.radians(-150 + 120 * ease + (self.seed % 5) * 7)
-        distance = self.radius * (2.5 - 1.0 * np.sin(np.pi * share)) + .12
-        height = self.radius * (1.25 + .45 * np.cos(2 * np.pi * share)) + .05
+        distance = self.radius * (2.5 - 1.0 * np.sin(np.pi * fraction)) + .12
+        height = self.radius * (1.25 + .45 * np.cos(2 * np.pi * fraction)) + .05
         place = np.array([np.cos(azimuth) * distance, np.sin(azimuth) * distance, height])
-        target = np.array([.1 * np.sin(3 * share), .1 * np.cos(2 * share), .1]) * self.radius * 1.2
+        target = np.array([.1 * np.sin(3 * fraction), .1 * np.cos(2 * fraction), .1]) * self.radius * 1.2
         ahead = target - place
         pitch = np.arctan2(-ahead[2], np.hypot(ahead[0], ahead[1]))
-        return scenes.look(pitch, .02 * np.sin(5 * share), np.arctan2(ahead[1], ahead[0])), place
+        return scenes.look(pitch, .02 * np.sin(5 * fraction), np.arctan2(ahead[1], ahead[0])), place
 
     def _room(self, world):
         """Floor, walls with window, painting, door; the table."""
@@ -151,25 +151,25 @@ class Scene:
             world.draw(obj, np.eye(3), np.zeros(3), 1.0)
             world.plane(np.array([-x, -y, 0]), np.array([2 * x, 0, 0]), np.array([0, 2 * y, 0]), self.top, (1.0, 1.0), 1, .15)
 
-    def render(self, share):
-        """The image at a share of the arc: `scenes.LabelledImage` and the truth of each labelled object (list of dicts)."""
+    def render(self, fraction):
+        """The image at a fraction of the arc: `scenes.LabelledImage` and the truth of each labelled object (list of dicts)."""
         rng = np.random.default_rng([self.seed, 1])
-        turn, place = self.pose(share)
-        light = scenes.random_light(rng, turn)
+        rotation, place = self.pose(fraction)
+        light = scenes.random_light(rng, rotation)
         light.sun, light.sky = light.sun * 0.6 + .35, light.sky * 0.4 + .3
         light.bounce, light.wrap = light.sky * .6, .3
-        world = scenes.World(rng, (WIDTH, HEIGHT), (turn, place), FOCAL, light)
+        world = scenes.World(rng, (WIDTH, HEIGHT), (rotation, place), FOCAL, light)
         world.strength, world.softness = .5, .12
         self._room(world)
         for item in self.placed:
-            world.shade(item.obj.points() @ item.turn.T * item.scale + item.place)
-        numbers = {world.draw(i.obj, i.turn, i.place, i.scale): i for i in self.placed}
+            world.shade(item.obj.points() @ item.rotation.T * item.scale + item.place)
+        numbers = {world.draw(i.obj, i.rotation, i.place, i.scale): i for i in self.placed}
         sample = world.labelled(_apply_camera_effects(world.frame))
         truth = []
         for number, label, box in zip(sample.numbers, sample.labels, sample.boxes):
             item = numbers[number]
             middle = (item.obj.points().max(0) + item.obj.points().min(0)) / 2
-            centre = world.to_camera([item.place + item.scale * (item.turn @ middle)])[0]
+            centre = world.to_camera([item.place + item.scale * (item.rotation @ middle)])[0]
             truth.append({'class': scenes.CLASSES[label], 'kind': item.kind, 'box': [int(v) for v in box],
                           'position': [round(float(v), 4) for v in centre], 'size': [round(float(v), 4) for v in item.extent()]})
         return sample, truth

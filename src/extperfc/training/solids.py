@@ -150,10 +150,10 @@ def mapped(texture, rng):
 
 def wrapped(texture, rng):
     """Albedo looked up by angle and height: a label around a can, a pattern around a hat."""
-    turns = int(rng.integers(1, 4))
+    revolutions = int(rng.integers(1, 4))
 
     def albedo(p):
-        u = ((np.arctan2(p[:, 1], p[:, 0]) / (2 * np.pi) + 0.5) * turns * SIZE).astype(int) % SIZE
+        u = ((np.arctan2(p[:, 1], p[:, 0]) / (2 * np.pi) + 0.5) * revolutions * SIZE).astype(int) % SIZE
         v = ((0.5 - 0.499 * np.clip(p[:, 2], -1, 1)) * SIZE).astype(int) % SIZE
         return texture[v, u]
     return albedo

@@ -144,8 +144,8 @@ def write_text(rng, out, box=None):
         if rng.random() < 0.25:
             cv2.rectangle(out, (x0, y - 5), (int(rng.integers(x0 + 1, x1)), y), ink, -1)
             continue
-        word = ''.join(pick(rng, letters) for _ in range(int(rng.integers(2, 12))))
-        cv2.putText(out, word, (x0, y), int(rng.integers(0, 5)), size, ink, int(rng.integers(1, 4)), cv2.LINE_AA)
+        text = ''.join(pick(rng, letters) for _ in range(int(rng.integers(2, 12))))
+        cv2.putText(out, text, (x0, y), int(rng.integers(0, 5)), size, ink, int(rng.integers(1, 4)), cv2.LINE_AA)
     return out
 
 
@@ -211,10 +211,10 @@ def clutter(rng):
     sizes = SIZE * 0.3 * (1 - rng.random(count)) ** rng.uniform(.8, 2.5) + 2
     for size in sizes:
         ink = np.clip(pick(rng, tints) + rng.normal(0, .08) + rng.normal(0, .04, 3), 0, 1)
-        at, turn = rng.uniform(0, SIZE, 2), pick(rng, (0, np.pi / 2)) if upright else rng.uniform(0, 6.28)
+        at, yaw = rng.uniform(0, SIZE, 2), pick(rng, (0, np.pi / 2)) if upright else rng.uniform(0, 6.28)
         half = size * np.array([1, rng.uniform(.15, 1)]) / 2
         corners = np.array([(-1, -1), (1, -1), (1, 1), (-1, 1)]) * half * (1 + (0 if upright else rng.normal(0, .3, (4, 1))))
-        spin = np.array([[np.cos(turn), -np.sin(turn)], [np.sin(turn), np.cos(turn)]])
+        spin = np.array([[np.cos(yaw), -np.sin(yaw)], [np.sin(yaw), np.cos(yaw)]])
         cv2.fillConvexPoly(out, np.int32((corners @ spin.T + at) * 8), tuple(float(c) for c in ink), cv2.LINE_AA, 3)
     return np.clip(out * (1 + rng.uniform(0, .2) * noise(rng, SIZE, 4, 5)[..., None]), 0, 1)
 

@@ -14,8 +14,8 @@ from .loss import detection_loss
 
 WARMUP_STEPS = 300
 REFRESH = 4000  # samples after which the worker looks for new images in the cache
-OBJECTS = 28  # most objects of one sample
-MOSAICS = 0.45  # share of samples made of several images, which hold more objects; none at the end
+OBJECTS = 28  # maximum of objects in one sample
+MOSAICS = 0.45  # fraction of samples made of several images, which hold more objects; none at the end
 
 
 class Samples(IterableDataset):
@@ -57,7 +57,7 @@ def optimiser(net, rate):
 
 
 def schedule(step, progress, rate):
-    """Learning rate: linear warm-up, then half a cosine over the share of the time budget that has passed."""
+    """Learning rate: linear warm-up, then half a cosine over the fraction of the time budget that has passed."""
     return rate * min(1, (step + 1) / WARMUP_STEPS) * (0.02 + 0.98 * 0.5 * (1 + math.cos(math.pi * min(1, progress))))
 
 
@@ -100,8 +100,8 @@ class Trainer:
     def one_step(self, batch, progress):
         """Learns from one batch; returns both losses."""
         images, truth, valid = (part.to(self.device) for part in batch)
-        most = max(1, int(valid.sum(1).max()))
-        truth, valid = truth[:, :most], valid[:, :most]
+        used = max(1, int(valid.sum(1).max()))
+        truth, valid = truth[:, :used], valid[:, :used]
         images = images.permute(0, 3, 1, 2).float().mul_(1 / 255).contiguous(memory_format=torch.channels_last)
         for group in self.solver.param_groups:
             group['lr'] = schedule(self.step, progress, self.options.rate)

@@ -130,8 +130,8 @@ Result<MapOptions> read_map_options(const std::vector<std::string>& tokens) {
   MapOptions options;
   options.help = arguments->has("--help");
   if (options.help) return options;
-  if (arguments->words().empty()) return fail(ErrorCode::kInvalidArgument, "give a recording");
-  options.recording = arguments->words()[0];
+  if (arguments->operands().empty()) return fail(ErrorCode::kInvalidArgument, "give a recording");
+  options.recording = arguments->operands()[0];
   read_names(*arguments, options);
   if (auto read = read_pose(*arguments, options.reading); !read) return tl::unexpected(read.error());
   if (auto read = read_params(*arguments, options.params); !read) return tl::unexpected(read.error());

@@ -119,9 +119,9 @@ Result<Limits> read_limits(const Arguments& arguments) {
 }
 
 Result<void> score(const Arguments& arguments, const Limits& limits) {
-  const auto trajectory = read_tum(arguments.words()[0]);
+  const auto trajectory = read_tum(arguments.operands()[0]);
   if (!trajectory) return tl::unexpected(trajectory.error());
-  const auto relations = read_relations(arguments.words()[1]);
+  const auto relations = read_relations(arguments.operands()[1]);
   if (!relations) return tl::unexpected(relations.error());
   const auto poses = find_poses(arguments, *trajectory, *relations);
   if (!poses) return tl::unexpected(poses.error());

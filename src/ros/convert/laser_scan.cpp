@@ -35,14 +35,14 @@ std::size_t strongest(const sensor_msgs::LaserEcho& ranges, const std::vector<fl
 }  // namespace
 
 Result<LaserScan> to_laser_scan(const sensor_msgs::LaserScan& message, const Pose& base_T_scanner,
-                                double most_tilt_rad) {
+                                double max_tilt_rad) {
   const Eigen::Matrix3d rotation = base_T_scanner.linear();
   const bool upside_down = rotation(2, 2) < 0;
   const double tilt_rad = std::atan2(std::hypot(rotation(0, 2), rotation(1, 2)), std::abs(rotation(2, 2)));
-  if (!(tilt_rad <= most_tilt_rad))  // NaN fails too
+  if (!(tilt_rad <= max_tilt_rad))  // NaN fails too
     return fail(ErrorCode::kInvalidArgument,
                 "the scanner " + message.header.frame_id + " is tilted by " + degrees(tilt_rad) +
-                    " degrees against the floor, more than " + degrees(most_tilt_rad) +
+                    " degrees against the floor, more than " + degrees(max_tilt_rad) +
                     ": a planar map needs a level scanner; is the transform to it right?");
   LaserScan scan;
   scan.stamp_s = message.header.stamp.toSec();

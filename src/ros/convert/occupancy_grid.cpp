@@ -13,8 +13,8 @@ namespace extperfc::convert {
 
 namespace {
 
-constexpr double kMostTiltRad = 1e-3;  // of a map against the floor; origins come from text
-constexpr std::size_t kMostCells = 1'000'000'000;
+constexpr double kMaxTiltRad = 1e-3;  // of a map against the floor; origins come from text
+constexpr std::size_t kMaxCells = 1'000'000'000;
 
 /// Angle between the z axis of a rotation and the vertical [rad]; `q` need not have length one.
 double tilt_of(const geometry_msgs::Quaternion& q) {
@@ -50,7 +50,7 @@ Result<OccupancyGrid> to_occupancy_grid(const nav_msgs::OccupancyGrid& message) 
   const auto& info = message.info;
   const std::size_t cells = std::size_t{info.width} * info.height;
   if (cells == 0) return fail(ErrorCode::kInvalidArgument, "the map has no cells");
-  if (cells > kMostCells || message.data.size() != cells)
+  if (cells > kMaxCells || message.data.size() != cells)
     return fail(ErrorCode::kInvalidArgument, "the map says " + std::to_string(info.width) + " x " +
                                                  std::to_string(info.height) + " cells, but brings " +
                                                  std::to_string(message.data.size()));
@@ -60,7 +60,7 @@ Result<OccupancyGrid> to_occupancy_grid(const nav_msgs::OccupancyGrid& message) 
                     std::to_string(info.resolution));
   const auto origin = to_pose2(info.origin);
   if (!origin) return fail(ErrorCode::kInvalidArgument, "the map's origin: " + origin.error().message);
-  if (tilt_of(info.origin.orientation) > kMostTiltRad)
+  if (tilt_of(info.origin.orientation) > kMaxTiltRad)
     return fail(ErrorCode::kInvalidArgument, "the map's origin is tilted: it must lie flat on the floor");
   OccupancyGrid map;
   map.width = info.width;

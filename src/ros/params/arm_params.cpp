@@ -47,9 +47,9 @@ void read_requests(ParamReader& reader, ArmNodeParams& params) {
 }
 
 void read_planner(ParamReader& reader, const ros::NodeHandle& handle, arm::MotionPipelineParams& params) {
-  Words<std::string> names;
+  NamedValues<std::string> names;
   for (const auto& name : arm::planner_names()) names[name] = name;
-  read_word(reader, handle, "planner", params.planner.planner, names);
+  read_named(reader, handle, "planner", params.planner.planner, names);
   reader.read("range_rad", params.planner.range_rad, {0.05, 3.0});
   reader.read("max_states", params.planner.max_states, {2, 10'000'000});
   reader.read("shortcut_rounds", params.planner.shortcut_rounds, {0, 10'000});
@@ -148,7 +148,7 @@ void read_depth(ParamReader& reader, const ros::NodeHandle& handle, DepthObstacl
 
 void read_shapes(ParamReader& reader, const ros::NodeHandle& handle,
                  std::map<std::string, arm::UprightKind>& shapes) {
-  const Words<arm::UprightKind> words{{"box", arm::UprightKind::kBox},
+  const NamedValues<arm::UprightKind> words{{"box", arm::UprightKind::kBox},
                                       {"sphere", arm::UprightKind::kSphere},
                                       {"cylinder", arm::UprightKind::kCylinder},
                                       {"cone", arm::UprightKind::kCone}};
@@ -186,7 +186,7 @@ void read_objects(ParamReader& reader, const ros::NodeHandle& handle, ObjectMoni
 
 void read_grippers(ParamReader& reader, const ros::NodeHandle& handle, ArmNodeParams& params) {
   const auto set = [](GripperParams& gripper, const std::string& key, const Entry& entry) -> Result<void> {
-    const Words<std::string*> fields{{"name", &gripper.name},
+    const NamedValues<std::string*> fields{{"name", &gripper.name},
                                      {"group", &gripper.group},
                                      {"tip", &gripper.tip},
                                      {"finger_joint", &gripper.finger_joint},

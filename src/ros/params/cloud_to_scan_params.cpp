@@ -12,7 +12,8 @@ namespace {
 constexpr double kFar = 1e6;           // "no limit" in configurations of pointcloud_to_laserscan
 constexpr double kFullAngle = 6.2832;  // a little more than 2 pi: angles come from text
 
-const Words<LevelFrom> kLevels{{"none", LevelFrom::kNone}, {"tf", LevelFrom::kTf}, {"imu", LevelFrom::kImu}};
+const NamedValues<LevelFrom> kLevels{
+    {"none", LevelFrom::kNone}, {"tf", LevelFrom::kTf}, {"imu", LevelFrom::kImu}};
 
 void read_limits(ParamReader& reader, scan::ScanParams& scan) {
   reader.read("min_height", scan.min_height, {-kFar, kFar});
@@ -151,7 +152,7 @@ Result<CloudToScanNodeletParams> load_cloud_to_scan_params(const ros::NodeHandle
   reader.read("transform_tolerance", params.transform_tolerance, {0.0, 5.0});
   reader.read("fixed_frame", params.fixed_frame);
   reader.read("deskew", params.deskew);
-  read_word(reader, private_handle, "level", params.level, kLevels);
+  read_named(reader, private_handle, "level", params.level, kLevels);
   reader.read("timeout_s", params.timeout_s, {0.1, 3600.0});
   read_limits(reader, params.scan);
   read_ground(reader, params.scan.ground);

@@ -17,28 +17,28 @@
 
 #include "ros/params/param_reader.hpp"
 
-/// Parameters that are words, lists of texts, or lists of groups.
+/// Parameters that are names of values, lists of texts, or lists of groups.
 namespace extperfc::ros_params {
 
-/// A word and what it stands for.
+/// Values by the names that stand for them in parameters.
 template <typename T>
-using Words = std::map<std::string, T>;
-/// The word's meaning, or an error with those that there are.
+using NamedValues = std::map<std::string, T>;
+/// The value of a name, or an error with those that there are.
 template <typename T>
-Result<T> meaning(const std::string& word, const Words<T>& words) {
-  if (const auto found = words.find(word); found != words.end()) return found->second;
+Result<T> meaning(const std::string& name, const NamedValues<T>& values) {
+  if (const auto found = values.find(name); found != values.end()) return found->second;
   std::string known;
-  for (const auto& entry : words) known += (known.empty() ? "" : ", ") + entry.first;
-  return fail(ErrorCode::kInvalidArgument, "'" + word + "' is unknown: use one of " + known);
+  for (const auto& entry : values) known += (known.empty() ? "" : ", ") + entry.first;
+  return fail(ErrorCode::kInvalidArgument, "'" + name + "' is unknown: use one of " + known);
 }
 
 template <typename T>
-void read_word(ParamReader& reader, const ros::NodeHandle& handle, const std::string& key, T& value,
-               const Words<T>& words) {
-  std::string word;
-  reader.read(key, word);
-  if (word.empty()) return;
-  if (const auto found = meaning(word, words))
+void read_named(ParamReader& reader, const ros::NodeHandle& handle, const std::string& key, T& value,
+                const NamedValues<T>& values) {
+  std::string name;
+  reader.read(key, name);
+  if (name.empty()) return;
+  if (const auto found = meaning(name, values))
     value = *found;
   else
     reader.complain(handle.resolveName(key) + ": " + found.error().message);

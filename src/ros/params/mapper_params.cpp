@@ -41,8 +41,8 @@ void read_frames(ParamReader& reader, MapperNodeletParams& params) {
 }
 
 void read_inputs(ParamReader& reader, const ros::NodeHandle& handle, MapperNodeletParams& params) {
-  read_word(reader, handle, "odometry", params.odometry,
-            {{"auto", OdometrySource::kAuto}, {"tf", OdometrySource::kTf}, {"none", OdometrySource::kNone}});
+  read_named(reader, handle, "odometry", params.odometry,
+             {{"auto", OdometrySource::kAuto}, {"tf", OdometrySource::kTf}, {"none", OdometrySource::kNone}});
   reader.read("use_imu", params.use_imu);
   reader.read("multi_echo", params.multi_echo);
   reader.read("throttle_scans", params.throttle_scans, {1, 1000});

@@ -82,9 +82,9 @@ void read_physics(ParamReader& reader, simulate::BodiesParams& params) {
 
 void read_base(ParamReader& reader, simulate::BaseParams& base, BaseInterfaceParams& interface) {
   reader.read("max_speed_m_s", base.max_speed_m_s, {0.01, 1.84});
-  reader.read("max_turn_rad_s", base.max_turn_rad_s, {0.01, 3.1});
+  reader.read("max_yaw_rate_rad_s", base.max_yaw_rate_rad_s, {0.01, 3.1});
   reader.read("max_accel_m_s2", base.max_accel_m_s2, {0.01, 4.0});
-  reader.read("max_turn_accel_rad_s2", base.max_turn_accel_rad_s2, {0.01, 9.5});
+  reader.read("max_yaw_accel_rad_s2", base.max_yaw_accel_rad_s2, {0.01, 9.5});
   reader.read("command_timeout_s", base.command_timeout_s, {0.01, 5.0});
   reader.read("wheel_noise", base.wheel_noise, {0.0, 0.5});
   reader.read("wheel_slip", base.wheel_slip, {0.0, 0.5});

@@ -31,26 +31,27 @@ using Strings = std::vector<std::string>;
 
 constexpr double kMaxBytes = 2147483647.0;  // of a 32-bit parameter
 
-const Words<Directions>& directions() {
-  static const Words<Directions> words{{"both", Directions::kBoth},
+const NamedValues<Directions>& directions() {
+  static const NamedValues<Directions> words{{"both", Directions::kBoth},
                                        {"robot_to_workstation", Directions::kRobotToWorkstation},
                                        {"workstation_to_robot", Directions::kWorkstationToRobot}};
   return words;
 }
-const Words<Priority>& priorities() {
-  static const Words<Priority> words{
+const NamedValues<Priority>& priorities() {
+  static const NamedValues<Priority> words{
       {"control", Priority::kControl}, {"normal", Priority::kNormal}, {"bulk", Priority::kBulk}};
   return words;
 }
-const Words<PlanOptions::Slash>& slashes() {
-  static const Words<PlanOptions::Slash> words{{"keep", PlanOptions::Slash::kKeep},
-                                               {"strip", PlanOptions::Slash::kStrip},
-                                               {"add", PlanOptions::Slash::kAdd}};
+const NamedValues<PlanOptions::Slash>& slashes() {
+  static const NamedValues<PlanOptions::Slash> words{{"keep", PlanOptions::Slash::kKeep},
+                                                     {"strip", PlanOptions::Slash::kStrip},
+                                                     {"add", PlanOptions::Slash::kAdd}};
   return words;
 }
 /// rosgraph_msgs/Log's levels.
-const Words<std::uint8_t>& levels() {
-  static const Words<std::uint8_t> words{{"debug", 1}, {"info", 2}, {"warn", 4}, {"error", 8}, {"fatal", 16}};
+const NamedValues<std::uint8_t>& levels() {
+  static const NamedValues<std::uint8_t> words{
+      {"debug", 1}, {"info", 2}, {"warn", 4}, {"error", 8}, {"fatal", 16}};
   return words;
 }
 
@@ -298,7 +299,7 @@ void read_bridging(GroupReader& groups, BridgeParams& bridge) {
     read_prefixes(reader, handle, "workstation_to_robot", bridge.params_workstation_to_robot);
   });
   groups.group("clock", [&](ParamReader& reader, Handle handle) {
-    static const Words<Directions> one_direction{{"robot_to_workstation", Directions::kRobotToWorkstation},
+    static const NamedValues<Directions> one_direction{{"robot_to_workstation", Directions::kRobotToWorkstation},
                                                  {"workstation_to_robot", Directions::kWorkstationToRobot}};
     reader.read("bridge", bridge.clock);
     read_word(reader, handle, "direction", bridge.clock_direction, one_direction);

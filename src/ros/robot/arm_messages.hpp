@@ -9,7 +9,7 @@
 #include "extperfc/base/error.hpp"
 #include "extperfc/simulate/robot_io.hpp"
 
-/// Baxter's messages of robot, joints and arms <-> the simulator's words.
+/// Baxter's messages of robot, joints and arms <-> the simulator's types.
 namespace extperfc::convert {
 
 /// Errors: unknown mode, a joint that this arm does not have, a joint twice, counts of names and values that

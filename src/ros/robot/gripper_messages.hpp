@@ -10,7 +10,7 @@
 #include "extperfc/base/error.hpp"
 #include "extperfc/simulate/robot_io.hpp"
 
-/// Messages of Baxter's electric gripper <-> the simulator's words.
+/// Messages of Baxter's electric gripper <-> the simulator's types.
 namespace extperfc::convert {
 
 inline constexpr std::uint32_t kGripperId = 65664;  ///< hardware id of both simulated grippers

@@ -10,7 +10,7 @@
 #include "extperfc/simulate/joint_spline.hpp"
 #include "extperfc/simulate/trajectory_goal.hpp"
 
-/// control_msgs/FollowJointTrajectory <-> the follower's words.
+/// control_msgs/FollowJointTrajectory <-> the follower's types.
 namespace extperfc::convert {
 
 /// A stamp of zero starts at once. Efforts are left out: positions are what is followed.

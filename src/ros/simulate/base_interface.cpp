@@ -68,11 +68,11 @@ void BaseInterface::grow_variance(const Twist2& measured) {
   const double forward_m = std::abs(measured.vx) * period_s;
   const double sideways_m = std::abs(measured.vy) * period_s;
   const double turned_rad = std::abs(measured.wz) * period_s;
-  const double share2 = square(noise_.wheel_noise) + square(noise_.wheel_slip);
-  const double driven2 = share2 * (forward_m + sideways_m);
+  const double fraction2 = square(noise_.wheel_noise) + square(noise_.wheel_slip);
+  const double driven2 = fraction2 * (forward_m + sideways_m);
   variance_.x_m2 += driven2;
   variance_.y_m2 += driven2 + square(noise_.lateral_slip) * sideways_m;
-  variance_.yaw_rad2 += share2 * (turned_rad + forward_m + sideways_m);
+  variance_.yaw_rad2 += fraction2 * (turned_rad + forward_m + sideways_m);
 }
 
 void BaseInterface::publish_odometry(const simulate::BaseState& base, const ros::Time& stamp) {
@@ -82,12 +82,12 @@ void BaseInterface::publish_odometry(const simulate::BaseState& base, const ros:
   message->child_frame_id = frames::kFootprint;
   message->pose.pose = convert::to_message(to_pose(base.odometry));
   message->twist.twist = convert::to_message(base.measured);
-  const double share2 = square(noise_.wheel_noise) + square(noise_.wheel_slip);
+  const double fraction2 = square(noise_.wheel_noise) + square(noise_.wheel_slip);
   const Twist2& v = base.measured;
   message->pose.covariance = convert::planar_covariance(variance_.x_m2, variance_.y_m2, variance_.yaw_rad2);
   message->twist.covariance = convert::planar_covariance(
-      kSmall + share2 * square(v.vx), kSmall + (share2 + square(noise_.lateral_slip)) * square(v.vy),
-      kSmall + share2 * square(v.wz));
+      kSmall + fraction2 * square(v.vx), kSmall + (fraction2 + square(noise_.lateral_slip)) * square(v.vy),
+      kSmall + fraction2 * square(v.wz));
   odom_publisher_.publish(message);
 }
 

@@ -25,7 +25,7 @@ std::uint64_t mix(std::uint64_t x) {
 }
 
 /// Uniform in [0, 1).
-double share(std::uint64_t bits) {
+double fraction(std::uint64_t bits) {
   return static_cast<double>(bits >> 11) * 0x1.0p-53;
 }
 
@@ -41,13 +41,13 @@ const Fault* find(const std::vector<Fault>& active, FaultKind kind) {
 }
 
 bool is_lost(const Fault* drop, std::uint64_t seed, double time_s) {
-  return drop && share(draw(seed, drop->kind, time_s)) < drop->value;
+  return drop && fraction(draw(seed, drop->kind, time_s)) < drop->value;
 }
 
 void lose_depth(const Fault& fault, std::uint64_t seed, double time_s, std::vector<std::uint16_t>& depth_mm) {
   const std::uint64_t image = draw(seed, fault.kind, time_s);
   for (std::size_t i = 0; i < depth_mm.size(); ++i)
-    if (share(mix(image + i)) < fault.value) depth_mm[i] = 0;
+    if (fraction(mix(image + i)) < fault.value) depth_mm[i] = 0;
 }
 
 /// What is no ring was refused when the fault was set.

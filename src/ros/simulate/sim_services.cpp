@@ -25,8 +25,7 @@ Result<Pose> to_pose(const geometry_msgs::Pose& message) {
   if (!position.allFinite() || !rotation.coeffs().allFinite())
     return fail(ErrorCode::kInvalidArgument, "the pose has numbers that are not finite");
   if (rotation.norm() < 0.5)
-    return fail(ErrorCode::kInvalidArgument,
-                "the pose's orientation is no rotation: set w = 1 for one that turns nothing");
+    return fail(ErrorCode::kInvalidArgument, "the pose's orientation is not a rotation: set w = 1 for none");
   Pose pose = Pose::Identity();
   pose.translation() = position;
   pose.linear() = rotation.normalized().toRotationMatrix();

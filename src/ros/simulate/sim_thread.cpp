@@ -66,14 +66,14 @@ void SimThread::run() {
   meter_.restart(now);
   publish_clock();
   publish_factor(0.0);
-  while (wait_for_turn()) {
+  while (wait_for_work()) {
     run_posted();
     if (may_step()) step();
   }
 }
 
 /// Until a step is due or something was posted. False at the end.
-bool SimThread::wait_for_turn() {
+bool SimThread::wait_for_work() {
   std::unique_lock lock(mutex_);
   const auto woken = [this] { return stopping_ || !posted_.empty(); };
   if (order_) return !stopping_;

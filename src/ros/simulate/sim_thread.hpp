@@ -78,7 +78,7 @@ class SimThread : public SimHost {
   };
 
   void run();
-  bool wait_for_turn();
+  bool wait_for_work();
   void run_posted();
   [[nodiscard]] bool may_step();
   void step();

@@ -81,10 +81,10 @@ Marker solid(const Geometry& geometry, const Eigen::Vector3f& rgb) {
 }
 
 bool has_moved(const Pose& from, const Pose& to) {
-  constexpr double kLeastM = 1e-3;
-  constexpr double kLeastRad = 0.1 * kPi / 180;
-  return (to.translation() - from.translation()).norm() > kLeastM ||
-         Eigen::AngleAxisd(from.linear().transpose() * to.linear()).angle() > kLeastRad;
+  constexpr double kMinM = 1e-3;
+  constexpr double kMinRad = 0.1 * kPi / 180;
+  return (to.translation() - from.translation()).norm() > kMinM ||
+         Eigen::AngleAxisd(from.linear().transpose() * to.linear()).angle() > kMinRad;
 }
 
 }  // namespace

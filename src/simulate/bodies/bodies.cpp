@@ -15,7 +15,7 @@ namespace {
 
 /// A root that would have to be faster than this was put elsewhere [m/s], [rad/s].
 constexpr double kJumpSpeed = 5.0;
-constexpr double kJumpTurn = 10.0;
+constexpr double kJumpRotation = 10.0;
 
 Result<void> check(const BodiesParams& params, const RobotModel& robot, const Pose& world_T_root,
                    const std::vector<double>& start) {
@@ -118,7 +118,7 @@ void BulletBodies::set_root(const Pose& world_T_root) {
 bool BulletBodies::is_jump() const {
   const Pose moved = world_T_root_.inverse() * next_root_;
   return moved.translation().norm() > kJumpSpeed * params_.step_s ||
-         Eigen::AngleAxisd(moved.linear()).angle() > kJumpTurn * params_.step_s;
+         Eigen::AngleAxisd(moved.linear()).angle() > kJumpRotation * params_.step_s;
 }
 
 void BulletBodies::update_links() {

@@ -13,7 +13,7 @@
 namespace extperfc::simulate {
 namespace {
 
-/// Share of a position error that a motor takes back in one step.
+/// Fraction of a position error that a motor takes back in one step.
 constexpr double kPositionGain = 0.4;
 /// Bound of every joint's speed, against blow-ups [rad/s] or [m/s].
 constexpr double kLargestSpeed = 20;
@@ -93,8 +93,8 @@ void DynamicLimb::set_up_link(int link, const std::vector<PrincipalFrame>& frame
   const Pose parent_com_T_joint =
       (parent < 0 ? Pose::Identity() : frames[parent].frame_T_principal.inverse()) * group.parent_T_joint;
   const Pose com_T_joint = frames[link].frame_T_principal.inverse();
-  const Eigen::Quaterniond turn(com_T_joint.linear() * parent_com_T_joint.linear().transpose());
-  const btQuaternion parent_to_this(turn.x(), turn.y(), turn.z(), turn.w());
+  const Eigen::Quaterniond rotation(com_T_joint.linear() * parent_com_T_joint.linear().transpose());
+  const btQuaternion parent_to_this(rotation.x(), rotation.y(), rotation.z(), rotation.w());
   const btVector3 axis = to_bullet(Eigen::Vector3d(com_T_joint.linear() * joint.axis));
   const btVector3 to_pivot = to_bullet(Eigen::Vector3d(parent_com_T_joint.translation()));
   const btVector3 to_com = to_bullet(Eigen::Vector3d(-com_T_joint.translation()));

@@ -16,7 +16,7 @@ constexpr double kForgetS = 0.05;
 constexpr double kSettleS = 0.08;
 /// A held body that is farther from its place in the hand than this was lost [m].
 constexpr double kLost = 0.03;
-/// Share of a contact's normal that must point along the finger's way.
+/// Fraction of a contact's normal that must point along the finger's way.
 constexpr double kFacing = 0.7;
 
 }  // namespace

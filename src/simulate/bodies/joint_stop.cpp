@@ -6,7 +6,7 @@
 namespace extperfc::simulate {
 namespace {
 
-/// Share of the way back that a joint beyond its end takes in one step.
+/// Fraction of the way back that a joint beyond its end takes in one step.
 constexpr double kReturn = 0.2;
 
 }  // namespace

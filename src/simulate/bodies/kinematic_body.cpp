@@ -30,9 +30,9 @@ void KinematicBody::aim(const Pose& world_T_body) {
   const btVector3 way = end_.getOrigin() - start.getOrigin();
   // Bullet takes the velocity of a kinematic body from the way that it came. Contacts are found where the
   // step starts, so the way that it goes is what counts: the start is mirrored.
-  const btMatrix3x3 turn = end_.getBasis() * start.getBasis().transpose();
+  const btMatrix3x3 rotation = end_.getBasis() * start.getBasis().transpose();
   body_->setInterpolationWorldTransform(
-      btTransform(turn.transpose() * start.getBasis(), start.getOrigin() - way));
+      btTransform(rotation.transpose() * start.getBasis(), start.getOrigin() - way));
 }
 
 void KinematicBody::arrive() {

@@ -24,7 +24,7 @@ constexpr std::array<std::pair<FaultKind, const char*>, 10> kNames{
      {FaultKind::kDie, "die"}}};
 constexpr std::array<const char*, 4> kWheels{"fl", "fr", "rl", "rr"};
 
-bool is_share(FaultKind kind) {
+bool is_fraction(FaultKind kind) {
   return kind == FaultKind::kCameraDrop || kind == FaultKind::kCameraNan || kind == FaultKind::kLidarDrop ||
          kind == FaultKind::kWheelSlip;
 }
@@ -87,8 +87,8 @@ Result<void> FaultBook::check(const Fault& fault) const {
   const std::string name = to_string(fault.kind);
   if (!(fault.duration_s <= 1e9))
     return fail(ErrorCode::kInvalidArgument, name + ": duration_s must be a number of seconds, 0 for ever");
-  if (is_share(fault.kind) && !(fault.value >= 0 && fault.value <= 1))
-    return fail(ErrorCode::kInvalidArgument, name + ": value is a share: use 0 to 1");
+  if (is_fraction(fault.kind) && !(fault.value >= 0 && fault.value <= 1))
+    return fail(ErrorCode::kInvalidArgument, name + ": value is a fraction: use 0 to 1");
   if (fault.kind == FaultKind::kClockJump && !(std::abs(fault.value) <= 1e6))
     return fail(ErrorCode::kInvalidArgument, name + ": value is in seconds: use -1e6 to 1e6");
   if (fault.kind == FaultKind::kDie && !(fault.value >= 0 && fault.value <= 1e6))

@@ -18,7 +18,7 @@ class FaultBook {
   void expire(double now_s);
   [[nodiscard]] const std::vector<Fault>& active() const { return active_; }
   [[nodiscard]] bool joint_is_stuck(const std::string& joint) const;
-  /// Share of the motion that wheel 0..3 loses.
+  /// Fraction of the motion that wheel 0..3 loses.
   [[nodiscard]] double wheel_slip(int wheel) const;
 
  private:

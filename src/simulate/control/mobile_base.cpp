@@ -16,9 +16,9 @@ double towards(double value, double goal, double change) {
 }  // namespace
 
 std::array<double, 4> wheel_speeds(const Twist2& t) {
-  const double turn = kHalfReach * t.wz;
-  return {(t.vx - t.vy - turn) / kWheelRadius, (t.vx + t.vy + turn) / kWheelRadius,
-          (t.vx + t.vy - turn) / kWheelRadius, (t.vx - t.vy + turn) / kWheelRadius};
+  const double rotation = kHalfReach * t.wz;
+  return {(t.vx - t.vy - rotation) / kWheelRadius, (t.vx + t.vy + rotation) / kWheelRadius,
+          (t.vx + t.vy - rotation) / kWheelRadius, (t.vx - t.vy + rotation) / kWheelRadius};
 }
 
 Twist2 twist_of(const std::array<double, 4>& w) {
@@ -46,7 +46,7 @@ void MobileBase::command(const Twist2& velocity, double now_s) {
   if (!std::isfinite(velocity.vx) || !std::isfinite(velocity.vy) || !std::isfinite(velocity.wz)) return;
   // The direction is kept: a vector that is too long is shortened as a whole.
   const double longest = std::max({1.0, std::hypot(velocity.vx, velocity.vy) / params_.max_speed_m_s,
-                                   std::abs(velocity.wz) / params_.max_turn_rad_s});
+                                   std::abs(velocity.wz) / params_.max_yaw_rate_rad_s});
   wanted_ = {velocity.vx / longest, velocity.vy / longest, velocity.wz / longest};
   command_time_s_ = now_s;
 }
@@ -62,7 +62,7 @@ Twist2 MobileBase::limited_command(double now_s, double step_s) const {
   const Twist2 goal = fresh ? wanted_ : Twist2{};
   const double change = params_.max_accel_m_s2 * step_s;
   return {towards(drive_.vx, goal.vx, change), towards(drive_.vy, goal.vy, change),
-          towards(drive_.wz, goal.wz, params_.max_turn_accel_rad_s2 * step_s)};
+          towards(drive_.wz, goal.wz, params_.max_yaw_accel_rad_s2 * step_s)};
 }
 
 Twist2 MobileBase::with_slip(const std::array<double, 4>& wheels, double step_s) {

@@ -38,8 +38,8 @@ class MobileBase {
   void step(double now_s, double step_s, const std::function<bool(const Pose2&)>& collides);
   /// Elsewhere, at rest; odometry stays.
   void place(const Pose2& pose);
-  /// Share of a wheel's motion that is lost, [0, 1].
-  void set_slip(int wheel, double share) { fault_slip_[wheel] = share; }
+  /// Fraction of a wheel's motion that is lost, [0, 1].
+  void set_slip(int wheel, double fraction) { fault_slip_[wheel] = fraction; }
 
   [[nodiscard]] const BaseState& state() const { return state_; }
   [[nodiscard]] const ImuSample& imu() const { return imu_; }

@@ -36,9 +36,9 @@ Result<void> check(const SimulatorParams& params) {
   Checker checker;
   const BaseParams& base = params.base;
   checker.above("base: max_speed_m_s", base.max_speed_m_s, 0, 1.84);
-  checker.above("base: max_turn_rad_s", base.max_turn_rad_s, 0, 3.1);
+  checker.above("base: max_yaw_rate_rad_s", base.max_yaw_rate_rad_s, 0, 3.1);
   checker.above("base: max_accel_m_s2", base.max_accel_m_s2, 0, 4);
-  checker.above("base: max_turn_accel_rad_s2", base.max_turn_accel_rad_s2, 0, 9.5);
+  checker.above("base: max_yaw_accel_rad_s2", base.max_yaw_accel_rad_s2, 0, 9.5);
   checker.above("base: command_timeout_s", base.command_timeout_s, 0, 5);
   checker.within("base: wheel_noise", base.wheel_noise, 0, 0.5);
   checker.within("base: wheel_slip", base.wheel_slip, 0, 0.5);

@@ -7,7 +7,7 @@ namespace extperfc::simulate {
 namespace {
 
 constexpr double kPersonalSpaceM = 1.0;
-constexpr double kTurnRateRadS = 4.0;
+constexpr double kYawRateRadS = 4.0;
 
 }  // namespace
 
@@ -41,9 +41,9 @@ bool Pedestrian::path_is_clear(const Pose2& robot) const {
 }
 
 void Pedestrian::rotate_towards(double heading, double step_s) {
-  const double turn = wrap_angle(heading - pose_.yaw);
-  const double most = kTurnRateRadS * step_s;
-  pose_.yaw = wrap_angle(pose_.yaw + std::clamp(turn, -most, most));
+  const double yaw = wrap_angle(heading - pose_.yaw);
+  const double max_step = kYawRateRadS * step_s;
+  pose_.yaw = wrap_angle(pose_.yaw + std::clamp(yaw, -max_step, max_step));
 }
 
 void Pedestrian::step(double step_s, const Pose2& robot) {

@@ -136,7 +136,8 @@ void seen_lanes(const LaneMask& asked, const Rays& rays, float* seen) {
   for (int k = 0; k < kLanes; ++k) seen[k] = asked.on[k] == 0 ? -1.0F : (rays.far[k] < 0.0F ? 0.0F : 1.0F);
 }
 
-/// How far the view is free, as a share of the reach; -1: not asked. Fades out smoothly where the reach ends.
+/// How far the view is free, as a fraction of the reach; -1: not asked. Fades out smoothly where the reach
+/// ends.
 void free_lanes(const LaneMask& asked, const RayPacket& packet, float* seen) {
   for (int k = 0; k < kLanes; ++k) seen[k] = asked.on[k] == 0 ? -1.0F : packet.ray.far[k] * (1.0F / kReach_m);
 }

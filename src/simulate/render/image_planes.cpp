@@ -10,7 +10,7 @@ namespace extperfc::simulate::render {
 
 namespace {
 
-constexpr float kSameDepth = 0.03F;  // share of the depth by which a neighbour may be off
+constexpr float kSameDepth = 0.03F;  // fraction of the depth by which a neighbour may be off
 
 constexpr float kExposure = 1.22F;
 constexpr float kKnee = 0.70F;  // where the shoulder begins

@@ -15,27 +15,27 @@ static_assert(kRings % kPatchRings == 0);
 constexpr double kFiringPeriod_s = 2.304e-6;  // from one laser to the next (VLP-16 manual)
 constexpr float kHousing_m = 0.1F;            // the sensor does not see itself
 constexpr std::uint32_t kLidarStream = 3;
-/// Poses between two, a column apart: constant velocity and constant turn.
+/// Poses between two, a column apart: constant velocity and constant rotation.
 class Motion {
  public:
   Motion(const Pose& begin, const Pose& end) : begin_(begin), step_(end.translation() - begin.translation()) {
-    turn_ = Eigen::AngleAxisd(begin.linear().transpose() * end.linear());
-    moves_ = step_.norm() > 0.0 || std::abs(turn_.angle()) > 1e-12;
+    rotation_ = Eigen::AngleAxisd(begin.linear().transpose() * end.linear());
+    moves_ = step_.norm() > 0.0 || std::abs(rotation_.angle()) > 1e-12;
   }
 
-  [[nodiscard]] Eigen::Isometry3f at(double share) const {
+  [[nodiscard]] Eigen::Isometry3f at(double fraction) const {
     if (!moves_) return begin_.cast<float>();
     Pose pose = begin_;
-    pose.translation() += share * step_;
-    pose.linear() =
-        begin_.linear() * Eigen::AngleAxisd(share * turn_.angle(), turn_.axis()).toRotationMatrix();
+    pose.translation() += fraction * step_;
+    pose.linear() = begin_.linear() *
+                    Eigen::AngleAxisd(fraction * rotation_.angle(), rotation_.axis()).toRotationMatrix();
     return pose.cast<float>();
   }
 
  private:
   Pose begin_;
   Eigen::Vector3d step_;
-  Eigen::AngleAxisd turn_;
+  Eigen::AngleAxisd rotation_;
   bool moves_{false};
 };
 

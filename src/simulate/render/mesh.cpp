@@ -13,10 +13,10 @@ namespace {
 using Eigen::Vector2f;
 using Eigen::Vector3f;
 
-constexpr float kTurn = 6.28318530718F;
+constexpr float kTwoPi = 6.28318530718F;
 
 /// A rectangle from its corner along two edges; the texture starts at the corner.
-void add_face(Mesh& mesh, const Vector3f& corner, const Vector3f& right, const Vector3f& up, bool turned,
+void add_face(Mesh& mesh, const Vector3f& corner, const Vector3f& right, const Vector3f& up, bool rotated,
               std::uint32_t surface) {
   const auto first = static_cast<std::uint32_t>(mesh.vertices.size());
   const Vector3f normal = right.cross(up).normalized();
@@ -24,7 +24,7 @@ void add_face(Mesh& mesh, const Vector3f& corner, const Vector3f& right, const V
     const float a = i == 1 || i == 2 ? 1.0F : 0.0F;
     const float b = i >= 2 ? 1.0F : 0.0F;
     Vector2f texture(a * right.norm(), b * up.norm());
-    if (turned) std::swap(texture.x(), texture.y());
+    if (rotated) std::swap(texture.x(), texture.y());
     mesh.vertices.push_back({corner + a * right + b * up, normal, texture});
   }
   mesh.triangles.push_back({{first, first + 1, first + 2}, surface});
@@ -66,7 +66,7 @@ struct Ring {
 
 void add_ring(Mesh& mesh, const Ring& ring, int corners, float texture_radius) {
   for (int i = 0; i <= corners; ++i) {
-    const float angle = kTurn * static_cast<float>(i) / static_cast<float>(corners);
+    const float angle = kTwoPi * static_cast<float>(i) / static_cast<float>(corners);
     const float c = std::cos(angle);
     const float s = std::sin(angle);
     mesh.vertices.push_back({{ring.radius * c, ring.radius * s, ring.z},
@@ -91,7 +91,7 @@ void add_disc(Mesh& mesh, float radius, float z, int corners, std::uint32_t surf
   const Vector3f normal(0, 0, up);
   mesh.vertices.push_back({{0, 0, z}, normal, {radius, radius}});
   for (int i = 0; i <= corners; ++i) {
-    const float angle = up * kTurn * static_cast<float>(i) / static_cast<float>(corners);
+    const float angle = up * kTwoPi * static_cast<float>(i) / static_cast<float>(corners);
     const Vector3f at(radius * std::cos(angle), radius * std::sin(angle), z);
     mesh.vertices.push_back({at, normal, {at.x() + radius, at.y() + radius}});
   }
@@ -134,7 +134,7 @@ Mesh make(const Sphere& sphere, const Material& /*material*/, std::uint32_t surf
   const int rows = corners / 2;
   std::vector<Ring> rings;
   for (int i = 0; i <= rows; ++i) {
-    const float polar = 0.5F * kTurn * static_cast<float>(i) / static_cast<float>(rows);
+    const float polar = 0.5F * kTwoPi * static_cast<float>(i) / static_cast<float>(rows);
     const Vector2f normal(std::sin(polar), -std::cos(polar));
     rings.push_back({radius * normal.x(), radius * normal.y(), normal, radius * polar});
   }

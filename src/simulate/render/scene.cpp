@@ -56,7 +56,7 @@ bool Scene::place(std::uint32_t mesh_instance, const Pose& world_T_mesh) {
   if (placement == placements_[mesh_instance]) return false;
   placements_[mesh_instance] = placement;
   std::copy_n(placement.begin(), 9, frames_[mesh_instance].rotation);
-  frames_[mesh_instance].turned = !std::equal(placement.begin(), placement.begin() + 9, kHome.begin());
+  frames_[mesh_instance].rotated = !std::equal(placement.begin(), placement.begin() + 9, kHome.begin());
   rays_->place(mesh_instance, placement);
   return true;
 }

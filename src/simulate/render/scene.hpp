@@ -22,7 +22,7 @@ static_assert(sizeof(TriangleRecord) == 64);
 /// Rotation of a mesh instance, columns of the matrix.
 struct MeshFrame {
   float rotation[9];
-  bool turned;  ///< false: the rotation is the identity
+  bool rotated;  ///< false: the rotation is the identity
 };
 
 /// The stage with everything at its place, ready for rays.

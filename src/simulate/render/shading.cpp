@@ -34,9 +34,9 @@ LanePattern make_pattern() {
     pattern.asks[k] = k % 2 == 0 && k / 4 % 2 == 0 ? -1 : 0;
     const int other = kOrder[k] % 4;
     const float flat = std::sqrt((static_cast<float>(other) + 1.0F) / 6.0F);
-    const float turn = 1.5707963F * static_cast<float>(other) + 0.5F;
-    pattern.around[0][k] = flat * std::cos(turn);
-    pattern.around[1][k] = flat * std::sin(turn);
+    const float azimuth = 1.5707963F * static_cast<float>(other) + 0.5F;
+    pattern.around[0][k] = flat * std::cos(azimuth);
+    pattern.around[1][k] = flat * std::sin(azimuth);
     pattern.around[2][k] = std::sqrt(1.0F - flat * flat);
     pattern.level[k] = std::exp2(rank);
   }
@@ -112,7 +112,7 @@ void gather(const Scene& scene, const RayPacket& packet, Tile& tile) {
     for (int i = 0; i < 3; ++i)
       n[i] = w * record.normal[0][i] + u * record.normal[1][i] + v * record.normal[2][i];
     const MeshFrame& frame = scene.frame(hit.mesh_instance[k]);
-    if (frame.turned) {
+    if (frame.rotated) {
       const float* r = frame.rotation;
       const float local[3] = {n[0], n[1], n[2]};
       for (int i = 0; i < 3; ++i) n[i] = r[i] * local[0] + r[3 + i] * local[1] + r[6 + i] * local[2];
@@ -193,11 +193,11 @@ EXTPERFC_LANES void light(const View& view, const RayPacket& packet, Tile& tile,
     const float view_cosine = -(nx * dx + ny * dy + nz * dz) * unit_d;
     const float flat = 1.0F - (view_cosine > 0.0F ? view_cosine : 0.0F);
     const float rim = 0.30F * tile.gloss[k] * flat * flat * flat * (0.3F + 0.7F * up);
-    const float share = view.ambient_weight * side;
-    tile.rim[k] = share * rim;
-    tile.ambient[0][k] = share * (0.60F + up * (0.24F + 0.20F * view.sky[0]));
-    tile.ambient[1][k] = share * (0.56F + up * (0.28F + 0.20F * view.sky[1]));
-    tile.ambient[2][k] = share * (0.51F + up * (0.33F + 0.20F * view.sky[2]));
+    const float fraction = view.ambient_weight * side;
+    tile.rim[k] = fraction * rim;
+    tile.ambient[0][k] = fraction * (0.60F + up * (0.24F + 0.20F * view.sky[0]));
+    tile.ambient[1][k] = fraction * (0.56F + up * (0.28F + 0.20F * view.sky[1]));
+    tile.ambient[2][k] = fraction * (0.51F + up * (0.33F + 0.20F * view.sky[2]));
 
     // Size of a pixel on the surface, in pixels of the texture; halfway between its two sides when slanted.
     const float slant = view_cosine > 0.08F ? view_cosine : 0.08F;

@@ -18,9 +18,9 @@ namespace {
 constexpr double kPi = 3.14159265358979323846;
 constexpr int kTries = 25;  // views that are looked at before the last one is taken
 constexpr int kPreviewRows = 60;
-constexpr double kElsewhere = 0.04;  // share of the images that look anywhere in the room
+constexpr double kElsewhere = 0.04;  // fraction of the images that look anywhere in the room
 constexpr double kOccluded = 0.95;
-constexpr double kDifficultShare = 0.3;
+constexpr double kDifficultFraction = 0.3;
 constexpr int kDifficultSize = 12;  // [px]
 
 RandomWorldParams world_params(Rng& rng) {
@@ -52,8 +52,8 @@ Snapshot snapshot_of(const WorldSpec& world, std::vector<Pose2> people, double t
   return snapshot;
 }
 
-/// Share of the pixels that are nearer than `limit_m` or show nothing at all.
-double bad_share(const CameraImages& images, float limit_m) {
+/// Fraction of the pixels that are nearer than `limit_m` or show nothing at all.
+double bad_fraction(const CameraImages& images, float limit_m) {
   std::size_t bad = 0;
   for (const float depth : images.true_depth_m) bad += depth < limit_m ? 1U : 0U;
   return static_cast<double>(bad) / static_cast<double>(std::max<std::size_t>(1, images.true_depth_m.size()));
@@ -125,17 +125,19 @@ Result<void> ImageMaker::enter_world(int number) {
 Pose ImageMaker::choose_view(Rng& rng, const CameraParams& params) {
   const CameraParams preview = preview_of(params);
   std::vector<Eigen::Vector3d> targets = targets_;
-  int least = std::min(rng.integer(1, 3), static_cast<int>(targets_.size()));  // objects that shall be seen
+  int min_visible =
+      std::min(rng.integer(1, 3), static_cast<int>(targets_.size()));  // objects that shall be seen
   if (rng.chance(kElsewhere)) {
     targets = {random_place(rng, *world_)};
-    least = 0;
+    min_visible = 0;
   }
   Pose view = Pose::Identity();
   for (int attempt = 0; attempt < kTries; ++attempt) {
     view = random_view(rng, *world_, targets);
     rig_->camera(preview, view, preview_);
-    if (bad_share(preview_, 0.25F) > 0.03) continue;  // something right before the lens, or outside the room
-    if (static_cast<int>(visible_boxes(preview_, rig_->instances(), 4).size()) >= least) break;
+    if (bad_fraction(preview_, 0.25F) > 0.03)
+      continue;  // something right before the lens, or outside the room
+    if (static_cast<int>(visible_boxes(preview_, rig_->instances(), 4).size()) >= min_visible) break;
   }
   return view;
 }
@@ -158,7 +160,7 @@ void ImageMaker::annotate(const CameraParams& params, const Pose& world_T_optica
       note.visible = whole.pixels > 0 ? std::min(1.0, box.pixels / whole.pixels) : 1;
       note.truncated = whole.pixels_inside < 0.99 * whole.pixels;
       note.occluded = box.pixels < kOccluded * whole.pixels_inside;
-      note.difficult |= note.visible < kDifficultShare || shows_base_only(body, world_T_optical);
+      note.difficult |= note.visible < kDifficultFraction || shows_base_only(body, world_T_optical);
     }
     image_.annotations.push_back(note);
   }

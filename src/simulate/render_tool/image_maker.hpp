@@ -14,7 +14,7 @@ namespace extperfc::simulate::render_tool {
 struct Annotation {
   std::string label;
   VisibleBox box;
-  double visible{1};  ///< share of the whole object that is seen
+  double visible{1};  ///< fraction of the whole object that is seen
   bool truncated{false};
   bool occluded{false};
   bool difficult{false};

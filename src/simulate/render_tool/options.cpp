@@ -32,7 +32,7 @@ Options:
   --help                  this text
 
 In the XML: `truncated` reaches over the image's border, `occluded` is hidden by more than 5 %, `difficult` is visible
-by less than 30 %, smaller than 12 pixels, or a cone that shows its base only; `visible` is the share that is seen, 0 to 1.
+by less than 30 %, smaller than 12 pixels, or a cone that shows its base only; `visible` is the fraction that is seen, 0 to 1.
 Ctrl-C ends after the images in work; the folder is complete up to there.
 Exit status: 0 fine, 1 something went wrong, 2 wrong arguments, 130 interrupted.
 )";
@@ -107,22 +107,22 @@ const std::map<std::string, bool Options::*>& flags() {
 
 }  // namespace
 
-Result<Options> parse_options(const std::vector<std::string>& words) {
+Result<Options> parse_options(const std::vector<std::string>& tokens) {
   Options options;
-  for (std::size_t i = 0; i < words.size(); ++i) {
-    const std::string& word = words[i];
-    if (const auto flag = flags().find(word); flag != flags().end()) {
+  for (std::size_t i = 0; i < tokens.size(); ++i) {
+    const std::string& token = tokens[i];
+    if (const auto flag = flags().find(token); flag != flags().end()) {
       options.*(flag->second) = true;
-    } else if (const auto reader = readers().find(word); reader != readers().end()) {
-      if (i + 1 == words.size()) return fail(ErrorCode::kInvalidArgument, word + " needs a value");
-      if (auto read = reader->second(words[++i], options); !read) return tl::unexpected(read.error());
-    } else if (word.rfind("--", 0) == 0) {
-      return fail(ErrorCode::kInvalidArgument, "unknown option " + word);
+    } else if (const auto reader = readers().find(token); reader != readers().end()) {
+      if (i + 1 == tokens.size()) return fail(ErrorCode::kInvalidArgument, token + " needs a value");
+      if (auto read = reader->second(tokens[++i], options); !read) return tl::unexpected(read.error());
+    } else if (token.rfind("--", 0) == 0) {
+      return fail(ErrorCode::kInvalidArgument, "unknown option " + token);
     } else if (!options.out.empty()) {
       return fail(ErrorCode::kInvalidArgument,
-                  "give one folder, not \"" + options.out.string() + "\" and \"" + word + "\"");
+                  "give one folder, not \"" + options.out.string() + "\" and \"" + token + "\"");
     } else {
-      options.out = word;
+      options.out = token;
     }
   }
   if (options.out.empty() && !options.help)

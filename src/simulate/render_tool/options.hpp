@@ -22,15 +22,15 @@ struct Options {
   bool resume{false};
   int threads{0};      ///< 0: one per processor
   int min_pixels{40};  ///< visible pixels of an object that gets a box
-  double val{0.1};     ///< share of the worlds that go to val.txt, [0, 1]
+  double val{0.1};     ///< fraction of the worlds that go to val.txt, [0, 1]
   std::vector<std::string> classes{"cone", "cube", "sphere"};
   bool help{false};
 };
 
 extern const char* const kHelp;
 
-/// From the words behind the program's name. Errors: unknown option, value missing or out of its range.
-[[nodiscard]] Result<Options> parse_options(const std::vector<std::string>& words);
+/// From the arguments behind the program's name. Errors: unknown option, value missing or out of its range.
+[[nodiscard]] Result<Options> parse_options(const std::vector<std::string>& arguments);
 
 /// What decides about the images, as text: two runs with the same text write the same files.
 /// Reads the world's file.

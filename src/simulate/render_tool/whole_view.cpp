@@ -10,7 +10,7 @@ namespace extperfc::simulate::render_tool {
 
 namespace {
 
-constexpr double kMostRays = 4000;
+constexpr double kMaxRays = 4000;
 
 /// Pixels that a body can cover.
 struct Window {
@@ -49,7 +49,7 @@ WholeView whole_view(const BodySpec& body, const CameraModel& camera, const Pose
   }
   if (window.u_min > window.u_max) return {};
   const double area = (window.u_max - window.u_min) * (window.v_max - window.v_min);
-  const int step = std::max(1, static_cast<int>(std::ceil(std::sqrt(area / kMostRays))));
+  const int step = std::max(1, static_cast<int>(std::ceil(std::sqrt(area / kMaxRays))));
   const auto hit = [&](double u, double v) {
     const Eigen::Vector3d direction((u - camera.cx) / camera.fx, (v - camera.cy) / camera.fy, 1);
     for (std::size_t i = 0; i < body.shapes.size(); ++i)

@@ -13,7 +13,7 @@ namespace {
 using namespace worlds;  // NOLINT: outlines
 
 constexpr double kTouch = 1e-9;  // a wall that only touches a cell's border does not occupy it [m]
-constexpr double kMostCells = 1e8;
+constexpr double kMaxCells = 1e8;
 
 struct Cell {
   int column;
@@ -93,7 +93,7 @@ Result<FloorPlan> floor_plan(const WorldSpec& world, double resolution_m, double
   if (!(z_min_m < z_max_m))
     return fail(ErrorCode::kInvalidArgument, "floor plan: z_min must be below z_max: exchange them");
   const Eigen::Vector2d cells = (world.max_m - world.min_m) / resolution_m;
-  if (!(cells.minCoeff() > 0 && cells.prod() <= kMostCells))
+  if (!(cells.minCoeff() > 0 && cells.prod() <= kMaxCells))
     return fail(ErrorCode::kInvalidArgument,
                 "floor plan: the world \"" + world.name +
                     "\" has no area or more than 10^8 cells: use a coarser grid");

@@ -88,9 +88,9 @@ ObjectModel desk(const Eigen::Vector3d& size_m, const Material& top, const Mater
   ObjectModel block;
   add_box(block, drawers, centre, body);
   add_fronts(block, drawers, centre, 3, body);
-  const Pose turn = make_pose(Eigen::Vector3d::Zero(), {0, 0, 2 * kQuarter});
+  const Pose rotation = make_pose(Eigen::Vector3d::Zero(), {0, 0, 2 * kQuarter});
   for (const Shape& shape : block.shapes)
-    add(model, shape.geometry, turn * shape.body_T_shape, shape.material);
+    add(model, shape.geometry, rotation * shape.body_T_shape, shape.material);
   for (const double x : {-1.0, 1.0})
     add_box(model, {0.05, 0.05, under}, {x * (size_m.x() / 2 - 0.04), size_m.y() / 2 - 0.04, under / 2},
             body);

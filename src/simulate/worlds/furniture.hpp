@@ -21,7 +21,7 @@ namespace extperfc::simulate::worlds {
 struct ShelfParams {
   Eigen::Vector3d size_m{0.3, 0.9, 1.9};
   int levels{5};          ///< boards that objects can stand on, the lowest one included
-  double filled{0.7};     ///< share of the boards' length with books on it, [0, 1]
+  double filled{0.7};     ///< fraction of the boards' length with books on it, [0, 1]
   int empty_level{-1};    ///< from this level on (0 the lowest) nothing is filled in; -1: all are
   std::uint64_t seed{1};  ///< of the books
 };

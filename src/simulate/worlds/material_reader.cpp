@@ -8,9 +8,9 @@ namespace extperfc::simulate::worlds {
 
 namespace {
 
-std::string joined(const std::vector<std::string>& words) {
+std::string joined(const std::vector<std::string>& names) {
   std::string text;
-  for (const auto& word : words) text += (text.empty() ? "" : ", ") + word;
+  for (const auto& name : names) text += (text.empty() ? "" : ", ") + name;
   return text;
 }
 
@@ -34,7 +34,7 @@ void change(YamlMap& map, Material& material) {
                                ": use one of " + joined(texture_names()));
   material.texture_size_m = static_cast<float>(
       map.number("texture_size", {0.005, 100}, static_cast<double>(material.texture_size_m)));
-  material.gloss = static_cast<float>(map.number("gloss", kShare, static_cast<double>(material.gloss)));
+  material.gloss = static_cast<float>(map.number("gloss", kFraction, static_cast<double>(material.gloss)));
 }
 
 }  // namespace
@@ -42,7 +42,7 @@ void change(YamlMap& map, Material& material) {
 Eigen::Vector3f read_colour(YamlMap& map, const std::string& key, const Eigen::Vector3f& fallback) {
   const auto found = map.node(key);
   if (!found) return fallback;
-  if (found->IsSequence()) return map.vector3(key, kShare).cast<float>();
+  if (found->IsSequence()) return map.vector3(key, kFraction).cast<float>();
   const std::string name = found->IsScalar() ? found->Scalar() : "";
   if (const auto colour = colour_from_name(name)) return *colour;
   if (const auto colour = colour_from_hex(name)) return *colour;

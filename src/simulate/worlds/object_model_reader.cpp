@@ -40,7 +40,7 @@ ObjectModel read_shelf(YamlMap& map, const MaterialReader& materials) {
   ShelfParams params;
   params.size_m = size_of(map, params.size_m);
   params.levels = map.integer("levels", 1, 20, params.levels);
-  params.filled = map.number("books", kShare, params.filled);
+  params.filled = map.number("books", kFraction, params.filled);
   params.empty_level = map.integer("books_up_to", 0, 20, params.levels);
   params.seed = seed_of(map);
   return shelf(params, materials.read(map, "oak"));

@@ -10,7 +10,7 @@ namespace extperfc::simulate::worlds {
 namespace {
 
 constexpr double kDegree = 0.01745329251994329577;  // [rad]
-constexpr int kMostCopies = 100;
+constexpr int kMaxCopies = 100;
 constexpr int kDeepest = 8;                // groups in groups: an anchor may hold itself
 constexpr std::size_t kMaxObjects = 5000;  // groups of groups of copies may multiply
 
@@ -76,13 +76,13 @@ Copies read_copies(YamlMap& map) {
   const auto node = map.node("copies");
   if (!node) return copies;
   YamlMap section(*node, map.path() + ".copies", map.problems());
-  copies.count = section.integer("count", 1, kMostCopies);
+  copies.count = section.integer("count", 1, kMaxCopies);
   copies.step_m = section.vector2("step", kAny);
   section.refuse_unknown();
   return copies;
 }
 
-std::string colour_word(const YamlMap& map) {
+std::string colour_suffix(const YamlMap& map) {
   const YAML::Node& node = map.raw();
   if (!map.has("colour") || !node["colour"].IsScalar()) return "";
   const std::string& text = node["colour"].Scalar();
@@ -126,7 +126,7 @@ void ObjectReader::read_object(const std::string& kind, YamlMap& map, const Grou
     params.height_m = map.number("height", {0.3, 5}, params.height_m);
     read_door(map, group.world_T_group * opening, params, group);
   } else if (auto model = read_object_model(kind, map, materials_)) {
-    read_placed(map, group, std::move(*model), kind + colour_word(map));
+    read_placed(map, group, std::move(*model), kind + colour_suffix(map));
   } else {
     auto kinds = object_kinds();
     for (const char* more : {"group", "wall", "floor", "ceiling", "door"}) kinds.emplace_back(more);

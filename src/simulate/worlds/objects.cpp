@@ -10,7 +10,7 @@ namespace extperfc::simulate::worlds {
 namespace {
 
 constexpr double kQuarter = 1.57079632679489662;  // [rad]
-constexpr double kHollow = 0.35;                  // share of the volume that cups, cans and bottles weigh
+constexpr double kHollow = 0.35;                  // fraction of the volume that cups, cans and bottles weigh
 
 ObjectModel loose(const Geometry& geometry, const Pose& pose, const Material& material, const char* label) {
   ObjectModel model;
@@ -21,10 +21,10 @@ ObjectModel loose(const Geometry& geometry, const Pose& pose, const Material& ma
   return model;
 }
 
-double weigh(const ObjectModel& model, double share) {
+double weigh(const ObjectModel& model, double fraction) {
   double volume = 0;
   for (const Shape& shape : model.shapes) volume += volume_m3(shape.geometry);
-  return kDensity * volume * share;
+  return kDensity * volume * fraction;
 }
 
 }  // namespace

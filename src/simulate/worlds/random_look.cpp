@@ -110,9 +110,9 @@ LightSpec random_light(Rng& rng, const Eigen::Vector2d& room_min_m, const Eigen:
   light.position_m.y() = room_min_m.y() + size.y() * rng.uniform(0.1, 0.9);
   light.position_m.z() = rng.uniform(ceiling_m * 0.72, ceiling_m - 0.05);
   const double total = std::clamp(rng.normal(1.0, 0.17), 0.6, 1.4);
-  const double share = rng.uniform(0.3, 0.75);
-  light.direct = static_cast<float>(total * share);
-  light.ambient = static_cast<float>(total * (1 - share));
+  const double fraction = rng.uniform(0.3, 0.75);
+  light.direct = static_cast<float>(total * fraction);
+  light.ambient = static_cast<float>(total * (1 - fraction));
   light.sky = random_colour(rng, {0, 0.2, 0.6, 1});
   return light;
 }

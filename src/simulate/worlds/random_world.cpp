@@ -17,13 +17,13 @@ constexpr int kMaxObjects = 40;
 constexpr double kRobotFront = 0.5;  // [m] from its origin
 
 Result<void> check(const RandomWorldParams& params) {
-  const auto counts = [](int least, int most) { return least >= 0 && least <= most && most <= kMaxObjects; };
-  const auto share = [](double value) { return value >= 0 && value <= 1; };
+  const auto counts = [](int low, int high) { return low >= 0 && low <= high && high <= kMaxObjects; };
+  const auto fraction = [](double value) { return value >= 0 && value <= 1; };
   if (!counts(params.min_objects, params.max_objects) ||
       !counts(params.min_distractors, params.max_distractors))
     return fail(ErrorCode::kInvalidArgument,
                 "random world: numbers of objects and distractors must be 0 <= min <= max <= 40");
-  if (!share(params.crowded) || !share(params.stacked) || !share(params.person))
+  if (!fraction(params.crowded) || !fraction(params.stacked) || !fraction(params.person))
     return fail(ErrorCode::kInvalidArgument, "random world: crowded, stacked and person must be in [0, 1]");
   return {};
 }

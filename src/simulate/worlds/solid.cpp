@@ -228,8 +228,8 @@ double distance_m(const Polygon& polygon, const Eigen::Vector2d& point) {
     const Eigen::Vector2d& from = polygon[i];
     const Eigen::Vector2d along = polygon[(i + 1) % polygon.size()] - from;
     if (cross(from, from + along, point) < 0) inside = false;
-    const double share = std::clamp(along.dot(point - from) / along.squaredNorm(), 0.0, 1.0);
-    nearest = std::min(nearest, (point - from - share * along).norm());
+    const double fraction = std::clamp(along.dot(point - from) / along.squaredNorm(), 0.0, 1.0);
+    nearest = std::min(nearest, (point - from - fraction * along).norm());
   }
   return inside ? 0 : nearest;
 }
@@ -286,14 +286,14 @@ double box_overlap_m(const ShapeBox& a, const Pose& world_T_a, const ShapeBox& b
     axes.emplace_back(world_T_b.linear().col(i));
     for (int j = 0; j < 3; ++j) axes.emplace_back(world_T_a.linear().col(i).cross(world_T_b.linear().col(j)));
   }
-  double least = std::numeric_limits<double>::infinity();
+  double overlap_m = std::numeric_limits<double>::infinity();
   for (const auto& raw : axes) {
     if (raw.norm() < 1e-6) continue;  // parallel edges: their other axes decide
     const Eigen::Vector3d axis = raw.normalized();
-    least = std::min(
-        least, half_along(a, world_T_a, axis) + half_along(b, world_T_b, axis) - std::abs(axis.dot(apart)));
+    overlap_m = std::min(overlap_m, half_along(a, world_T_a, axis) + half_along(b, world_T_b, axis) -
+                                        std::abs(axis.dot(apart)));
   }
-  return least;
+  return overlap_m;
 }
 
 }  // namespace extperfc::simulate::worlds

@@ -43,7 +43,7 @@ struct DoorParams {
   bool hinge_right{false};  ///< seen along +y of the door's frame, its hinge is at +x instead of -x
 };
 /// Leaf of a door, movable. Its frame stands at the hinge on the floor; the leaf lies along +x when shut, so
-/// a turn about z opens it.
+/// a rotation about z opens it.
 [[nodiscard]] ObjectModel door(const DoorParams& params, const Material& material);
 /// Pose of the leaf in a frame in the middle of the opening, x along the wall.
 [[nodiscard]] Pose door_pose(const DoorParams& params, double open_rad);

@@ -11,7 +11,7 @@ namespace extperfc::simulate::worlds {
 
 namespace {
 
-constexpr std::size_t kFarthestHint = 2;  // edits between an unknown word and the known one that is suggested
+constexpr std::size_t kFarthestHint = 2;  // edits between an unknown name and the known one that is suggested
 constexpr std::size_t kLongestShown = 40;
 
 std::string text_of(Span span) {
@@ -46,11 +46,11 @@ Error Problems::to_error() const {
   return {ErrorCode::kInvalidArgument, message};
 }
 
-std::string hint_for(const std::string& word, const std::vector<std::string>& known) {
-  const auto nearest = std::min_element(known.begin(), known.end(), [&word](const auto& a, const auto& b) {
-    return edit_distance(word, a) < edit_distance(word, b);
+std::string hint_for(const std::string& name, const std::vector<std::string>& known) {
+  const auto nearest = std::min_element(known.begin(), known.end(), [&name](const auto& a, const auto& b) {
+    return edit_distance(name, a) < edit_distance(name, b);
   });
-  if (nearest == known.end() || edit_distance(word, *nearest) > kFarthestHint) return "";
+  if (nearest == known.end() || edit_distance(name, *nearest) > kFarthestHint) return "";
   return ", did you mean \"" + *nearest + "\"?";
 }
 
@@ -198,7 +198,7 @@ Eigen::Vector3d YamlMap::place(const std::string& key) {
   return {values[0], values[1], values[2]};
 }
 
-std::vector<Eigen::Vector2d> YamlMap::points(const std::string& key, std::size_t least) {
+std::vector<Eigen::Vector2d> YamlMap::points(const std::string& key, std::size_t min_count) {
   std::vector<Eigen::Vector2d> result;
   const auto list = find_list(key, true);
   if (!list) return result;
@@ -211,8 +211,8 @@ std::vector<Eigen::Vector2d> YamlMap::points(const std::string& key, std::size_t
     const auto values = read_numbers((*list)[i], name, kAny);
     result.emplace_back(values[0], values[1]);
   }
-  if (list->size() < least)
-    problem(key, "must have at least " + std::to_string(least) + " points [x, y]: add some");
+  if (list->size() < min_count)
+    problem(key, "must have at least " + std::to_string(min_count) + " points [x, y]: add some");
   return result;
 }
 

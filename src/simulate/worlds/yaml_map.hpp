@@ -46,7 +46,7 @@ struct Span {
 };
 inline constexpr Span kAny{-1e4, 1e4};      ///< positions [m] and angles [deg]
 inline constexpr Span kLength{1e-4, 1000};  ///< sizes [m]
-inline constexpr Span kShare{0, 1};
+inline constexpr Span kFraction{0, 1};
 
 /// One map of a YAML file. Every read notes what is wrong, with line, key and remedy, and returns a default
 /// then; a read without a fallback asks for a key that must be there. Nothing throws.
@@ -70,7 +70,7 @@ class YamlMap {
   /// [x, y] with z = 0, or [x, y, z].
   [[nodiscard]] Eigen::Vector3d place(const std::string& key);
   /// A list of [x, y] with at least `least` of them.
-  [[nodiscard]] std::vector<Eigen::Vector2d> points(const std::string& key, std::size_t least);
+  [[nodiscard]] std::vector<Eigen::Vector2d> points(const std::string& key, std::size_t min_count);
   /// The node itself, nothing when the key is absent.
   [[nodiscard]] std::optional<YAML::Node> node(const std::string& key);
   /// Maps in a list; an absent list is empty.
@@ -98,8 +98,8 @@ class YamlMap {
   std::vector<std::string> known_;
 };
 
-/// ", did you mean ...?" when one of `known` is at most two edits away from `word`, else nothing.
-[[nodiscard]] std::string hint_for(const std::string& word, const std::vector<std::string>& known);
+/// ", did you mean ...?" when one of `known` is at most two edits away from `name`, else nothing.
+[[nodiscard]] std::string hint_for(const std::string& name, const std::vector<std::string>& known);
 
 /// The content of a node for a message, shortened.
 [[nodiscard]] std::string shown(const YAML::Node& node);

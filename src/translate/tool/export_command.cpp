@@ -91,16 +91,16 @@ Result<int> run_export(const Tokens& tokens) {
     std::cout << kExportHelp;
     return kFine;
   }
-  if (arguments->words().size() != 2)
+  if (arguments->operands().size() != 2)
     return fail(ErrorCode::kInvalidArgument, "give a set and a folder: export SET DIR");
   const auto store = open_store(*arguments);
   if (!store) return tl::unexpected(store.error());
-  const auto& set = arguments->words()[0];
+  const auto& set = arguments->operands()[0];
   if (auto known = check_set(*store, set); !known) return tl::unexpected(known.error());
-  const auto written = Exporter(*store, set, arguments->words()[1], arguments->all("--package")).run();
+  const auto written = Exporter(*store, set, arguments->operands()[1], arguments->all("--package")).run();
   if (!written) return tl::unexpected(written.error());
   if (*written == 0) return fail(ErrorCode::kNotFound, "the set " + set + " has none of these packages");
-  std::cout << *written << " definitions of " << set << " in " << arguments->words()[1] << "\n";
+  std::cout << *written << " definitions of " << set << " in " << arguments->operands()[1] << "\n";
   return kFine;
 }
 
@@ -112,7 +112,7 @@ Result<int> run_store(const Tokens& tokens) {
     return kFine;
   }
   const auto sets = arguments->all("--set");
-  if (arguments->words().empty() || sets.empty())
+  if (arguments->operands().empty() || sets.empty())
     return fail(ErrorCode::kInvalidArgument, "give a folder and the sets: store DIR --set NAME=TREE");
   DefinitionStore store;
   for (const auto& set : sets) {
@@ -123,12 +123,12 @@ Result<int> run_store(const Tokens& tokens) {
                                 arguments->last("--fallback").value_or(""));
     if (!read) return tl::unexpected(read.error());
   }
-  if (auto written = store.write_store(arguments->words()[0]); !written)
+  if (auto written = store.write_store(arguments->operands()[0]); !written)
     return tl::unexpected(written.error());
   DefinitionStore again;
-  const auto count = again.add_store(arguments->words()[0]);
+  const auto count = again.add_store(arguments->operands()[0]);
   if (!count) return tl::unexpected(count.error());
-  std::cout << *count << " definitions, " << again.sets().size() << " sets in " << arguments->words()[0]
+  std::cout << *count << " definitions, " << again.sets().size() << " sets in " << arguments->operands()[0]
             << "\n";
   return kFine;
 }

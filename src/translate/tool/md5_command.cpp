@@ -107,10 +107,11 @@ Result<int> run_md5(const Tokens& tokens) {
     std::cout << kHelp;
     return kFine;
   }
-  if (arguments->words().empty()) return fail(ErrorCode::kInvalidArgument, "give a type: md5 package/Name");
+  if (arguments->operands().empty())
+    return fail(ErrorCode::kInvalidArgument, "give a type: md5 package/Name");
   auto store = open_store(*arguments);
   if (!store) return tl::unexpected(store.error());
-  const auto& type = arguments->words()[0];
+  const auto& type = arguments->operands()[0];
   auto definitions = find(*store, type, *arguments);
   if (!definitions) return tl::unexpected(definitions.error());
   if (const auto kind = arguments->last("--kind"))

@@ -168,7 +168,7 @@ bool print_definition(const std::string& kind, const TypeDefinition& from, const
 }
 
 Result<int> show(const DefinitionStore& store, const RuleSet& rules, const Arguments& arguments) {
-  const auto& type = arguments.words()[0];
+  const auto& type = arguments.operands()[0];
   const auto from = find_definitions(store, type, *arguments.last("--from"));
   if (!from) return tl::unexpected(from.error());
   const auto to_type = arguments.last("--to-type").value_or(type);
@@ -200,7 +200,7 @@ Result<int> run_show(const Tokens& tokens) {
     std::cout << kHelp;
     return kFine;
   }
-  if (arguments->words().empty() || !arguments->has("--from") || !arguments->has("--to"))
+  if (arguments->operands().empty() || !arguments->has("--from") || !arguments->has("--to"))
     return fail(ErrorCode::kInvalidArgument,
                 "give a type and both sides: show TYPE --from SET|MD5 --to SET|MD5");
   const auto store = open_store(*arguments);

@@ -13,7 +13,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr float kPaintGloss = 0.25F;  // URDF has no word for it: painted plastic and metal shine a little
+constexpr float kPaintGloss = 0.25F;  // URDF has no element for it: painted plastic and metal shine a little
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
 Eigen::Vector3d to_vector(const urdf::Vector3& v) {

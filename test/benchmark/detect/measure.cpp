@@ -18,7 +18,7 @@ namespace extperfc::benchmark {
 
 namespace {
 
-constexpr int kTurn = 10;  // frames
+constexpr int kRoundFrames = 10;  // frames
 constexpr int kWarmUps = 3;
 
 void pause() {
@@ -66,13 +66,13 @@ double mean(const std::vector<T>& samples, std::size_t T::*member) {
 }
 
 /// Runs the three kinds of work and keeps their times.
-class Turns {
+class Rounds {
  public:
-  Turns(NodeletPath& path, CoreChain& core, const Footage& footage)
+  Rounds(NodeletPath& path, CoreChain& core, const Footage& footage)
       : path_(path), core_(core), footage_(footage) {}
 
-  [[nodiscard]] Result<void> turn(int frames) {
-    for (const auto step : {&Turns::one_path, &Turns::one_core, &Turns::one_bare})
+  [[nodiscard]] Result<void> round(int frames) {
+    for (const auto step : {&Rounds::one_path, &Rounds::one_core, &Rounds::one_bare})
       for (int i = 0; i < frames; ++i)
         if (auto done = (this->*step)(i); !done) return done;
     shown_ += static_cast<std::size_t>(frames);
@@ -173,12 +173,12 @@ Result<DetectFigures> measure(const DetectCase& what, const Footage& footage, in
   const std::string ns = ros::this_node::getName() + "/case" + std::to_string(number);
   if (auto started = path.start(ns, what.settings); !started) return tl::unexpected(started.error());
 
-  Turns warm_up(path, *core, footage);
-  if (auto done = warm_up.turn(kWarmUps); !done) return tl::unexpected(done.error());
-  Turns turns(path, *core, footage);
-  for (int left = frames; left > 0; left -= kTurn)
-    if (auto done = turns.turn(std::min(left, kTurn)); !done) return tl::unexpected(done.error());
-  DetectFigures figures = figures_of(turns.samples());
+  Rounds warm_up(path, *core, footage);
+  if (auto done = warm_up.round(kWarmUps); !done) return tl::unexpected(done.error());
+  Rounds rounds(path, *core, footage);
+  for (int left = frames; left > 0; left -= kRoundFrames)
+    if (auto done = rounds.round(std::min(left, kRoundFrames)); !done) return tl::unexpected(done.error());
+  DetectFigures figures = figures_of(rounds.samples());
   figures.execution = core->execution();
   return figures;
 }

@@ -38,7 +38,7 @@ struct DetectFigures {
   [[nodiscard]] Cost transport() const;
 };
 
-/// Nodelets, inference alone and the core alone take turns of ten frames, so that all see the same machine.
+/// Nodelets, inference alone and the core alone alternate every ten frames, so that all see the same machine.
 /// Before every frame comes the same short pause, as between the images of a camera: a process that
 /// computes without pause loses the processor to others more often. `number` makes the namespace unique in
 /// this process.

@@ -18,8 +18,8 @@ constexpr char kHelp[] =
     "  --score S          score threshold, 0 to 1; default: the model's own\n"
     "  --json FILE        write the results\n";
 
-constexpr int kMostFrames = 1'000'000;
-constexpr int kMostThreads = 256;
+constexpr int kMaxFrames = 1'000'000;
+constexpr int kMaxThreads = 256;
 
 template <typename Number>
 std::optional<Number> number(const std::string& text, Number low, Number high) {
@@ -56,11 +56,11 @@ Result<void> set_option(const std::string& name, const std::string& value, Detec
   } else if (name == "--json") {
     options.json = value;
   } else if (name == "--frames") {
-    return set_number(name, value, 1, kMostFrames, options.frames);
+    return set_number(name, value, 1, kMaxFrames, options.frames);
   } else if (name == "--score") {
     return set_number(name, value, 0.0, 1.0, options.score);
   } else if (name == "--threads") {
-    return set_number(name, value, 1, kMostThreads, options.threads.emplace_back());
+    return set_number(name, value, 1, kMaxThreads, options.threads.emplace_back());
   } else if (name == "--backend") {
     return set_backend(value, options);
   } else {

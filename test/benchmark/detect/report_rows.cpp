@@ -71,8 +71,8 @@ void add_speed_ups(const std::vector<MeasuredCase>& cases, std::vector<Row>& row
 
 double overhead_goal_ms(double bare_ms) {
   constexpr double kFraction = 0.1;
-  constexpr double kLeastMs = 2.0;
-  return std::max(kFraction * bare_ms, kLeastMs);
+  constexpr double kMinMs = 2.0;
+  return std::max(kFraction * bare_ms, kMinMs);
 }
 
 std::vector<Row> rows_of(const std::vector<MeasuredCase>& cases) {

@@ -35,7 +35,7 @@ constexpr char kExplanation[] =
     "threads of\n"
     "a nodelet manager. CPU: publisher and subscriber together, both processes, until 3 ms after the "
     "callback.\n"
-    "The three ways take turns, pair by pair.\n";
+    "The three transports alternate, pair by pair.\n";
 
 constexpr double kDeadlineS = 20.0;
 constexpr int kWarmUps = 10;

@@ -1,4 +1,4 @@
-// Messages of the robot and its arms <-> the simulator's words.
+// Messages of the robot and its arms <-> the simulator's types.
 #include <limits>
 
 #include <gtest/gtest.h>

@@ -40,7 +40,7 @@ TEST_F(ArmsTest, PositionModeMovesToThePosition) {
   const auto right = positions(Side::kRight);
   const auto message = joint_command(JointCommand::POSITION_MODE, {"left_w2"}, {from + 0.3});
   hold(message, 1);
-  EXPECT_GT(position(Side::kLeft, kW2), from + 0.2) << "limited to a share of the speed, but on its way";
+  EXPECT_GT(position(Side::kLeft, kW2), from + 0.2) << "limited to a fraction of the speed, but on its way";
   EXPECT_EQ(positions(Side::kRight), right);
 }
 

@@ -27,7 +27,7 @@ class TrajectoriesTest : public RobotTest {
   }
 
   /// The arm with its last joint turned by `by` within that time, from rest to rest.
-  FollowJointTrajectoryGoal turn(Side side, double by, double duration_s) {
+  FollowJointTrajectoryGoal wrist_goal(Side side, double by, double duration_s) {
     FollowJointTrajectoryGoal goal;
     trajectory_msgs::JointTrajectoryPoint point;
     const auto from = positions(side);
@@ -80,7 +80,7 @@ class TrajectoriesTest : public RobotTest {
 };
 
 TEST_F(TrajectoriesTest, ReachesTheGoal) {
-  const auto goal = turn(Side::kLeft, 0.5, 1.0);
+  const auto goal = wrist_goal(Side::kLeft, 0.5, 1.0);
   const double begin_s = host_.stamp().toSec();
   send_goal(left_, goal);
   host_.advance(0.49);
@@ -93,7 +93,7 @@ TEST_F(TrajectoriesTest, ReachesTheGoal) {
 }
 
 TEST_F(TrajectoriesTest, FollowsWithinAFewMilliradians) {
-  send_goal(left_, turn(Side::kLeft, 1.0, 1.0));
+  send_goal(left_, wrist_goal(Side::kLeft, 1.0, 1.0));
   EXPECT_EQ(wait_for_end(left_), "SUCCEEDED");
   ASSERT_TRUE(wait_for([&] { return feedback().size() >= 99; })) << feedback().size();
   for (const auto& message : feedback()) {
@@ -110,33 +110,33 @@ TEST_F(TrajectoriesTest, FollowsWithinAFewMilliradians) {
 }
 
 TEST_F(TrajectoriesTest, BothArmsMoveAtOnce) {
-  send_goal(left_, turn(Side::kLeft, 0.3, 0.5));
-  send_goal(right_, turn(Side::kRight, -0.3, 0.5));
+  send_goal(left_, wrist_goal(Side::kLeft, 0.3, 0.5));
+  send_goal(right_, wrist_goal(Side::kRight, -0.3, 0.5));
   EXPECT_EQ(wait_for_end(left_), "SUCCEEDED");
   EXPECT_EQ(wait_for_end(right_), "SUCCEEDED");
 }
 
 TEST_F(TrajectoriesTest, WrongGoalsAreRejectedWithTheirCode) {
-  auto goal = turn(Side::kLeft, 0.1, 0.5);
+  auto goal = wrist_goal(Side::kLeft, 0.1, 0.5);
   goal.trajectory.joint_names.pop_back();
   goal.trajectory.points[0].positions.pop_back();
   expect_rejected(goal, FollowJointTrajectoryResult::INVALID_JOINTS, "left_w2 is missing");
-  expect_rejected(turn(Side::kRight, 0.1, 0.5), FollowJointTrajectoryResult::INVALID_JOINTS, "left_s0");
-  goal = turn(Side::kLeft, 0.1, 0.5);
+  expect_rejected(wrist_goal(Side::kRight, 0.1, 0.5), FollowJointTrajectoryResult::INVALID_JOINTS, "left_s0");
+  goal = wrist_goal(Side::kLeft, 0.1, 0.5);
   goal.trajectory.points.push_back(goal.trajectory.points[0]);
   expect_rejected(goal, FollowJointTrajectoryResult::INVALID_GOAL, "is not after");
-  goal = turn(Side::kLeft, std::nan(""), 0.5);
+  goal = wrist_goal(Side::kLeft, std::nan(""), 0.5);
   expect_rejected(goal, FollowJointTrajectoryResult::INVALID_GOAL, "not finite");
-  goal = turn(Side::kLeft, 10, 0.5);
+  goal = wrist_goal(Side::kLeft, 10, 0.5);
   expect_rejected(goal, FollowJointTrajectoryResult::INVALID_GOAL, "left_w2 at");
-  goal = turn(Side::kLeft, 0.1, 0.5);
+  goal = wrist_goal(Side::kLeft, 0.1, 0.5);
   goal.trajectory.header.stamp = ros::Time(0.3);
   expect_rejected(goal, FollowJointTrajectoryResult::OLD_HEADER_TIMESTAMP, "ago");
 }
 
 TEST_F(TrajectoriesTest, AStuckJointAborts) {
   ASSERT_TRUE(simulator_.set_fault({simulate::FaultKind::kJointStuck, "left_w2", 1, 0}));
-  send_goal(left_, turn(Side::kLeft, 1, 1));
+  send_goal(left_, wrist_goal(Side::kLeft, 1, 1));
   EXPECT_EQ(wait_for_end(left_), "ABORTED");
   EXPECT_EQ(left_.getResult()->error_code, FollowJointTrajectoryResult::PATH_TOLERANCE_VIOLATED);
   EXPECT_EQ(left_.getResult()->error_string.rfind("left_w2 is 0.2", 0), 0U)
@@ -145,14 +145,14 @@ TEST_F(TrajectoriesTest, AStuckJointAborts) {
 
 TEST_F(TrajectoriesTest, AStuckJointNearTheGoalMissesIt) {
   ASSERT_TRUE(simulator_.set_fault({simulate::FaultKind::kJointStuck, "left_w2", 1, 0}));
-  send_goal(left_, turn(Side::kLeft, 0.1, 0.5));
+  send_goal(left_, wrist_goal(Side::kLeft, 0.1, 0.5));
   EXPECT_EQ(wait_for_end(left_), "ABORTED");
   EXPECT_EQ(left_.getResult()->error_code, FollowJointTrajectoryResult::GOAL_TOLERANCE_VIOLATED);
 }
 
 TEST_F(TrajectoriesTest, TolerancesOfTheGoalCount) {
   ASSERT_TRUE(simulator_.set_fault({simulate::FaultKind::kJointStuck, "left_w2", 1, 0}));
-  auto goal = turn(Side::kLeft, 0.3, 0.5);
+  auto goal = wrist_goal(Side::kLeft, 0.3, 0.5);
   control_msgs::JointTolerance tolerance;
   tolerance.name = "left_w2";
   tolerance.position = -1;
@@ -165,14 +165,14 @@ TEST_F(TrajectoriesTest, TolerancesOfTheGoalCount) {
 
 TEST_F(TrajectoriesTest, AFarFirstPointViolatesThePath) {
   const auto before = positions(Side::kLeft);
-  send_goal(left_, turn(Side::kLeft, 1, 0));
+  send_goal(left_, wrist_goal(Side::kLeft, 1, 0));
   EXPECT_EQ(wait_for_end(left_), "ABORTED");
   EXPECT_EQ(left_.getResult()->error_code, FollowJointTrajectoryResult::PATH_TOLERANCE_VIOLATED);
   EXPECT_EQ(positions(Side::kLeft), before) << "nothing moved";
 }
 
 TEST_F(TrajectoriesTest, AStampInTheFutureIsWaitedFor) {
-  auto goal = turn(Side::kLeft, 0.2, 0.5);
+  auto goal = wrist_goal(Side::kLeft, 0.2, 0.5);
   goal.trajectory.header.stamp = host_.stamp() + ros::Duration(1.0);
   const auto before = positions(Side::kLeft);
   send_goal(left_, goal);
@@ -183,7 +183,7 @@ TEST_F(TrajectoriesTest, AStampInTheFutureIsWaitedFor) {
 }
 
 TEST_F(TrajectoriesTest, ACancelledGoalSlowsDownAndHolds) {
-  send_goal(left_, turn(Side::kLeft, 2, 2));
+  send_goal(left_, wrist_goal(Side::kLeft, 2, 2));
   host_.advance(1);
   const double speed = velocity(Side::kLeft, kW2);
   ASSERT_GT(speed, 1.4);
@@ -204,7 +204,7 @@ TEST_F(TrajectoriesTest, ACancelledGoalSlowsDownAndHolds) {
 TEST_F(TrajectoriesTest, AGoalCancelledBeforeItBeginsIsRecalled) {
   const auto before = host_.posted();
   const auto from = positions(Side::kLeft);
-  left_.sendGoal(turn(Side::kLeft, 1, 1));
+  left_.sendGoal(wrist_goal(Side::kLeft, 1, 1));
   ASSERT_TRUE(wait_for([&] { return host_.posted() > before; }));
   left_.cancelGoal();
   ASSERT_TRUE(wait_for([&] { return host_.posted() > before + 1; }));
@@ -217,8 +217,8 @@ TEST_F(TrajectoriesTest, AGoalCancelledBeforeItBeginsIsRecalled) {
 TEST_F(TrajectoriesTest, ANewGoalPreemptsTheOldOneWithoutAJerk) {
   Client other("robot/limb/left/follow_joint_trajectory", true);
   ASSERT_TRUE(host_.advance_until([&] { return other.isServerConnected(); }));
-  auto second = turn(Side::kLeft, 0.3, 1.5);
-  send_goal(left_, turn(Side::kLeft, 1, 1));
+  auto second = wrist_goal(Side::kLeft, 0.3, 1.5);
+  send_goal(left_, wrist_goal(Side::kLeft, 1, 1));
   host_.advance(0.5);
   const double speed = velocity(Side::kLeft, kW2);
   send_goal(other, second);
@@ -232,7 +232,7 @@ TEST_F(TrajectoriesTest, ANewGoalPreemptsTheOldOneWithoutAJerk) {
 TEST_F(TrajectoriesTest, ARejectedGoalDoesNotPreempt) {
   Client other("robot/limb/left/follow_joint_trajectory", true);
   ASSERT_TRUE(host_.advance_until([&] { return other.isServerConnected(); }));
-  send_goal(left_, turn(Side::kLeft, 0.5, 1));
+  send_goal(left_, wrist_goal(Side::kLeft, 0.5, 1));
   send_goal(other, FollowJointTrajectoryGoal());
   EXPECT_EQ(wait_for_end(other), "REJECTED");
   EXPECT_EQ(wait_for_end(left_), "SUCCEEDED");
@@ -240,7 +240,7 @@ TEST_F(TrajectoriesTest, ARejectedGoalDoesNotPreempt) {
 
 TEST_F(TrajectoriesTest, AJointCommandTakesTheArm) {
   auto commands = handle_.advertise<baxter_core_msgs::JointCommand>("robot/limb/left/joint_command", 1);
-  send_goal(left_, turn(Side::kLeft, 1, 1));
+  send_goal(left_, wrist_goal(Side::kLeft, 1, 1));
   host_.advance(0.3);
   baxter_core_msgs::JointCommand command;
   command.mode = baxter_core_msgs::JointCommand::RAW_POSITION_MODE;
@@ -256,12 +256,12 @@ TEST_F(TrajectoriesTest, AJointCommandTakesTheArm) {
 
 TEST_F(TrajectoriesTest, ADisabledRobotTakesNoGoal) {
   simulator_.enable(false);
-  expect_rejected(turn(Side::kLeft, 0.1, 0.5), FollowJointTrajectoryResult::INVALID_GOAL,
+  expect_rejected(wrist_goal(Side::kLeft, 0.1, 0.5), FollowJointTrajectoryResult::INVALID_GOAL,
                   "the robot is disabled: publish true on robot/set_super_enable");
 }
 
 TEST_F(TrajectoriesTest, TheEmergencyStopAborts) {
-  send_goal(left_, turn(Side::kLeft, 1, 1));
+  send_goal(left_, wrist_goal(Side::kLeft, 1, 1));
   host_.advance(0.5);
   simulator_.stop();
   EXPECT_EQ(wait_for_end(left_), "ABORTED");
@@ -276,7 +276,7 @@ TEST_F(TrajectoriesTest, TheEmergencyStopAborts) {
 }
 
 TEST_F(TrajectoriesTest, AResetOfTheSimulationAborts) {
-  send_goal(left_, turn(Side::kLeft, 1, 1));
+  send_goal(left_, wrist_goal(Side::kLeft, 1, 1));
   host_.advance(0.5);
   ASSERT_TRUE(simulator_.reset());
   EXPECT_EQ(wait_for_end(left_), "ABORTED");
@@ -285,7 +285,7 @@ TEST_F(TrajectoriesTest, AResetOfTheSimulationAborts) {
 
 TEST_F(TrajectoriesTest, WithoutASimulationGoalsAreRejected) {
   host_.close();
-  left_.sendGoal(turn(Side::kLeft, 1, 1));
+  left_.sendGoal(wrist_goal(Side::kLeft, 1, 1));
   EXPECT_TRUE(wait_for([&] { return left_.getState().isDone(); }));
   EXPECT_EQ(left_.getState().toString(), "REJECTED");
 }
@@ -296,7 +296,7 @@ class DynamicTrajectoriesTest : public TrajectoriesTest {
 };
 
 TEST_F(DynamicTrajectoriesTest, MotorsFollowWithinTheTolerances) {
-  auto goal = turn(Side::kLeft, 0.5, 2.0);
+  auto goal = wrist_goal(Side::kLeft, 0.5, 2.0);
   goal.trajectory.points[0].positions[1] -= 0.3;  // the shoulder lifts the whole arm
   send_goal(left_, goal);
   EXPECT_EQ(wait_for_end(left_), "SUCCEEDED") << left_.getResult()->error_string;

@@ -1,4 +1,4 @@
-// control_msgs/FollowJointTrajectory <-> the follower's words.
+// control_msgs/FollowJointTrajectory <-> the follower's types.
 #include <gtest/gtest.h>
 
 #include "ros/robot/trajectory_messages.hpp"

@@ -76,7 +76,7 @@ TEST_F(SimulatorTest, RatesAreThoseOfTheRealSensorsInSimulatedTime) {
   EXPECT_TRUE(depth.wait_for_count(30));
   EXPECT_TRUE(info.wait_for_count(30));
   EXPECT_TRUE(sonar.wait_for_count(20));
-  EXPECT_TRUE(cloud.wait_for_count(19)) << "the first turn only tells where the second begins";
+  EXPECT_TRUE(cloud.wait_for_count(19)) << "the first revolution only defines where the second begins";
   EXPECT_LE(joints.count(), 201U);
   EXPECT_EQ(imu.count(), 200U);
   EXPECT_EQ(odom.count(), 100U);

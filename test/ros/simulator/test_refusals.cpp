@@ -77,7 +77,7 @@ TEST_F(Refusals, FaultsThatAreNoneAreNamed) {
   log_.forget();
   faults[0] = fault_entry("joint_stuck", "knee", 1.0);
   faults[1] = fault_entry("camera_drop", "", 7.0);
-  expect_refusal({{"faults", faults}}, {"no joint 'knee'", "camera_drop: value is a share"});
+  expect_refusal({{"faults", faults}}, {"no joint 'knee'", "camera_drop: value is a fraction"});
   log_.forget();
   expect_refusal({{"faults", std::string("many")}}, {"faults must be a list"});
   log_.forget();
@@ -99,7 +99,7 @@ TEST_F(Refusals, ShippedConfigurationHasTheDocumentedDefaults) {
   ASSERT_TRUE(defaults) << defaults.error().message;
   ASSERT_TRUE(shipped) << shipped.error().message;
   EXPECT_EQ(shipped->simulator.bodies.step_s, defaults->simulator.bodies.step_s);
-  EXPECT_EQ(shipped->simulator.base.max_turn_accel_rad_s2, defaults->simulator.base.max_turn_accel_rad_s2);
+  EXPECT_EQ(shipped->simulator.base.max_yaw_accel_rad_s2, defaults->simulator.base.max_yaw_accel_rad_s2);
   EXPECT_EQ(shipped->simulator.base.wheel_slip, defaults->simulator.base.wheel_slip);
   EXPECT_EQ(shipped->simulator.arms.start_pose, defaults->simulator.arms.start_pose);
   EXPECT_EQ(shipped->time.clock_hz, defaults->time.clock_hz);

@@ -35,16 +35,17 @@ std::vector<LidarPoint> sweep() {
   return points;
 }
 
-/// Share of a hundred thousand moments at which `lost(time_s)` is true, and the five-sigma bound of a share.
+/// Fraction of a hundred thousand moments at which `lost(time_s)` is true, and the five-sigma bound of a
+/// fraction.
 template <typename Lost>
-double share_of(Lost&& lost) {
+double fraction_of(Lost&& lost) {
   constexpr int kMoments = 100000;
   int count = 0;
   for (int i = 0; i < kMoments; ++i) count += lost(i / 15.0) ? 1 : 0;
   return static_cast<double>(count) / kMoments;
 }
-double five_sigma(double share, double samples) {
-  return 5 * std::sqrt(share * (1 - share) / samples);
+double five_sigma(double fraction, double samples) {
+  return 5 * std::sqrt(fraction * (1 - fraction) / samples);
 }
 
 TEST(CameraFaults, NoneLeavesTheImageAlone) {
@@ -80,10 +81,10 @@ TEST(CameraFaults, DropLosesItsShare) {
   CameraFaults faults(kSeed);
   CameraImages images = camera_images(1);
   images.depth_mm.clear();
-  for (const double share : {0.0, 0.3, 1.0}) {
-    const Faults drop{{FaultKind::kCameraDrop, "", share, 0}};
+  for (const double fraction : {0.0, 0.3, 1.0}) {
+    const Faults drop{{FaultKind::kCameraDrop, "", fraction, 0}};
     const auto lost = [&](double time_s) { return faults.apply(drop, time_s, images) == Fate::kLost; };
-    EXPECT_NEAR(share_of(lost), share, five_sigma(share, 1e5) + 1e-12);
+    EXPECT_NEAR(fraction_of(lost), fraction, five_sigma(fraction, 1e5) + 1e-12);
   }
 }
 
@@ -154,7 +155,7 @@ TEST(LidarFaults, DropLosesItsShareOfSweeps) {
   std::vector<LidarPoint> points;
   const Faults drop{{FaultKind::kLidarDrop, "", 0.2, 0}};
   const auto lost = [&](double time_s) { return faults.apply(drop, time_s, points) == Fate::kLost; };
-  EXPECT_NEAR(share_of(lost), 0.2, five_sigma(0.2, 1e5));
+  EXPECT_NEAR(fraction_of(lost), 0.2, five_sigma(0.2, 1e5));
 }
 
 TEST(LidarFaults, FaultsOfTheCameraDoNotTouchTheLidar) {

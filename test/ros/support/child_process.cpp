@@ -12,8 +12,8 @@ namespace extperfc::ros_test {
 
 ChildProcess::ChildProcess(const std::vector<std::string>& command) {
   std::vector<char*> arguments;
-  for (const auto& word : command)
-    arguments.push_back(const_cast<char*>(word.c_str()));  // execvp's old signature
+  for (const auto& argument : command)
+    arguments.push_back(const_cast<char*>(argument.c_str()));  // execvp's old signature
   arguments.push_back(nullptr);
   pid_ = fork();
   if (pid_ < 0) throw std::runtime_error("cannot fork");

@@ -7,15 +7,15 @@ namespace {
 
 const ArgumentSyntax kSyntax = {1, 2, {"--out", "--set"}, {"--json", "--help"}};
 
-std::string complaint(const std::vector<std::string>& words) {
-  const auto read = Arguments::read(words, kSyntax);
+std::string complaint(const std::vector<std::string>& tokens) {
+  const auto read = Arguments::read(tokens, kSyntax);
   return read ? "" : read.error().message;
 }
 
-TEST(Arguments, OptionsAndWordsInAnyOrder) {
+TEST(Arguments, OptionsAndOperandsInAnyOrder) {
   const auto read = Arguments::read({"--json", "a", "--set", "x=1", "--set=y=2", "b"}, kSyntax);
   ASSERT_TRUE(read) << read.error().message;
-  EXPECT_EQ(read->words(), (std::vector<std::string>{"a", "b"}));
+  EXPECT_EQ(read->operands(), (std::vector<std::string>{"a", "b"}));
   EXPECT_TRUE(read->has("--json"));
   EXPECT_FALSE(read->has("--out"));
   EXPECT_EQ(read->all("--set"), (std::vector<std::string>{"x=1", "y=2"}));
@@ -26,7 +26,7 @@ TEST(Arguments, OptionsAndWordsInAnyOrder) {
 TEST(Arguments, BehindTwoDashesNothingIsAnOption) {
   const auto read = Arguments::read({"--", "--json", "-h"}, kSyntax);
   ASSERT_TRUE(read);
-  EXPECT_EQ(read->words(), (std::vector<std::string>{"--json", "-h"}));
+  EXPECT_EQ(read->operands(), (std::vector<std::string>{"--json", "-h"}));
 }
 
 TEST(Arguments, WhatDoesNotFitIsNamed) {

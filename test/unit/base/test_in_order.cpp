@@ -10,7 +10,7 @@ namespace {
 
 TEST(InOrder, ResultsLeaveInTheOrderOfTheirTickets) {
   InOrder order;
-  std::vector<std::uint64_t> delivered;  // guarded by the turn itself
+  std::vector<std::uint64_t> delivered;  // guarded by the order itself
   std::vector<std::thread> threads;
   threads.reserve(4);
   for (int i = 0; i < 4; ++i)

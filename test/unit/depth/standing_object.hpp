@@ -57,9 +57,9 @@ inline double ray_cone(const Standing& o, const Eigen::Vector3d& from, const Eig
 }
 
 inline double ray_cube(const Standing& o, const Eigen::Vector3d& from, const Eigen::Vector3d& ray) {
-  const Eigen::AngleAxisd turn(-o.yaw_rad, Eigen::Vector3d::UnitZ());
-  const Eigen::Vector3d start = turn * from - Eigen::Vector3d(0, 0, o.width_m / 2);
-  const Eigen::Vector3d way = turn * ray;
+  const Eigen::AngleAxisd rotation(-o.yaw_rad, Eigen::Vector3d::UnitZ());
+  const Eigen::Vector3d start = rotation * from - Eigen::Vector3d(0, 0, o.width_m / 2);
+  const Eigen::Vector3d way = rotation * ray;
   double in = 0;
   double out = std::numeric_limits<double>::infinity();
   for (int i = 0; i < 3; ++i) {
@@ -120,10 +120,10 @@ inline View view_of(const Standing& object, double distance_m, double down_rad, 
                     const std::optional<StereoNoiseModel>& noise, double table_m = 10,
                     double surround = 1.8) {
   View view;
-  const double turn = rng.uniform(-3.1, 3.1);
+  const double rotation = rng.uniform(-3.1, 3.1);
   Eigen::Matrix3d world_R_camera;
-  const Eigen::Vector3d forward(std::cos(down_rad) * std::cos(turn), std::cos(down_rad) * std::sin(turn),
-                                -std::sin(down_rad));
+  const Eigen::Vector3d forward(std::cos(down_rad) * std::cos(rotation),
+                                std::cos(down_rad) * std::sin(rotation), -std::sin(down_rad));
   const Eigen::Vector3d right = forward.cross(Eigen::Vector3d::UnitZ()).normalized();
   world_R_camera << right, forward.cross(right), forward;
   const CameraModel camera = fit_camera();
@@ -142,8 +142,8 @@ inline View view_of(const Standing& object, double distance_m, double down_rad, 
   // Only the object's surroundings are rendered: the rest has no measurement.
   const Eigen::Vector2d at = camera.project(view.middle(object));
   const double reach = surround * std::max(object.width_m, object.height()) * camera.fx / distance_m + 20;
-  const auto near = [reach](double middle, int most, double sign) {
-    return static_cast<int>(std::clamp(middle + sign * reach, 0.0, static_cast<double>(most)));
+  const auto near = [reach](double middle, int upper, double sign) {
+    return static_cast<int>(std::clamp(middle + sign * reach, 0.0, static_cast<double>(upper)));
   };
   for (int y = near(at.y(), 480, -1); y < near(at.y(), 480, 1); ++y)
     for (int x = near(at.x(), 640, -1); x < near(at.x(), 640, 1); ++x) {

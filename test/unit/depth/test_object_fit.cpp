@@ -76,7 +76,8 @@ Accuracy measure(FitShape shape, double distance_m, int count, Rng& rng) {
   return sum;
 }
 
-/// The error in sight of the camera's noise: some millimetres and a share of one pixel's standard deviation.
+/// The error in sight of the camera's noise: some millimetres and a fraction of one pixel's standard
+/// deviation.
 TEST(ObjectFit, IsAsAccurateAsTheCamerasNoiseAllows) {
   Rng rng(12);
   constexpr int kCount = 10;
@@ -191,7 +192,7 @@ TEST(ObjectFit, RefusesBadInput) {
   EXPECT_EQ(code(good, {nan, 10, 20, 20}, view.up(), {}), ErrorCode::kInvalidArgument);
   EXPECT_EQ(code(good, view.box, Eigen::Vector3d::Zero(), {}), ErrorCode::kInvalidArgument);
   ObjectFitParams params;
-  params.least_fitting = 0;
+  params.min_fitting = 0;
   EXPECT_EQ(code(good, view.box, view.up(), params), ErrorCode::kInvalidArgument);
   EXPECT_EQ(code(good, {-500, -500, -400, -400}, view.up(), {}), ErrorCode::kNotFound);
 }

@@ -21,7 +21,7 @@ def camera_pose():
     return pose
 
 
-def turn(axis, angle):
+def rotation_about(axis, angle):
     """Rotation about x (0), y (1) or z (2)."""
     c, s = math.cos(angle), math.sin(angle)
     a, b = [(1, 2), (2, 0), (0, 1)][axis]
@@ -51,12 +51,12 @@ class Places(unittest.TestCase):
         place_pose = scene.PlacePose(0.5, 0.1, 1.1, 0.7)
         for shape in scene.SHAPES:
             middle = numpy.eye(4)
-            middle[:3, :3], middle[:3, 3] = turn(2, place_pose.yaw), scene.middle(shape, place_pose)
+            middle[:3, :3], middle[:3, 3] = rotation_about(2, place_pose.yaw), scene.middle(shape, place_pose)
             body = scene.body_of(shape, middle)
             self.assertLess(abs(body[:3, 3] - scene.body_position(shape, place_pose)).max(), 1e-12, shape)
             self.assertTrue((body[:3, :3] == middle[:3, :3]).all(), shape)
         lying = numpy.eye(4)
-        lying[:3, :3] = turn(1, math.pi / 2)  # its tip points along x, so that its heavy end is behind the middle
+        lying[:3, :3] = rotation_about(1, math.pi / 2)  # its tip points along x, so that its heavy end is behind the middle
         self.assertAlmostEqual(-0.0225, scene.body_of("cone", lying)[0, 3])
 
     def test_a_distance_that_cannot_be_is_told(self):
@@ -86,20 +86,20 @@ class Verdicts(unittest.TestCase):
 
     def test_what_stands_there_is_placed(self):
         for shape in scene.SHAPES:
-            self.assertTrue(self.placed(shape, (0.01, -0.02, 0.001), turn(2, 1.0)))
+            self.assertTrue(self.placed(shape, (0.01, -0.02, 0.001), rotation_about(2, 1.0)))
 
     def test_what_is_elsewhere_fell_or_hangs_in_the_air_is_not(self):
         for shape in scene.SHAPES:
             self.assertFalse(self.placed(shape, (0.04, 0, 0)))
             self.assertFalse(self.placed(shape, (0, 0, 0.02)))
             self.assertFalse(self.placed(shape, (0, 0, -1.1)))
-        self.assertFalse(self.placed("cone", rotation=turn(1, 1.5)))
-        self.assertFalse(self.placed("cone", rotation=turn(0, math.pi)), "upside down")
-        self.assertFalse(self.placed("cube", rotation=turn(0, 0.5)))
+        self.assertFalse(self.placed("cone", rotation=rotation_about(1, 1.5)))
+        self.assertFalse(self.placed("cone", rotation=rotation_about(0, math.pi)), "upside down")
+        self.assertFalse(self.placed("cube", rotation=rotation_about(0, 0.5)))
 
     def test_a_cube_may_stand_on_any_face_and_a_sphere_anyhow(self):
-        self.assertTrue(self.placed("cube", rotation=turn(0, math.pi / 2)))
-        self.assertTrue(self.placed("sphere", rotation=turn(0, 0.5)))
+        self.assertTrue(self.placed("cube", rotation=rotation_about(0, math.pi / 2)))
+        self.assertTrue(self.placed("sphere", rotation=rotation_about(0, 0.5)))
 
     def test_held_is_what_rose_with_the_hand(self):
         self.assertTrue(scene.is_held(0.099, 0.1, 0.01))

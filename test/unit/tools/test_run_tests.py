@@ -73,14 +73,14 @@ class Running(unittest.TestCase):
         self.assertRegex(self.output.getvalue(), r"unit/c +failed 2 of 5 times")
 
     def test_only_tests_that_may_run_beside_others_do(self):
-        running, most, lock = [0], {}, threading.Lock()
+        running, peak, lock = [0], {}, threading.Lock()
         meet = threading.Barrier(2)
 
         def runner(name, wait):
             def run(log):
                 with lock:
                     running[0] += 1
-                    most[name] = running[0]
+                    peak[name] = running[0]
                 if wait:
                     meet.wait(20)
                 with lock:
@@ -90,8 +90,8 @@ class Running(unittest.TestCase):
         tests = [Test(f"ros/{name}", "ros", runner(name, name in "ab"), name in "ab", False) for name in "cabd"]
         with mock.patch.object(run_tests, "JOBS", 2):
             run_tests.run_all(tests, True)
-        self.assertEqual(2, max(most["a"], most["b"]))
-        self.assertEqual((1, 1), (most["c"], most["d"]))
+        self.assertEqual(2, max(peak["a"], peak["b"]))
+        self.assertEqual((1, 1), (peak["c"], peak["d"]))
 
 
 class Choosing(unittest.TestCase):

@@ -40,7 +40,7 @@ class Match(unittest.TestCase):
     def test_too_little_overlap(self):
         visible = [Box("cube", (0, 0, 10, 10))]
         self.assertEqual([None], match([Box("cube", (4, 0, 14, 10))], visible))
-        self.assertEqual([0], match([Box("cube", (4, 0, 14, 10))], visible, least_overlap=0.4))
+        self.assertEqual([0], match([Box("cube", (4, 0, 14, 10))], visible, min_overlap=0.4))
 
     def test_a_bad_match_does_not_take_the_object(self):
         detections = [Box("cube", (8, 0, 18, 10)), Box("cube", (0, 0, 10, 10))]

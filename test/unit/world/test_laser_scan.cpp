@@ -46,7 +46,7 @@ TEST(LaserScan, GoodScansAreGood) {
   scan.ranges.assign(1, 1.0F);
   EXPECT_EQ(complaint(scan), "");
   scan.angle_increment = 2 * M_PI / 360;
-  scan.ranges.assign(361, 1.0F);  // a full turn, both ends
+  scan.ranges.assign(361, 1.0F);  // a full revolution, both ends
   EXPECT_EQ(complaint(scan), "");
 }
 

@@ -46,9 +46,9 @@ inline std::vector<double> reach(const std::string& side, const Pose& root_T_gri
   const int link = link_index(side + "_gripper");
   const auto error = [&](const std::vector<double>& q) {
     const Pose now = mobile_baxter().link_poses(q)[link];
-    const Eigen::AngleAxisd turn(Eigen::Matrix3d(root_T_gripper.linear() * now.linear().transpose()));
+    const Eigen::AngleAxisd rotation(Eigen::Matrix3d(root_T_gripper.linear() * now.linear().transpose()));
     Eigen::Matrix<double, 6, 1> e;
-    e << root_T_gripper.translation() - now.translation(), turn.angle() * turn.axis();
+    e << root_T_gripper.translation() - now.translation(), rotation.angle() * rotation.axis();
     return e;
   };
   for (int iteration = 0; iteration < 200 && error(seed).norm() > 1e-7; ++iteration) {
@@ -90,9 +90,9 @@ class ArmDriver {
     const auto from = now_;
     const auto steps = static_cast<int>(std::lround(duration_s / kStep));
     for (int i = 1; i <= steps; ++i) {
-      const double share = 0.5 - 0.5 * std::cos(M_PI * i / steps);
+      const double fraction = 0.5 - 0.5 * std::cos(M_PI * i / steps);
       auto next = from;
-      for (std::size_t j = 0; j < next.size(); ++j) next[j] += share * (goal[j] - from[j]);
+      for (std::size_t j = 0; j < next.size(); ++j) next[j] += fraction * (goal[j] - from[j]);
       send(next, now_);
       now_ = next;
       bodies_->step();

@@ -37,7 +37,7 @@ struct Mode {
   const char* name;
   bool dynamic;
   bool hold_gripped;
-  double most_slip_m;
+  double max_slip_m;
 };
 
 class Grasp : public ::testing::TestWithParam<Mode> {};
@@ -62,11 +62,11 @@ TEST_P(Grasp, CubeIsLiftedCarriedAndPutDown) {
   EXPECT_GT(bodies.grip_force(finger), 10);
   const Pose hand_T_cube = bodies.world_T_link(hand).inverse() * bodies.world_T_body(2);
   double slip = 0;
-  double turn = 0;
+  double rotation = 0;
   const auto watch = [&] {
     const Pose now = bodies.world_T_link(hand).inverse() * bodies.world_T_body(2);
     slip = std::max(slip, (now.translation() - hand_T_cube.translation()).norm());
-    turn = std::max(turn, Eigen::AngleAxisd(hand_T_cube.linear().transpose() * now.linear()).angle());
+    rotation = std::max(rotation, Eigen::AngleAxisd(hand_T_cube.linear().transpose() * now.linear()).angle());
   };
   driver.move(closed(plan.lifted), 1.5, watch);
   EXPECT_NEAR(bodies.world_T_body(2).translation().z(), kCube.z() + 0.2, 0.006);
@@ -79,11 +79,11 @@ TEST_P(Grasp, CubeIsLiftedCarriedAndPutDown) {
   driver.move(swung, 2, watch);
   driver.move(closed(plan.lifted), 4, watch);
   RecordProperty("slip_mm", std::to_string(1e3 * slip));
-  RecordProperty("turn_rad", std::to_string(turn));
+  RecordProperty("rotation_rad", std::to_string(rotation));
   EXPECT_EQ(bodies.gripped(finger), 2);
   driver.move(closed(plan.at), 1.5, watch);
-  EXPECT_LT(slip, GetParam().most_slip_m);
-  EXPECT_LT(turn, 0.2);
+  EXPECT_LT(slip, GetParam().max_slip_m);
+  EXPECT_LT(rotation, 0.2);
   driver.move(plan.at, 0.4);
   EXPECT_FALSE(bodies.gripped(finger));
   driver.move(plan.above, 1);

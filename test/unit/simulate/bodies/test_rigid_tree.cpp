@@ -70,10 +70,10 @@ TEST(MassProperties, OfACombinedBoxAreThoseOfTheWhole) {
 }
 
 TEST(MassProperties, PrincipalFrameOfATurnedBox) {
-  const Pose turn = make_pose({0.1, 0.2, 0.3}, {0.4, 0.5, 0.6});
-  const auto properties = solid_mass_properties({shape_of(box_of(0.1, 0.2, 0.3), turn)}, 1.0);
+  const Pose rotation = make_pose({0.1, 0.2, 0.3}, {0.4, 0.5, 0.6});
+  const auto properties = solid_mass_properties({shape_of(box_of(0.1, 0.2, 0.3), rotation)}, 1.0);
   const auto frame = principal_frame(properties);
-  EXPECT_LT((frame.frame_T_principal.translation() - turn.translation()).norm(), 1e-12);
+  EXPECT_LT((frame.frame_T_principal.translation() - rotation.translation()).norm(), 1e-12);
   EXPECT_NEAR(frame.frame_T_principal.linear().determinant(), 1, 1e-12);
   const Eigen::Matrix3d back = frame.frame_T_principal.linear() * frame.moments_kg_m2.asDiagonal() *
                                frame.frame_T_principal.linear().transpose();

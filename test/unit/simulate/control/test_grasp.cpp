@@ -81,10 +81,10 @@ TEST_P(GraspTest, CubeIsLiftedCarriedAndPutDownWithoutSlipping) {
   ASSERT_TRUE(driver_->line_to(over(0.70, 0.25, kTable + kEdge / 2 + 0.20)));
   watch();
   EXPECT_NEAR(cube().translation().z(), kTable + kEdge / 2 + 0.20, 0.01);
-  for (int turn = 0; turn < 5; ++turn) {  // carried to and fro, 2 s each
-    ASSERT_TRUE(driver_->line_to(over(0.70, turn % 2 == 0 ? 0.35 : 0.15, kTable + kEdge / 2 + 0.20)));
+  for (int pass = 0; pass < 5; ++pass) {  // carried to and fro, 2 s each
+    ASSERT_TRUE(driver_->line_to(over(0.70, pass % 2 == 0 ? 0.35 : 0.15, kTable + kEdge / 2 + 0.20)));
     driver_->hold(1.0, watch);
-    simulator_->command_base({0, 0, turn % 2 == 0 ? 0.2 : -0.2});
+    simulator_->command_base({0, 0, pass % 2 == 0 ? 0.2 : -0.2});
   }
   EXPECT_LT(slip, 0.005);
   EXPECT_TRUE(simulator_->gripper_state(Side::kLeft).gripping);

@@ -61,7 +61,7 @@ TEST_F(FaultTest, RefusesWhatCannotBe) {
   EXPECT_NE(message({FaultKind::kWheelSlip, "spare", 0.5, 0}).find("spare"), std::string::npos);
   EXPECT_NE(message({FaultKind::kWheelSlip, "fl", 1.5, 0}).find("0 to 1"), std::string::npos);
   EXPECT_NE(message({FaultKind::kLidarRings, "3,16", 1, 0}).find("16"), std::string::npos);
-  EXPECT_NE(message({FaultKind::kCameraDrop, "", std::nan(""), 0}).find("share"), std::string::npos);
+  EXPECT_NE(message({FaultKind::kCameraDrop, "", std::nan(""), 0}).find("fraction"), std::string::npos);
   EXPECT_NE(message({FaultKind::kClockJump, "", INFINITY, 0}).find("seconds"), std::string::npos);
   EXPECT_NE(message({FaultKind::kDie, "", -1, 0}).find("seconds"), std::string::npos);
   EXPECT_TRUE(simulator_->faults().empty());

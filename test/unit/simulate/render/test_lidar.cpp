@@ -91,9 +91,9 @@ TEST(Lidar, AMovingSensorSeesFromWhereItIs) {
   const auto points = sweep(*rig, params, begin, end);
   double worst_without = 0;
   for (std::size_t i = 0; i < points.size(); ++i) {
-    const double share = static_cast<double>(i / 16) / params.columns;
-    const Pose there = make_pose(begin.translation() + share * (end.translation() - begin.translation()),
-                                 {0, 0, 0.7 * share});
+    const double fraction = static_cast<double>(i / 16) / params.columns;
+    const Pose there = make_pose(begin.translation() + fraction * (end.translation() - begin.translation()),
+                                 {0, 0, 0.7 * fraction});
     const Eigen::Vector3d p(points[i].x, points[i].y, points[i].z);
     ASSERT_LT(off_the_wall(there * p), 2e-3);
     worst_without = std::max(worst_without, off_the_wall(begin * p));

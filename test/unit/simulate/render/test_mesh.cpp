@@ -56,17 +56,17 @@ TEST(Mesh, ShapesAreClosedAndLookOutwards) {
     EXPECT_NEAR(volume(box), 6 * s3, 1e-4 * s3);
     // n corners of radius r enclose n/2 sin(2 pi / n) r^2 instead of pi r^2; twice for a sphere.
     const double n = circle_corners(size);
-    const double share = n / (2 * M_PI) * std::sin(2 * M_PI / n);
+    const double fraction = n / (2 * M_PI) * std::sin(2 * M_PI / n);
     const Mesh cylinder = mesh_of(Cylinder{size, size});
     expect_sound(cylinder);
-    EXPECT_NEAR(volume(cylinder), M_PI * s3 * share, 1e-3 * s3);
+    EXPECT_NEAR(volume(cylinder), M_PI * s3 * fraction, 1e-3 * s3);
     const Mesh cone = mesh_of(Cone{size, size});
     expect_sound(cone);
-    EXPECT_NEAR(volume(cone), M_PI / 3 * s3 * share, 1e-3 * s3);
+    EXPECT_NEAR(volume(cone), M_PI / 3 * s3 * fraction, 1e-3 * s3);
     const Mesh sphere = mesh_of(Sphere{size});
     expect_sound(sphere);
     EXPECT_LT(volume(sphere), 4 * M_PI / 3 * s3);
-    EXPECT_GT(volume(sphere), 4 * M_PI / 3 * s3 * share * share * share);
+    EXPECT_GT(volume(sphere), 4 * M_PI / 3 * s3 * fraction * fraction * fraction);
   }
 }
 

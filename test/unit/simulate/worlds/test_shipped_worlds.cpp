@@ -103,8 +103,8 @@ TEST(ShippedWorlds, OfficeHasLoopsAroundItsCore) {
   const auto plan = floor_plan(office, 0.1, 0.1, 1.5);
   ASSERT_TRUE(plan) << plan.error().message;
   const auto free_line = [&](Eigen::Vector2d from, Eigen::Vector2d to) {
-    for (double share = 0; share <= 1; share += 0.005) {
-      const Eigen::Vector2d cell = (from + (to - from) * share - plan->origin_m) / plan->resolution_m;
+    for (double fraction = 0; fraction <= 1; fraction += 0.005) {
+      const Eigen::Vector2d cell = (from + (to - from) * fraction - plan->origin_m) / plan->resolution_m;
       if (plan->at(static_cast<int>(cell.x()), static_cast<int>(cell.y())) != kFreeCell) return false;
     }
     return true;

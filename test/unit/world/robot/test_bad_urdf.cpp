@@ -17,7 +17,7 @@ struct Bad {
   std::string name;
   std::string xml;
   ErrorCode code;
-  std::vector<std::string> words;
+  std::vector<std::string> expected;
 };
 
 void PrintTo(const Bad& bad, std::ostream* out) {
@@ -30,10 +30,10 @@ RobotText with_carriage(const std::string& carriage) {
   return text;
 }
 
-RobotText with_turn(const std::string& turn, const std::string& type = "revolute") {
+RobotText with_swivel(const std::string& swivel, const std::string& type = "revolute") {
   RobotText text;
-  text.turn = turn;
-  text.turn_type = type;
+  text.swivel = swivel;
+  text.swivel_type = type;
   return text;
 }
 
@@ -82,9 +82,9 @@ std::vector<Bad> documents() {
       {"NoName", "<robot><link name='a'/></robot>", ErrorCode::kCorrupt, {"name"}},
       {"LinkTwice", with_more("<link name='tool'/>").xml(), ErrorCode::kCorrupt, {"tool"}},
       {"JointTwice",
-       with_more("<link name='b'/>" + joint("turn", "tool", "b")).xml(),
+       with_more("<link name='b'/>" + joint("swivel", "tool", "b")).xml(),
        ErrorCode::kCorrupt,
-       {"turn"}},
+       {"swivel"}},
   };
 }
 
@@ -99,7 +99,7 @@ std::vector<Bad> trees() {
       {"TwoParents",
        with_more(joint("second", "base", "tool")).xml(),
        ErrorCode::kCorrupt,
-       {"tool", "turn", "second"}},
+       {"tool", "swivel", "second"}},
       {"Loop",
        with_more("<link name='a'/><link name='b'/>" + joint("ab", "a", "b") + joint("ba", "b", "a")).xml(),
        ErrorCode::kCorrupt,
@@ -118,35 +118,35 @@ std::vector<Bad> trees() {
 
 std::vector<Bad> joints() {
   return {
-      {"Floating", with_turn("", "floating").xml(), ErrorCode::kUnsupported, {"'turn'", "revolute"}},
+      {"Floating", with_swivel("", "floating").xml(), ErrorCode::kUnsupported, {"'swivel'", "revolute"}},
       {"Planar",
-       with_turn("<axis xyz='0 0 1'/>", "planar").xml(),
+       with_swivel("<axis xyz='0 0 1'/>", "planar").xml(),
        ErrorCode::kUnsupported,
-       {"'turn'", "planar"}},
-      {"UnknownType", with_turn(kLimit, "ball").xml(), ErrorCode::kCorrupt, {"turn", "ball"}},
-      {"NoLimit", with_turn("<axis xyz='0 0 1'/>").xml(), ErrorCode::kCorrupt, {"turn", "limit"}},
+       {"'swivel'", "planar"}},
+      {"UnknownType", with_swivel(kLimit, "ball").xml(), ErrorCode::kCorrupt, {"swivel", "ball"}},
+      {"NoLimit", with_swivel("<axis xyz='0 0 1'/>").xml(), ErrorCode::kCorrupt, {"swivel", "limit"}},
       {"NoVelocity",
-       with_turn("<limit lower='0' upper='1' effort='1'/>").xml(),
+       with_swivel("<limit lower='0' upper='1' effort='1'/>").xml(),
        ErrorCode::kCorrupt,
        {"velocity"}},
       {"LimitsSwapped",
-       with_turn("<limit lower='1' upper='-1' effort='1' velocity='1'/>").xml(),
+       with_swivel("<limit lower='1' upper='-1' effort='1' velocity='1'/>").xml(),
        ErrorCode::kInvalidArgument,
-       {"'turn'", "lower"}},
+       {"'swivel'", "lower"}},
       {"NegativeVelocity",
-       with_turn("<limit lower='0' upper='1' effort='1' velocity='-1'/>").xml(),
+       with_swivel("<limit lower='0' upper='1' effort='1' velocity='-1'/>").xml(),
        ErrorCode::kInvalidArgument,
-       {"'turn'", "velocity"}},
+       {"'swivel'", "velocity"}},
       {"ZeroAxis",
-       with_turn("<axis xyz='0 0 0'/>" + kLimit).xml(),
+       with_swivel("<axis xyz='0 0 0'/>" + kLimit).xml(),
        ErrorCode::kInvalidArgument,
-       {"'turn'", "axis"}},
-      {"NoNumber", with_turn("<axis xyz='0 zero 1'/>" + kLimit).xml(), ErrorCode::kCorrupt, {"zero"}},
+       {"'swivel'", "axis"}},
+      {"NoNumber", with_swivel("<axis xyz='0 zero 1'/>" + kLimit).xml(), ErrorCode::kCorrupt, {"zero"}},
       {"NotFinite",
-       with_turn("<axis xyz='0 nan 1'/>" + kLimit).xml(),
+       with_swivel("<axis xyz='0 nan 1'/>" + kLimit).xml(),
        ErrorCode::kCorrupt,
        {"not a valid URDF"}},
-      {"DecimalComma", with_turn("<origin xyz='0,5 0 1'/>" + kLimit).xml(), ErrorCode::kCorrupt, {"0,5"}},
+      {"DecimalComma", with_swivel("<origin xyz='0,5 0 1'/>" + kLimit).xml(), ErrorCode::kCorrupt, {"0,5"}},
   };
 }
 
@@ -197,9 +197,9 @@ TEST_P(BadUrdf, GivesOneClearError) {
   EXPECT_EQ(testing::internal::GetCapturedStderr(), "") << "the library's log got out";
   ASSERT_FALSE(robot) << "accepted";
   EXPECT_EQ(robot.error().code, GetParam().code) << robot.error().message;
-  for (const std::string& word : GetParam().words)
-    EXPECT_NE(robot.error().message.find(word), std::string::npos)
-        << word << " is not in: " << robot.error().message;
+  for (const std::string& text : GetParam().expected)
+    EXPECT_NE(robot.error().message.find(text), std::string::npos)
+        << text << " is not in: " << robot.error().message;
 }
 
 std::string name_of(const testing::TestParamInfo<Bad>& info) {

@@ -241,16 +241,17 @@ double distance(const Geometry& geometry, const Eigen::Vector3d& p) {
 /// Least distance of a round part of an arm from some links.
 double clearance(const Cylinder& part, const Pose& root_T_part, const std::vector<Pose>& poses,
                  const std::vector<std::string>& links) {
-  double least = 10;
+  double nearest = 10;
   for (const std::string& name : links) {
     const int link = baxter().link(name).value();
     for (const Shape& shape : baxter().links()[link].collisions)
       for (int step = -5; step <= 5; ++step) {
         const Eigen::Vector3d p = root_T_part * Eigen::Vector3d(0, 0, step * part.length_m / 10);
-        least = std::min(least, distance(shape.geometry, (poses[link] * shape.body_T_shape).inverse() * p));
+        nearest =
+            std::min(nearest, distance(shape.geometry, (poses[link] * shape.body_T_shape).inverse() * p));
       }
   }
-  return least - part.radius_m;
+  return nearest - part.radius_m;
 }
 
 TEST(MobileBaxter, ArmsKeepClearOfTheBodyInEveryPublishedPose) {

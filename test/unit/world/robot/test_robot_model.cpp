@@ -32,7 +32,7 @@ TEST(RobotModel, KeepsTheTreeFromTheRoot) {
   ASSERT_EQ(robot.links().size(), 3U);
   EXPECT_EQ(robot.links()[0].parent_joint, -1);
   EXPECT_EQ(robot.links()[2].name, "tool");
-  EXPECT_EQ(robot.links()[2].parent_joint, robot.joint("turn"));
+  EXPECT_EQ(robot.links()[2].parent_joint, robot.joint("swivel"));
   EXPECT_EQ(robot.link("carriage"), 1);
   EXPECT_FALSE(robot.link("slide"));
   EXPECT_FALSE(robot.joint("carriage"));
@@ -66,7 +66,7 @@ TEST(RobotModel, ReadsAJoint) {
 
 TEST(RobotModel, ContinuousJointsHaveNoEnds) {
   RobotText text;
-  text.turn_type = "continuous";
+  text.swivel_type = "continuous";
   const Joint joint = model(text.xml()).joints()[1];
   EXPECT_EQ(joint.type, JointType::kContinuous);
   EXPECT_EQ(joint.lower, -INFINITY);
@@ -88,12 +88,12 @@ TEST(RobotModel, MimicJointsFollow) {
   text.more =
       R"(<link name="tail"/><joint name="back" type="revolute"><parent link="tool"/><child link="tail"/>
       <axis xyz="0 0 1"/><limit lower="-2" upper="2" effort="1" velocity="1"/>
-      <mimic joint="turn" multiplier="-2" offset="0.25"/></joint>)";
+      <mimic joint="swivel" multiplier="-2" offset="0.25"/></joint>)";
   const RobotModel robot = model(text.xml());
   ASSERT_TRUE(robot.joints()[*robot.joint("back")].mimic);
   std::vector<double> positions(3, 99.0);
   positions[*robot.joint("slide")] = 0;
-  positions[*robot.joint("turn")] = 0.3;
+  positions[*robot.joint("swivel")] = 0.3;
   const Pose tail = robot.link_poses(positions)[*robot.link("tail")];
   EXPECT_TRUE(tail.isApprox(make_pose({1, 0, 0.5}, {0, 0, 0.3 - 2 * 0.3 + 0.25})));
 }
