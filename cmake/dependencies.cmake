@@ -1,4 +1,4 @@
-# Third-party libraries of the core. A room links only what it owns.
+# Third-party libraries of the core. A module links only what it owns.
 find_package(Eigen3 REQUIRED NO_MODULE)
 find_package(tl-expected REQUIRED)
 find_package(OpenSSL REQUIRED COMPONENTS Crypto)

@@ -26,19 +26,19 @@ if(EXTPERFC_SANITIZE)
   target_link_options(extperfc_flags INTERFACE -fsanitize=${EXTPERFC_SANITIZE})
 endif()
 
-# extperfc_add_library(<room> SOURCES ... [LINK public targets ...] [PRIVATE_LINK targets ...])
-# One shared library libextperfc_<room>.so per room, alias extperfc::<room>.
-function(extperfc_add_library room)
+# extperfc_add_library(<module> SOURCES ... [LINK public targets ...] [PRIVATE_LINK targets ...])
+# One shared library libextperfc_<module>.so per module, alias extperfc::<module>.
+function(extperfc_add_library module)
   cmake_parse_arguments(ARG "" "" "SOURCES;LINK;PRIVATE_LINK" ${ARGN})
-  add_library(extperfc_${room} SHARED ${ARG_SOURCES})
-  add_library(extperfc::${room} ALIAS extperfc_${room})
-  target_include_directories(extperfc_${room}
+  add_library(extperfc_${module} SHARED ${ARG_SOURCES})
+  add_library(extperfc::${module} ALIAS extperfc_${module})
+  target_include_directories(extperfc_${module}
     PUBLIC $<BUILD_INTERFACE:${PROJECT_SOURCE_DIR}/include> $<INSTALL_INTERFACE:include>
     PRIVATE ${PROJECT_SOURCE_DIR}/src)
-  target_link_libraries(extperfc_${room}
+  target_link_libraries(extperfc_${module}
     PUBLIC ${ARG_LINK} PRIVATE $<BUILD_INTERFACE:extperfc_flags> ${ARG_PRIVATE_LINK})
-  target_compile_features(extperfc_${room} PUBLIC cxx_std_17)
-  install(TARGETS extperfc_${room} LIBRARY DESTINATION ${EXTPERFC_LIB_DESTINATION})
+  target_compile_features(extperfc_${module} PUBLIC cxx_std_17)
+  install(TARGETS extperfc_${module} LIBRARY DESTINATION ${EXTPERFC_LIB_DESTINATION})
 endfunction()
 
 # extperfc_add_program(<name> [NO_INSTALL] SOURCES ... LINK ...): an executable that tools/ or roslaunch start.
@@ -52,7 +52,7 @@ function(extperfc_add_program name)
   endif()
 endfunction()
 
-# extperfc_add_test(<room>/<name> SOURCES ... LINK ...): a GoogleTest program, run by `tools/test unit`.
+# extperfc_add_test(<module>/<name> SOURCES ... LINK ...): a GoogleTest program, run by `tools/test unit`.
 function(extperfc_add_test name)
   cmake_parse_arguments(ARG "" "" "SOURCES;LINK" ${ARGN})
   string(REPLACE "/" "_" target test_${name})

@@ -21,7 +21,7 @@ struct AreaPlane {
 /// keeps its value exactly.
 class AreaResizer {
  public:
-  /// Whether run() is the way to do it: 1, 3 or 4 channels of 8 bits, larger on no axis and smaller on one at
+  /// Whether run() supports it: 1, 3 or 4 channels of 8 bits, larger on no axis and smaller on one at
   /// least. Not for half the size, where OpenCV is faster.
   [[nodiscard]] static bool suits(const cv::Mat& image, cv::Size result);
 

@@ -1,18 +1,18 @@
-"""The layers of the house: who may include what. See docs/architecture.md."""
+"""Layers of the package: which module may include which. See docs/architecture.md."""
 
 import pathlib
 import re
 import unittest
 
 REPO = pathlib.Path(__file__).resolve().parents[2]
-ROOMS = ("detect", "depth", "sources", "simulate", "scan", "translate", "mapping", "localize", "offline", "arm")
-BELOW = {"base": set(), "world": {"base"}, **{room: {"base", "world"} for room in ROOMS}}
-BELOW["offline"] |= {"mapping", "sources"}  # programs that join rooms: a recording goes in, a map comes out
+MODULES = ("detect", "depth", "sources", "simulate", "scan", "translate", "mapping", "localize", "offline", "arm")
+BELOW = {"base": set(), "world": {"base"}, **{module: {"base", "world"} for module in MODULES}}
+BELOW["offline"] |= {"mapping", "sources"}  # programs that join modules: a recording goes in, a map comes out
 ROS_HEADER = re.compile(r'#include\s*[<"](ros/(?!params|convert|health|detect|depth|sources|simulate|scan|translate|mapping|localize|offline|arm)|tf2|nodelet/|pluginlib/|'
                         r'cv_bridge/|image_transport/|diagnostic_updater/|message_filters/|rosbag/|XmlRpc|[a-z_]+_msgs/)')
 PARAMETER_READ = re.compile(r'(?<!")' r"\b(getParam|getParamCached|param\s*<|ros::param::get)\b|\.param\s*\(")
 OWN_HEADER = re.compile(r'#include\s*[<"](?:extperfc/)?(\w+)/[\w/]+\.hpp[>"]')
-# Third-party headers stay in the rooms that own the library.
+# Third-party headers stay in the modules that own the library.
 OWNERS = {
     r"openvino/": {"detect"},
     r"opencv2/dnn": {"detect"},
@@ -32,11 +32,11 @@ OWNERS = {
 
 
 def core_files():
-    """(room, file) of every source and header outside src/ros."""
-    for room in BELOW:
-        for folder in (REPO / "src" / room, REPO / "include" / "extperfc" / room):
+    """(module, file) of every source and header outside src/ros."""
+    for module in BELOW:
+        for folder in (REPO / "src" / module, REPO / "include" / "extperfc" / module):
             for file in sorted(folder.rglob("*.[ch]pp")):
-                yield room, file
+                yield module, file
 
 
 def violations(pattern, files):
@@ -57,19 +57,19 @@ class Layers(unittest.TestCase):
         files = [f for f in sorted((REPO / "src").rglob("*.[ch]pp")) if "params" not in f.parts]
         self.assertEqual([], list(violations(PARAMETER_READ, files)))
 
-    def test_rooms_include_only_what_lies_below(self):
+    def test_modules_include_only_what_lies_below(self):
         wrong = []
-        for room, file in core_files():
+        for module, file in core_files():
             for included in OWN_HEADER.findall(file.read_text()):
-                if included in BELOW and included != room and included not in BELOW[room]:
+                if included in BELOW and included != module and included not in BELOW[module]:
                     wrong.append(f"{file.relative_to(REPO)} includes {included}/")
         self.assertEqual([], wrong)
 
-    def test_third_party_headers_stay_in_their_room(self):
+    def test_third_party_headers_stay_in_their_module(self):
         wrong = []
         for header, owners in OWNERS.items():
             pattern = re.compile(r'#include\s*[<"]' + header)
-            wrong += [hit for room, file in core_files() if room not in owners
+            wrong += [hit for module, file in core_files() if module not in owners
                       for hit in violations(pattern, [file])]
         self.assertEqual([], wrong)
 

@@ -91,7 +91,7 @@ TEST_F(ListeningDetectorTest, OrderIsKeptWhenSeveralImagesAreInFlight) {
     ASSERT_LT(answers[i - 1]->header.stamp, answers[i]->header.stamp);
 }
 
-TEST_F(ListeningDetectorTest, TellsWhereTheClassNamesAre) {
+TEST_F(ListeningDetectorTest, PublishesWhereTheClassNamesAre) {
   load_and_listen();
   const Inbox<vision_msgs::VisionInfo> late("vision_info");
   ASSERT_TRUE(late.wait_for_count(1)) << "vision_info must be latched";

@@ -25,15 +25,15 @@ class PlanarWorld {
     add_wall({left, top}, {left, bottom});
   }
 
-  /// Way to the nearest wall [m]; infinity when there is none.
+  /// Distance to the nearest wall [m]; infinity when there is none.
   [[nodiscard]] double range(const Eigen::Vector2d& from, double angle_rad) const {
     const Eigen::Vector2d d(std::cos(angle_rad), std::sin(angle_rad));
     double nearest = std::numeric_limits<double>::infinity();
     for (const Wall& wall : walls_) {
-      const double across = d.x() * wall.way.y() - d.y() * wall.way.x();
+      const double across = d.x() * wall.direction.y() - d.y() * wall.direction.x();
       if (std::abs(across) < 1e-12) continue;
       const Eigen::Vector2d to = wall.start - from;
-      const double t = (to.x() * wall.way.y() - to.y() * wall.way.x()) / across;
+      const double t = (to.x() * wall.direction.y() - to.y() * wall.direction.x()) / across;
       const double u = (to.x() * d.y() - to.y() * d.x()) / across;
       if (t > 1e-9 && t < nearest && u >= 0 && u <= 1) nearest = t;
     }
@@ -43,7 +43,7 @@ class PlanarWorld {
  private:
   struct Wall {
     Eigen::Vector2d start;
-    Eigen::Vector2d way;
+    Eigen::Vector2d direction;
   };
   std::vector<Wall> walls_;
 };
@@ -90,10 +90,10 @@ struct PlanarOdometry {
 
   /// The robot moved by `step` in its own frame.
   const Pose2& move(const Pose2& step, Rng& rng) {
-    const double way = std::hypot(step.x, step.y);
+    const double distance_m = std::hypot(step.x, step.y);
     const double stretch = 1 + scale + rng.normal(0, sigma_m_per_m);
-    const double yaw = veer_rad_per_m * way +
-                       rng.normal(0, 1) * (sigma_rad_per_m * way + sigma_rad_per_rad * std::abs(step.yaw));
+    const double yaw = veer_rad_per_m * distance_m +
+                       rng.normal(0, 1) * (sigma_rad_per_m * distance_m + sigma_rad_per_rad * std::abs(step.yaw));
     pose = compose(pose, {step.x * stretch, step.y * stretch, step.yaw + yaw});
     return pose;
   }
@@ -104,17 +104,17 @@ inline std::vector<Pose2> planar_drive(const std::vector<Eigen::Vector2d>& corne
                                        double step_rad) {
   std::vector<Pose2> poses;
   for (std::size_t i = 1; i < corners.size(); ++i) {
-    const Eigen::Vector2d way = corners[i] - corners[i - 1];
-    const double yaw = std::atan2(way.y(), way.x());
+    const Eigen::Vector2d segment = corners[i] - corners[i - 1];
+    const double yaw = std::atan2(segment.y(), segment.x());
     if (poses.empty()) poses.push_back({corners[0].x(), corners[0].y(), yaw});
     const Pose2 corner = poses.back();
     const double yaw_step = wrap_angle(yaw - corner.yaw);
     const int yaw_steps = static_cast<int>(std::ceil(std::abs(yaw_step) / step_rad - 1e-9));
     for (int k = 1; k <= yaw_steps; ++k)
       poses.push_back({corner.x, corner.y, wrap_angle(corner.yaw + yaw_step * k / yaw_steps)});
-    const int steps = std::max(1, static_cast<int>(std::ceil(way.norm() / step_m - 1e-9)));
+    const int steps = std::max(1, static_cast<int>(std::ceil(segment.norm() / step_m - 1e-9)));
     for (int k = 1; k <= steps; ++k) {
-      const Eigen::Vector2d at = corners[i - 1] + way * k / steps;
+      const Eigen::Vector2d at = corners[i - 1] + segment * k / steps;
       poses.push_back({at.x(), at.y(), yaw});
     }
   }
@@ -133,7 +133,7 @@ inline PlanarWorld planar_room() {
   return world;
 }
 
-/// Two walls 2 m apart along x, 60 m long: nothing tells places along it apart.
+/// Two walls 2 m apart along x, 60 m long: places along it look alike.
 inline PlanarWorld planar_corridor() {
   PlanarWorld world;
   world.add_wall({-30, -1}, {30, -1});

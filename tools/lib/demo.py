@@ -1,7 +1,7 @@
 """Detects objects, puts them into space, and shows the result as a table and as images.
 
 Without --source the simulated robot stands in its laboratory: detector and depth work on its camera, and the table
-tells how far each estimated position is from the truth. With a display it opens rviz.
+reports how far each estimated position is from the truth. With a display it opens rviz.
 """
 
 import argparse

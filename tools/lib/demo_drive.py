@@ -25,7 +25,7 @@ def command(time_s, x, y, yaw):
 
 
 class Swing:
-    """Drives by cmd_vel as long as the simulation tells where the robot is (sim/truth/odom)."""
+    """Drives by cmd_vel as long as the simulation publishes where the robot is (sim/truth/odom)."""
 
     def __init__(self):
         import geometry_msgs.msg

@@ -41,7 +41,7 @@ class RosSession:
         return self.process is not None and self.process.poll() is None
 
     def errors(self):
-        """Lines of the log that tell a person what went wrong, without colours and stamps."""
+        """Lines of the log that report what went wrong, without colours and stamps."""
         with open(self.log_file, errors="replace") as log:
             text = _COLOR.sub("", log.read())
         found = []

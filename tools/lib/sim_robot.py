@@ -32,7 +32,7 @@ def towards(here, goal, speed_m_s):
 
 def wander(here, clearance_at, yaw_sign):
     """Velocity of a robot that drives in slight bows where there is room ahead and turns where there is none."""
-    ahead = [(here.x + way * math.cos(here.yaw), here.y + way * math.sin(here.yaw)) for way in (0.2, 0.4, 0.6)]
+    ahead = [(here.x + ahead_m * math.cos(here.yaw), here.y + ahead_m * math.sin(here.yaw)) for ahead_m in (0.2, 0.4, 0.6)]
     if all(clearance_at(x, y) > MIN_CLEARANCE_M for x, y in ahead):
         return 0.5, 0.0, 0.2 * yaw_sign
     return 0.0, 0.0, 0.8 * yaw_sign

@@ -40,11 +40,11 @@ struct JointTarget {
 /// links push loose bodies and a gripper's fingers stop when both touch one loose body, which then is
 /// carried; in dynamic mode each arm is a btMultiBody with a motor per joint. In both modes:
 /// - The robot's links meet the world, not each other.
-/// - A gripper holds what both pads touch from inside while it is told to close, and lets go when it is told
+/// - A gripper holds what both pads touch from inside while it is commanded to close, and lets go when it is commanded
 ///   to open by more than 0.5 mm. Fingers move with 0.15 m/s at most.
 /// - Friction and restitution of two bodies multiply. Fingers have 1.5, other links 0.6.
 /// - Meshes count as their convex hulls. Wheels (continuous joints) are part of the chassis and are where
-///   they are told.
+///   commanded.
 /// - Loose bodies that rest for 2 s sleep, which costs nothing; what touches or moves something wakes them.
 class Bodies {
  public:
@@ -92,7 +92,7 @@ class Bodies {
   /// mimics.
   [[nodiscard]] virtual std::optional<int> gripped(int finger_joint) const = 0;
   /// Force with which the fingers press [N]: measured at the pads in dynamic mode, until `hold_gripped` fixes
-  /// the body; then, and in kinematic mode, the motor's limit while it is told to close.
+  /// the body; then, and in kinematic mode, the motor's limit while it is commanded to close.
   [[nodiscard]] virtual double grip_force(int finger_joint) const = 0;
 };
 

@@ -90,7 +90,7 @@ struct BaseState {
   Twist2 measured;                         ///< from the wheels
   std::array<double, 4> wheel_position{};  ///< front left, front right, rear left, rear right [rad]
   std::array<double, 4> wheel_velocity{};  ///< [rad/s]
-  bool blocked{false};                     ///< a wall or an object is in the way
+  bool blocked{false};                     ///< a wall or an object blocks it
 };
 
 struct ImuSample {
@@ -105,7 +105,7 @@ struct JointSample {
   std::vector<double> position, velocity, effort;
 };
 
-/// A fault on demand. docs/simulation.md tells what each target and value mean.
+/// A fault on demand. docs/simulation.md describes every target and value.
 enum class FaultKind {
   kNone,
   kCameraFreeze,  ///< the same image again, with new stamps

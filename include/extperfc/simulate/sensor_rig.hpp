@@ -31,7 +31,7 @@ struct DepthNoiseParams {
 
 struct CameraParams {
   CameraModel model{640, 480, 615.0, 615.0, 319.5, 239.5, {}};
-  std::uint32_t sensor{0};  ///< number of this camera: tells its noise from another's
+  std::uint32_t sensor{0};  ///< number of this camera: seed of its noise
   bool shadows{true};
   bool soft_light{true};  ///< a light with a size and less light in corners; false: sharp shadows, cheaper
   int supersampling{1};   ///< 1 or 2: 2 x 2 rays per pixel, for training images
@@ -51,7 +51,7 @@ struct CameraImages {
 
 /// Velodyne VLP-16: 16 rings from -15 to +15 degrees, 10 Hz, 300,000 points/s (data sheet 63-9243).
 struct LidarParams {
-  std::uint32_t sensor{0};   ///< number of this lidar: tells its noise from another's
+  std::uint32_t sensor{0};   ///< number of this lidar: seed of its noise
   double rotation_hz{10.0};  ///< [5, 20]
   int columns{1875};         ///< firings of all rings per revolution at rotation_hz
   double min_range_m{0.4};

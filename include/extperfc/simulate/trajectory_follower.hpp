@@ -12,7 +12,7 @@
 namespace extperfc::simulate {
 
 struct TrajectoryFollowerParams {
-  double path_tolerance_rad{0.2};           ///< of every joint on the way, (0, 10]; Baxter's default
+  double path_tolerance_rad{0.2};           ///< of every joint during the motion, (0, 10]; Baxter's default
   double goal_tolerance_rad{0.0087};        ///< of every joint at the end, (0, 10]; half a degree
   double goal_time_s{0.1};                  ///< wait for goal_tolerance after the last point, [0, 120]
   double stopped_velocity_rad_s{0.25};      ///< slower than this is at rest, (0, 10]
@@ -31,7 +31,7 @@ struct MotionBounds {
 /// documents it. Has no clock and moves nothing: the caller gives time and measurements, and takes set
 /// points.
 ///
-///  - The way begins where the joints are (or where the goal before wants them, with its velocity), so that
+///  - The trajectory begins where the joints are (or where the goal before wants them, with its velocity), so that
 ///  the
 ///    first point with a time above 0 is reached without a jump. A first point at time 0 is taken as it is:
 ///    far from the joints, it violates path_tolerance.
@@ -54,7 +54,7 @@ class TrajectoryFollower {
   /// Judges what is measured now: the end of the goal, once. Call it at every step.
   [[nodiscard]] std::optional<TrajectoryEnd> update(double now_s, const JointMotion& measured);
 
-  /// A goal is waiting for its start or under way.
+  /// A goal is waiting for its start or active.
   [[nodiscard]] bool following() const { return phase_ == Phase::kFollowing; }
   /// There is a set point to give: following, or slowing down after stop().
   [[nodiscard]] bool moving() const { return phase_ != Phase::kIdle; }
@@ -76,7 +76,7 @@ class TrajectoryFollower {
   std::vector<FollowedJoint> joints_;
   TrajectoryFollowerParams params_;
   Phase phase_{Phase::kIdle};
-  JointSpline way_;    ///< times on the caller's clock
+  JointSpline spline_;    ///< times on the caller's clock
   JointMotion brake_;  ///< where slowing down begins
   double brake_start_s_{0};
   double start_s_{0};  ///< of the goal; before it brake_ holds

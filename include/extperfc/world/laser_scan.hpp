@@ -11,7 +11,7 @@ namespace extperfc {
 ///
 /// A range counts when it is finite and lies inside [range_min, range_max]. +infinity (and anything above
 /// range_max) says that the ray met nothing up to range_max, as REP 117 has it; NaN, zero, negative ranges
-/// and those below range_min say nothing at all, and never that the way is free.
+/// and those below range_min say nothing at all, and never that the path is free.
 struct LaserScan {
   double stamp_s{0};          ///< of the first ray [s]
   double angle_min{0};        ///< [rad]

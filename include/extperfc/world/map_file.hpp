@@ -7,7 +7,7 @@
 
 namespace extperfc {
 
-/// Probabilities at which map_server (and these functions) tell occupied, free and unknown cells apart.
+/// Probabilities at which map_server (and these functions) separate occupied, free and unknown cells.
 struct MapThresholds {
   double occupied{0.65};  ///< above: occupied, (0, 1)
   double free{0.196};     ///< below: free, (0, 1), below `occupied`

@@ -11,11 +11,11 @@
 namespace extperfc::depth::fit {
 namespace {
 
-constexpr double kMinLength = 1e-3;     // of a radius, edge or height on the way [m]
+constexpr double kMinLength = 1e-3;     // of a radius, edge or height during the iterations [m]
 constexpr double kMaxStep = 0.02;       // of one iteration [m], and ten times as many [rad]
 constexpr double kDelta = 1e-6;         // of numerical derivatives [m] or [rad]
 constexpr double kFits = 3.0;           // standard deviations
-constexpr double kWidthSigma = 0.08;    // of a radius that the silhouette tells, as a fraction of it
+constexpr double kWidthSigma = 0.08;    // of a radius from the silhouette, as a fraction of it
 constexpr double kWidthSigmaM = 0.001;  // and that many metres
 /// Cauchy's scale in standard deviations: wide at first, so that a bad start is drawn in.
 constexpr std::array<double, 18> kScales{32, 32, 32, 16, 16, 16, 8, 8, 8, 4, 4, 4, 2, 2, 2, 2, 2, 2};
@@ -46,7 +46,7 @@ struct Sums {
   Numbers right;
 };
 
-/// What the samples' extent sideways tells: how wide a sphere is, or a cone at the height of the lowest
+/// What follows from the lateral extent of the samples: how wide a sphere is, or a cone at the height of the lowest
 /// samples.
 struct Silhouette {
   double radius_m{0};  // 0: a cube, whose silhouette depends on its yaw
@@ -101,7 +101,7 @@ Sums accumulate(const Problem& problem, const Numbers& numbers, double scale) {
   return sums;
 }
 
-/// A little of the diagonal is added, so that what the samples do not tell stays where it is.
+/// A little of the diagonal is added, so that parameters that the samples do not determine stay.
 NumbersCovariance damped(const NumbersCovariance& normal) {
   NumbersCovariance result = normal;
   result.diagonal() += 1e-6 * normal.trace() * Numbers::Ones(normal.rows());
@@ -151,7 +151,7 @@ void measure(const Problem& problem, SolidFit& fit) {
   fit.covariance = damped(problem.independent * sums.normal).inverse() * std::max(1.0, fit.rms * fit.rms);
 }
 
-/// About so many of the samples, spread evenly: enough to tell one start from another.
+/// About so many of the samples, spread evenly: enough to compare the starts.
 std::vector<Sample> thinned(const std::vector<Sample>& samples, std::size_t count) {
   const std::size_t step = 1 + samples.size() / count;
   std::vector<Sample> few;

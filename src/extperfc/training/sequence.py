@@ -116,7 +116,7 @@ class Scene:
         return KINDS[name][0](np.random.default_rng(0)).label
 
     def pose(self, fraction):
-        """Camera axes in the world (rows) and position [m] at a fraction 0..1 of the way along the arc."""
+        """Camera axes in the world (rows) and position [m] at a fraction 0..1 of the arc."""
         ease = fraction * fraction * (3 - 2 * fraction)
         azimuth = np.radians(-150 + 120 * ease + (self.seed % 5) * 7)
         distance = self.radius * (2.5 - 1.0 * np.sin(np.pi * fraction)) + .12

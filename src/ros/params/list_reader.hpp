@@ -88,7 +88,7 @@ class Entry {
   XmlRpc::XmlRpcValue& value_;
 };
 
-/// Reads a list of groups; `set(item, key, entry)` takes one key. Every problem is told with its place.
+/// Reads a list of groups; `set(item, key, entry)` takes one key. Every problem is reported with its place.
 template <typename T, typename Set>
 std::vector<T> read_list(ParamReader& reader, const ros::NodeHandle& handle, const std::string& key,
                          Set set) {

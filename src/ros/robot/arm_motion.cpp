@@ -53,7 +53,7 @@ simulate::TrajectoryResult<void> ArmMotion::start(const simulate::Simulator& sim
   if (!follower_) follower_.emplace(followed_joints(simulator.robot(), side_), params_);
   auto started = follower_->start(goal, *now_s_, measure(simulator.arm_state(side_)));
   if (!started) return started;
-  finish(Ending::kReplaced, {TrajectoryCode::kGoalToleranceViolated, "a newer motion took the arm"});
+  finish(Status::kReplaced, {TrajectoryCode::kGoalToleranceViolated, "a newer motion took the arm"});
   when_done_ = std::move(when_done);
   return {};
 }
@@ -62,27 +62,27 @@ void ArmMotion::stop() {
   if (follower_ && now_s_) follower_->stop(*now_s_);
 }
 
-void ArmMotion::give_way(const std::string& reason) {
+void ArmMotion::yield_arm(const std::string& reason) {
   if (follower_) follower_->drop();
-  finish(Ending::kFailed, {TrajectoryCode::kPathToleranceViolated, reason});
+  finish(Status::kFailed, {TrajectoryCode::kPathToleranceViolated, reason});
 }
 
 void ArmMotion::after_step(const simulate::Simulator& simulator, const ros::Time& stamp) {
   now_s_ = stamp.toSec();
   if (!follower_ || !follower_->moving()) return;
   if (const auto reason = reason_for_rest(simulator.robot_state()); !reason.empty())
-    return give_way("given up on the way: " + reason);
+    return yield_arm("aborted: " + reason);
   const bool had_goal = follower_->following();
   const auto end = follower_->update(*now_s_, measure(simulator.arm_state(side_)));
   if (follower_->moving()) post_set_point(*now_s_ + simulator.params().bodies.step_s);
   if (end)
-    finish(end->code == TrajectoryCode::kSuccessful ? Ending::kReached : Ending::kFailed, *end);
+    finish(end->code == TrajectoryCode::kSuccessful ? Status::kReached : Status::kFailed, *end);
   else if (!had_goal && !follower_->moving())
-    finish(Ending::kStopped, {TrajectoryCode::kGoalToleranceViolated, "cancelled on the way"});
+    finish(Status::kStopped, {TrajectoryCode::kGoalToleranceViolated, "cancelled during the motion"});
 }
 
-void ArmMotion::finish(Ending ending, const TrajectoryEnd& end) {
-  if (const auto when_done = std::exchange(when_done_, nullptr)) when_done(ending, end);
+void ArmMotion::finish(Status status, const TrajectoryEnd& end) {
+  if (const auto when_done = std::exchange(when_done_, nullptr)) when_done(status, end);
 }
 
 void ArmMotion::post_set_point(double time_s) {

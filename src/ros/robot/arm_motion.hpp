@@ -15,13 +15,13 @@ namespace extperfc {
 /// the arm. Of the simulation thread, all of it.
 class ArmMotion {
  public:
-  enum class Ending {
+  enum class Status {
     kReached,
-    kFailed,    ///< end tells why: a tolerance, a disabled robot, a joint command
+    kFailed,    ///< `end` has the reason: a tolerance, a disabled robot, a joint command
     kStopped,   ///< after stop(), at rest
     kReplaced,  ///< a newer motion has the arm
   };
-  using WhenDone = std::function<void(Ending, const simulate::TrajectoryEnd&)>;
+  using WhenDone = std::function<void(Status, const simulate::TrajectoryEnd&)>;
 
   ArmMotion(SimHost& host, simulate::Side side, const simulate::TrajectoryFollowerParams& params);
 
@@ -32,7 +32,7 @@ class ArmMotion {
   /// Slows down; when_done is called at rest.
   void stop();
   /// Ends a motion at once because something else drives the arm.
-  void give_way(const std::string& reason);
+  void yield_arm(const std::string& reason);
 
   void after_step(const simulate::Simulator& simulator, const ros::Time& stamp);
 
@@ -42,7 +42,7 @@ class ArmMotion {
   }
 
  private:
-  void finish(Ending ending, const simulate::TrajectoryEnd& end);
+  void finish(Status status, const simulate::TrajectoryEnd& end);
   void post_set_point(double time_s);
 
   SimHost& host_;

@@ -25,7 +25,7 @@ void AssemblyInterface::on_enable(const std_msgs::BoolConstPtr& message) {
   hand_over("robot/set_super_enable", [this, on = message->data != 0](simulate::Simulator& simulator) {
     simulator.enable(on);
     if (on && !simulator.robot_state().enabled)
-      complaints_.tell(
+      complaints_.report(
           "robot/set_super_enable: the robot is stopped; publish on robot/set_super_reset first");
   });
 }
@@ -42,7 +42,7 @@ void AssemblyInterface::on_reset(const std_msgs::EmptyConstPtr& /*message*/) {
 
 void AssemblyInterface::hand_over(const char* topic, std::function<void(simulate::Simulator&)> work) {
   if (!host_.post(std::move(work)))
-    complaints_.tell(std::string(topic) + ": the simulation takes no commands now");
+    complaints_.report(std::string(topic) + ": the simulation takes no commands now");
 }
 
 }  // namespace extperfc

@@ -10,7 +10,7 @@ Complaints::Complaints(std::function<void(const std::string&)> log) : log_(std::
   if (!log_) log_ = [](const std::string& line) { ROS_ERROR("%s", line.c_str()); };
 }
 
-void Complaints::tell(const std::string& message, Clock::time_point now) {
+void Complaints::report(const std::string& message, Clock::time_point now) {
   std::string line = message;
   {
     const std::lock_guard lock(mutex_);

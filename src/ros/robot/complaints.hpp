@@ -17,7 +17,7 @@ class Complaints {
   /// `log` takes a line; by default it goes to the node's log as an error.
   explicit Complaints(std::function<void(const std::string&)> log = {});
 
-  void tell(const std::string& message, Clock::time_point now = Clock::now());
+  void report(const std::string& message, Clock::time_point now = Clock::now());
 
  private:
   std::function<void(const std::string&)> log_;

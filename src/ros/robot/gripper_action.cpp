@@ -89,7 +89,7 @@ void GripperAction::cancel(Goal goal, simulate::Simulator& simulator) {
   if (!active_ || !(*active_ == goal)) return;
   (void)simulator.command_gripper(side_, make(Kind::kStop));  // a disabled gripper stands still already
   active_.reset();
-  goal.setCanceled(result(simulator, goal), "cancelled on the way");
+  goal.setCanceled(result(simulator, goal), "cancelled during the motion");
 }
 
 GripperCommandResult GripperAction::result(const simulate::Simulator& simulator, const Goal& goal) const {

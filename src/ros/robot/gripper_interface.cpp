@@ -44,13 +44,13 @@ void GripperInterface::on_command(const baxter_core_msgs::EndEffectorCommandCons
 
 void GripperInterface::on_properties(const baxter_core_msgs::EndEffectorPropertiesConstPtr& message) {
   if (message->ui_type > EndEffectorProperties::PASSIVE_GRIPPER)
-    return complaints_.tell(robot_names::gripper(side_, "rsdk/set_properties") + " is ignored: ui_type " +
+    return complaints_.report(robot_names::gripper(side_, "rsdk/set_properties") + " is ignored: ui_type " +
                             std::to_string(message->ui_type) + " is none of 0 to 3");
   properties_publisher_.publish(message);
 }
 
 void GripperInterface::refuse(const std::string& why) {
-  complaints_.tell(robot_names::gripper(side_, "command") + " is ignored: " + why);
+  complaints_.report(robot_names::gripper(side_, "command") + " is ignored: " + why);
 }
 
 }  // namespace extperfc

@@ -28,12 +28,12 @@ void HeadInterface::after_step(const simulate::Simulator& simulator, const ros::
 
 void HeadInterface::on_pan(const baxter_core_msgs::HeadPanCommandConstPtr& message) {
   if (!std::isfinite(message->target) || !std::isfinite(message->speed_ratio))
-    return complaints_.tell("robot/head/command_head_pan: target and speed_ratio must be finite: ignored");
+    return complaints_.report("robot/head/command_head_pan: target and speed_ratio must be finite: ignored");
   if (message->speed_ratio < HeadPanCommand::MIN_SPEED_RATIO ||
       message->speed_ratio > HeadPanCommand::MAX_SPEED_RATIO)
-    return complaints_.tell("robot/head/command_head_pan: speed_ratio is outside [0, 1]: ignored");
+    return complaints_.report("robot/head/command_head_pan: speed_ratio is outside [0, 1]: ignored");
   if (!host_.post([this, message](simulate::Simulator& simulator) { pan(simulator, *message); }))
-    complaints_.tell("robot/head/command_head_pan: the simulation takes no commands now");
+    complaints_.report("robot/head/command_head_pan: the simulation takes no commands now");
 }
 
 void HeadInterface::pan(simulate::Simulator& simulator, const HeadPanCommand& command) {
@@ -48,7 +48,7 @@ void HeadInterface::pan(simulate::Simulator& simulator, const HeadPanCommand& co
 void HeadInterface::on_nod(const std_msgs::BoolConstPtr& message) {
   if (!message->data) return;
   if (!host_.post([](simulate::Simulator& simulator) { simulator.command_head_nod(); }))
-    complaints_.tell("robot/head/command_head_nod: the simulation takes no commands now");
+    complaints_.report("robot/head/command_head_nod: the simulation takes no commands now");
 }
 
 }  // namespace extperfc

@@ -51,7 +51,7 @@ void LimbInterface::drive(simulate::Simulator& simulator, const simulate::ArmCom
     return refuse("joint_command", "the robot is disabled: publish true on robot/set_super_enable");
   if (auto taken = simulator.command_arm(side_, command); !taken)
     return refuse("joint_command", taken.error().message);
-  motion_.give_way("a command on " + robot_names::limb(side_, "joint_command") + " took the arm");
+  motion_.yield_arm("a command on " + robot_names::limb(side_, "joint_command") + " took the arm");
 }
 
 void LimbInterface::on_speed_ratio(const std_msgs::Float64ConstPtr& message) {
@@ -71,7 +71,7 @@ void LimbInterface::on_timeout(const std_msgs::Float64ConstPtr& message) {
 }
 
 void LimbInterface::refuse(const std::string& leaf, const std::string& why) {
-  complaints_.tell(robot_names::limb(side_, leaf) + " is ignored: " + why);
+  complaints_.report(robot_names::limb(side_, leaf) + " is ignored: " + why);
 }
 
 void LimbInterface::hand_over(const std::string& leaf, std::function<void(simulate::Simulator&)> work) {

@@ -23,7 +23,7 @@ namespace extperfc {
 /// Subscribes:
 ///   <limb>/joint_command                 baxter_core_msgs/JointCommand, of any of the arm's joints. It ends
 ///   a
-///                                        trajectory that is under way
+///                                        active trajectory
 ///   <limb>/set_speed_ratio               std_msgs/Float64, [0, 1]
 ///   <limb>/joint_command_timeout         std_msgs/Float64 [s], (0, 1]
 ///   <limb>/inverse_dynamics_command      trajectory_msgs/JointTrajectoryPoint: taken as on Baxter, without

@@ -42,22 +42,22 @@ void TrajectoryAction::begin(Goal goal, const simulate::Simulator& simulator) {
   }
   const auto started = motion_.start(
       simulator, convert::from_message(*goal.getGoal()),
-      [this, goal](ArmMotion::Ending ending, const TrajectoryEnd& why) { end(goal, ending, why); });
+      [this, goal](ArmMotion::Status status, const TrajectoryEnd& why) { end(goal, status, why); });
   if (!started) return goal.setRejected(convert::to_message(started.error()), started.error().message);
   goal.setAccepted();
   active_ = goal;
 }
 
-void TrajectoryAction::end(Goal goal, ArmMotion::Ending ending, const TrajectoryEnd& end) {
+void TrajectoryAction::end(Goal goal, ArmMotion::Status status, const TrajectoryEnd& end) {
   if (active_ && *active_ == goal) active_.reset();
   const auto result = convert::to_message(end);
-  switch (ending) {
-    case ArmMotion::Ending::kReached:
+  switch (status) {
+    case ArmMotion::Status::kReached:
       return goal.setSucceeded(result, end.message);
-    case ArmMotion::Ending::kFailed:
+    case ArmMotion::Status::kFailed:
       return goal.setAborted(result, end.message);
-    case ArmMotion::Ending::kStopped:
-    case ArmMotion::Ending::kReplaced:
+    case ArmMotion::Status::kStopped:
+    case ArmMotion::Status::kReplaced:
       return goal.setCanceled(result, end.message);
   }
 }

@@ -34,7 +34,7 @@ class TrajectoryAction {
   void on_goal(const Goal& goal);
   void on_cancel(const Goal& goal);
   void begin(Goal goal, const simulate::Simulator& simulator);
-  void end(Goal goal, ArmMotion::Ending ending, const simulate::TrajectoryEnd& end);
+  void end(Goal goal, ArmMotion::Status status, const simulate::TrajectoryEnd& end);
 
   SimHost& host_;
   ArmMotion& motion_;

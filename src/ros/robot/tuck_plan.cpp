@@ -30,21 +30,21 @@ double distance(const ArmValues& a, const ArmValues& b) {
   return largest;
 }
 
-std::vector<ArmValues> way_of(bool tuck, const ArmValues& from, Side side) {
+std::vector<ArmValues> path_of(bool tuck, const ArmValues& from, Side side) {
   const auto tucked = tucked_pose(side);
   const auto untucked = untucked_pose(side);
   const auto neutral = mirrored({0, -0.55, 0, 0.75, 0, 1.26, 0}, side);
   const bool is_known = distance(from, tucked) < kNear || distance(from, untucked) < kNear;
-  std::vector<ArmValues> way;
-  if (!is_known) way = {neutral, untucked};
-  if (tuck) way.push_back(tucked);
-  if (!tuck && is_known) way.push_back(untucked);
-  return way;
+  std::vector<ArmValues> path;
+  if (!is_known) path = {neutral, untucked};
+  if (tuck) path.push_back(tucked);
+  if (!tuck && is_known) path.push_back(untucked);
+  return path;
 }
 
 /// Of a cubic from rest to rest: its greatest speed is 1.5 d / t, its greatest acceleration 6 d / t^2.
-double duration(double way, const TuckSpeed& speed) {
-  return std::max({kShortestMove, 1.5 * way / speed.velocity_rad_s, std::sqrt(6 * way / speed.accel_rad_s2)});
+double duration(double distance_rad, const TuckSpeed& speed) {
+  return std::max({kShortestMove, 1.5 * distance_rad / speed.velocity_rad_s, std::sqrt(6 * distance_rad / speed.accel_rad_s2)});
 }
 
 simulate::TrajectoryPoint at_rest(double time_s, const ArmValues& pose) {
@@ -63,18 +63,18 @@ ArmValues untucked_pose(Side side) {
 
 std::array<simulate::TrajectoryGoal, 2> plan_tuck(bool tuck, const std::array<ArmValues, 2>& from,
                                                   const TuckSpeed& speed) {
-  std::array ways{way_of(tuck, from[0], Side::kLeft), way_of(tuck, from[1], Side::kRight)};
-  const auto poses = std::max(ways[0].size(), ways[1].size());
+  std::array paths{path_of(tuck, from[0], Side::kLeft), path_of(tuck, from[1], Side::kRight)};
+  const auto poses = std::max(paths[0].size(), paths[1].size());
   for (const Side side : simulate::kSides) {
-    auto& way = ways[static_cast<int>(side)];
-    way.insert(way.begin(), poses - way.size(), from[static_cast<int>(side)]);
+    auto& path = paths[static_cast<int>(side)];
+    path.insert(path.begin(), poses - path.size(), from[static_cast<int>(side)]);
   }
   std::array<simulate::TrajectoryGoal, 2> goals;
   auto at = from;
   double time_s = 0;
   for (std::size_t i = 0; i < poses; ++i) {
-    time_s += duration(std::max(distance(at[0], ways[0][i]), distance(at[1], ways[1][i])), speed);
-    at = {ways[0][i], ways[1][i]};
+    time_s += duration(std::max(distance(at[0], paths[0][i]), distance(at[1], paths[1][i])), speed);
+    at = {paths[0][i], paths[1][i]};
     for (int side = 0; side < 2; ++side) goals[side].points.push_back(at_rest(time_s, at[side]));
   }
   for (const Side side : simulate::kSides)

@@ -17,7 +17,7 @@ struct TuckSpeed {
 };
 
 /// How both arms get from where they are to the tucked or untucked pose without hitting each other or the
-/// body: by way of `untucked`, which keeps them apart in front, and from anywhere else by way of `neutral`
+/// body: through `untucked`, which keeps them apart in front, and from anywhere else through `neutral`
 /// before, which spreads them. Both arms reach each pose together and rest there for an instant; an arm that
 /// needs fewer of them waits. Indexed by Side.
 [[nodiscard]] std::array<simulate::TrajectoryGoal, 2> plan_tuck(

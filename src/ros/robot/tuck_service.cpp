@@ -12,7 +12,7 @@ using simulate::Side;
 /// One call. Of the simulation thread, but for `answer`'s future.
 struct TuckService::Job {
   bool tuck{false};
-  int arms_under_way{0};
+  int moving_arms{0};
   std::string problem;  ///< empty: none
   std::promise<std::string> answer;
 };
@@ -59,25 +59,25 @@ void TuckService::begin(const std::shared_ptr<Job>& job, const simulate::Simulat
   for (const Side side : simulate::kSides) {
     const auto started = motion(side).start(
         simulator, goals[static_cast<int>(side)],
-        [this, job, side](ArmMotion::Ending ending, const auto& end) { arm_done(job, side, ending, end); });
+        [this, job, side](ArmMotion::Status status, const auto& end) { arm_done(job, side, status, end); });
     if (!started) {
       job->problem = started.error().message;
       break;
     }
-    ++job->arms_under_way;
+    ++job->moving_arms;
   }
-  if (job->arms_under_way == 0) return job->answer.set_value(job->problem);
+  if (job->moving_arms == 0) return job->answer.set_value(job->problem);
   if (!job->problem.empty()) motion(Side::kLeft).stop();  // alone it could hit the other arm
 }
 
-void TuckService::arm_done(const std::shared_ptr<Job>& job, Side side, ArmMotion::Ending ending,
+void TuckService::arm_done(const std::shared_ptr<Job>& job, Side side, ArmMotion::Status status,
                            const simulate::TrajectoryEnd& end) {
-  --job->arms_under_way;
-  if (ending != ArmMotion::Ending::kReached && job->problem.empty()) {
+  --job->moving_arms;
+  if (status != ArmMotion::Status::kReached && job->problem.empty()) {
     job->problem = std::string(to_string(side)) + " arm: " + end.message;
-    if (job->arms_under_way > 0) motion(side == Side::kLeft ? Side::kRight : Side::kLeft).stop();
+    if (job->moving_arms > 0) motion(side == Side::kLeft ? Side::kRight : Side::kLeft).stop();
   }
-  if (job->arms_under_way == 0) job->answer.set_value(job->problem);
+  if (job->moving_arms == 0) job->answer.set_value(job->problem);
 }
 
 }  // namespace extperfc

@@ -32,7 +32,7 @@ class TuckService {
   [[nodiscard]] ArmMotion& motion(simulate::Side side) const { return *motions_[static_cast<int>(side)]; }
   bool serve(std_srvs::SetBool::Request& request, std_srvs::SetBool::Response& response);
   void begin(const std::shared_ptr<Job>& job, const simulate::Simulator& simulator);
-  void arm_done(const std::shared_ptr<Job>& job, simulate::Side side, ArmMotion::Ending ending,
+  void arm_done(const std::shared_ptr<Job>& job, simulate::Side side, ArmMotion::Status status,
                 const simulate::TrajectoryEnd& end);
 
   SimHost& host_;

@@ -120,7 +120,7 @@ void BaseInterface::publish_imu(const simulate::ImuSample& sample, const ros::Ti
 }
 
 void BaseInterface::report(diagnostic_updater::DiagnosticStatusWrapper& status) const {
-  status.summary(diagnostic_msgs::DiagnosticStatus::OK, blocked_ ? "something is in the way" : "free");
+  status.summary(diagnostic_msgs::DiagnosticStatus::OK, blocked_ ? "blocked by an obstacle" : "free");
   status.add("cmd_vel received", commands_.load());
   status.add("cmd_vel refused", refused_.load());
 }

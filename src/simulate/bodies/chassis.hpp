@@ -9,7 +9,7 @@
 
 namespace extperfc::simulate {
 
-/// The links that hang on the robot's root by fixed joints, and its wheels: pushes loose bodies, and tells
+/// The links that hang on the robot's root by fixed joints, and its wheels: pushes loose bodies, and reports
 /// where it would hit something that it cannot push.
 class Chassis {
  public:

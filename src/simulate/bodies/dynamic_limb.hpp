@@ -17,7 +17,7 @@
 namespace extperfc::simulate {
 
 /// One tree of links on the robot's root: an arm with its gripper, or the head. Limbs are multibodies
-/// (Featherstone) of their own, as a root that goes where it is told takes no forces from one to another;
+/// (Featherstone) of their own, as a root that follows commanded poses takes no forces from one to another;
 /// that makes each row of the constraint solver half as long as one multibody for the whole robot would.
 class DynamicLimb {
  public:
@@ -42,7 +42,7 @@ class DynamicLimb {
   void drive(int link, const Joint& joint, const JointTarget& target, double speed_limit);
   /// Before a step: a force on a link [N], at a point in the world.
   void push(int link, const btVector3& force_n, const btVector3& world_point);
-  /// Before a step: the root's velocity on the way to where it will be.
+  /// Before a step: the root's velocity towards its commanded pose.
   void aim_root(const Pose& world_T_root);
   /// After the step: the root is exactly there.
   void arrive_root();

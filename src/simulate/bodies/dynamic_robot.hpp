@@ -11,7 +11,7 @@
 
 namespace extperfc::simulate {
 
-/// A robot with a motor per joint and limited efforts. Its root goes where it is told.
+/// A robot with a motor per joint and limited efforts. Its root follows commanded poses.
 class DynamicRobot : public RobotBody {
  public:
   [[nodiscard]] static Result<std::unique_ptr<RobotBody>> make(PhysicsWorld& world, Scenery& scenery,

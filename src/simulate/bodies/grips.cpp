@@ -16,7 +16,7 @@ constexpr double kForgetS = 0.05;
 constexpr double kSettleS = 0.08;
 /// A held body that is farther from its place in the hand than this was lost [m].
 constexpr double kLost = 0.03;
-/// Fraction of a contact's normal that must point along the finger's way.
+/// Fraction of a contact's normal that must point along the finger's motion.
 constexpr double kFacing = 0.7;
 
 }  // namespace
@@ -111,22 +111,22 @@ void Grips::update_touched(int gripper) {
 bool Grips::shall_go(double direction, int gripper, double from_m, double by_m) const {
   const GripperFingers& fingers = plan_->grippers[gripper];
   const JointTarget& target = robot_->target(fingers.joint);
-  const double way = fingers.closing * direction;
+  const double closing = fingers.closing * direction;
   switch (params_.dynamic ? target.drive : Drive::kPosition) {
     case Drive::kVelocity:
-      return way * target.velocity > 0;
+      return closing * target.velocity > 0;
     case Drive::kEffort:
-      return way * target.effort > 0;
+      return closing * target.effort > 0;
     case Drive::kPosition:
       break;
   }
-  return way * (target.position - from_m) > by_m;
+  return closing * (target.position - from_m) > by_m;
 }
 
 bool Grips::closes(int gripper) const {
   const GripperFingers& fingers = plan_->grippers[gripper];
   constexpr double kCloses = 1e-4;  // [m]
-  // Without motors a finger is where it is told to be: the way that it came counts, too.
+  // Without motors a finger is at its set point: the distance that it moved counts, too.
   const bool came_closing = !params_.dynamic && fingers.closing * robot_->velocities()[fingers.joint] > 0;
   return came_closing || shall_go(1, gripper, robot_->positions()[fingers.joint], kCloses);
 }
@@ -139,9 +139,9 @@ void Grips::update_held(int gripper) {
   Grip& grip = grips_[gripper];
   constexpr double kOpens = 5e-4;  // [m]
   if (grip.held) {
-    const double way =
+    const double moved_m =
         (hand_T_body(gripper, *grip.touched).translation() - grip.hand_T_body.translation()).norm();
-    if (shall_go(-1, gripper, grip.finger_position, kOpens) || way > kLost) {
+    if (shall_go(-1, gripper, grip.finger_position, kOpens) || moved_m > kLost) {
       robot_->release(gripper);
       grip = Grip{};
     }

@@ -6,7 +6,7 @@
 namespace extperfc::simulate {
 namespace {
 
-/// Fraction of the way back that a joint beyond its end takes in one step.
+/// Fraction of the distance back that a joint beyond its end takes in one step.
 constexpr double kReturn = 0.2;
 
 }  // namespace
@@ -36,7 +36,7 @@ int JointStop::getIslandIdA() const {
 void JointStop::createConstraintRows(btMultiBodyConstraintArray& rows, btMultiBodyJacobianData& data,
                                      const btContactSolverInfo& info) {
   const double position = m_bodyA->getJointPos(m_linkA);
-  const double left[2] = {position - lower_, upper_ - position};  // of the way to each end
+  const double left[2] = {position - lower_, upper_ - position};  // distance to each end
   for (int end = 0; end < 2; ++end) {
     if (left[end] > nearby_) continue;
     btMultiBodySolverConstraint& row = rows.expandNonInitializing();

@@ -27,12 +27,12 @@ KinematicBody::~KinematicBody() {
 void KinematicBody::aim(const Pose& world_T_body) {
   end_ = to_bullet(world_T_body);
   const btTransform& start = body_->getWorldTransform();
-  const btVector3 way = end_.getOrigin() - start.getOrigin();
-  // Bullet takes the velocity of a kinematic body from the way that it came. Contacts are found where the
-  // step starts, so the way that it goes is what counts: the start is mirrored.
+  const btVector3 motion = end_.getOrigin() - start.getOrigin();
+  // Bullet takes the velocity of a kinematic body from its previous motion. Contacts are found where the
+  // step starts, so its next motion counts: the start is mirrored.
   const btMatrix3x3 rotation = end_.getBasis() * start.getBasis().transpose();
   body_->setInterpolationWorldTransform(
-      btTransform(rotation.transpose() * start.getBasis(), start.getOrigin() - way));
+      btTransform(rotation.transpose() * start.getBasis(), start.getOrigin() - motion));
 }
 
 void KinematicBody::arrive() {

@@ -7,7 +7,7 @@
 
 namespace extperfc::simulate {
 
-/// A body that goes where it is told and pushes loose ones with the velocity that it has on the way.
+/// A body that follows commanded poses and pushes loose ones with its velocity.
 class KinematicBody {
  public:
   KinematicBody(PhysicsWorld& world, CollisionShape shape, const Pose& world_T_body, ObjectKind kind,

@@ -12,8 +12,8 @@
 
 namespace extperfc::simulate {
 
-/// A robot whose joints are where they are told. Its links push loose bodies; what a gripper holds is carried
-/// along, and stays behind only where something fixed is in the way.
+/// A robot whose joints follow their set points. Its links push loose bodies; what a gripper holds is carried
+/// along, and stays behind only where something fixed blocks it.
 class KinematicRobot : public RobotBody {
  public:
   [[nodiscard]] static Result<std::unique_ptr<RobotBody>> make(PhysicsWorld& world, Scenery& scenery,

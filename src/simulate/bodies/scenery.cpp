@@ -149,8 +149,8 @@ void Scenery::before_step() {
   constexpr double kJump = 5.0;  // [m/s]; what is faster was put elsewhere
   for (int i = 0; i < people(); ++i) {
     const Pose now = from_bullet(people_[i]->bullet().getWorldTransform());
-    const double way = (person_goals_[i].translation() - now.translation()).norm();
-    if (way > kJump * world_->step_s()) people_[i]->place(person_goals_[i]);
+    const double distance_m = (person_goals_[i].translation() - now.translation()).norm();
+    if (distance_m > kJump * world_->step_s()) people_[i]->place(person_goals_[i]);
     people_[i]->aim(person_goals_[i]);
   }
 }

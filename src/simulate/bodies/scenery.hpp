@@ -28,7 +28,7 @@ class Scenery {
   [[nodiscard]] btRigidBody& bullet(int body) { return *objects_[body].body; }
   /// Puts the body there, at rest, and wakes everything loose. Not for fixed bodies.
   void place(int body, const Pose& world_T_body);
-  /// Gives a loose body the velocity that brings it there in one step, if nothing is in the way.
+  /// Gives a loose body the velocity that brings it there in one step, if nothing blocks it.
   void drive(int body, const Pose& world_T_body);
   [[nodiscard]] Mobility mobility(int body) const { return objects_[body].mobility; }
   [[nodiscard]] int size() const { return static_cast<int>(objects_.size()); }

@@ -33,7 +33,7 @@ class MobileBase {
   MobileBase(const BaseParams& params, const Pose2& start, std::uint64_t seed);
 
   void command(const Twist2& velocity, double now_s);
-  /// One step. `collides(pose)` tells whether the base cannot stand there; it then stays and its wheels go on
+  /// One step. `collides(pose)` returns whether the base cannot stand there; it then stays and its wheels go on
   /// turning.
   void step(double now_s, double step_s, const std::function<bool(const Pose2&)>& collides);
   /// Elsewhere, at rest; odometry stays.

@@ -22,11 +22,11 @@ Pedestrian::Pedestrian(const PersonSpec& person) : corners_(person.path_m), spee
 
 Pose2 Pedestrian::at(double along_m) const {
   for (std::size_t i = 1; i < corners_.size(); ++i) {
-    const Eigen::Vector2d way = corners_[i] - corners_[i - 1];
-    const double length = way.norm();
+    const Eigen::Vector2d segment = corners_[i] - corners_[i - 1];
+    const double length = segment.norm();
     if (along_m <= length && length > 0) {
-      const Eigen::Vector2d here = corners_[i - 1] + way * (along_m / length);
-      return {here.x(), here.y(), std::atan2(way.y(), way.x())};
+      const Eigen::Vector2d here = corners_[i - 1] + segment * (along_m / length);
+      return {here.x(), here.y(), std::atan2(segment.y(), segment.x())};
     }
     along_m -= length;
   }

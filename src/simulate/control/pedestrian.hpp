@@ -7,7 +7,7 @@
 
 namespace extperfc::simulate {
 
-/// A person on the way along a path: at constant speed, turned to where it goes, and waiting while the way is
+/// A person who walks along a path at constant speed, faces forward, and waits while the path is
 /// not free.
 class Pedestrian {
  public:
@@ -22,7 +22,7 @@ class Pedestrian {
   void rotate_towards(double heading, double step_s);
   [[nodiscard]] Pose2 at(double along_m) const;
 
-  std::vector<Eigen::Vector2d> corners_;  // the way, there and back when it is open
+  std::vector<Eigen::Vector2d> corners_;  // of the path, there and back when it is open
   double length_m_{0};
   double speed_m_s_;
   double along_m_{0};

@@ -30,7 +30,7 @@ struct Bounds {
   }
 };
 
-/// A ray with what its way through boxes needs.
+/// A ray with what its traversal of boxes needs.
 struct BvhRay {
   Eigen::Array3f origin, direction, inverse;
   float near;

@@ -11,7 +11,7 @@ struct NoiseKey {
   std::uint32_t b{0};
 };
 
-/// Key of one stream of noise. `stream` tells apart what one sensor draws at one time.
+/// Key of one stream of noise. `stream` separates what one sensor draws at one time.
 [[nodiscard]] NoiseKey noise_key(std::uint64_t seed, std::uint32_t sensor, double time_s,
                                  std::uint32_t stream);
 

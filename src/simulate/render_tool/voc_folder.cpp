@@ -77,7 +77,7 @@ Result<void> check_free(const Options& options) {
   if (file_text(options.out / "render.txt") == fingerprint(options)) return {};
   return fail(ErrorCode::kInvalidArgument, options.out.string() +
                                                " was made with other settings than these (its render.txt"
-                                               " tells which): give the same ones, or a new folder");
+                                               " lists them): give the same ones, or a new folder");
 }
 
 Result<void> make_folders(const Options& options) {

@@ -19,12 +19,12 @@ Coefficients cubic(const JointKnot& from, const JointKnot& to) {
   const double t = to.time_s - from.time_s;
   const Eigen::VectorXd& v0 = *from.velocity;
   const Eigen::VectorXd& v1 = *to.velocity;
-  const Eigen::VectorXd way = to.position - from.position;
+  const Eigen::VectorXd delta = to.position - from.position;
   Coefficients c = Coefficients::Zero(from.position.size(), 6);
   c.col(0) = from.position;
   c.col(1) = v0;
-  c.col(2) = (3 * way - (2 * v0 + v1) * t) / (t * t);
-  c.col(3) = (-2 * way + (v0 + v1) * t) / (t * t * t);
+  c.col(2) = (3 * delta - (2 * v0 + v1) * t) / (t * t);
+  c.col(3) = (-2 * delta + (v0 + v1) * t) / (t * t * t);
   return c;
 }
 
@@ -33,16 +33,16 @@ Coefficients cubic(const JointKnot& from, const JointKnot& to) {
 Coefficients quintic(const JointKnot& from, const JointKnot& to) {
   const double t = to.time_s - from.time_s;
   const Eigen::VectorXd& a0 = *from.acceleration;
-  const Eigen::VectorXd way = to.position - from.position - *from.velocity * t - 0.5 * a0 * t * t;
+  const Eigen::VectorXd delta = to.position - from.position - *from.velocity * t - 0.5 * a0 * t * t;
   const Eigen::VectorXd speed = (*to.velocity - *from.velocity - a0 * t) * t;
   const Eigen::VectorXd bend = (*to.acceleration - a0) * t * t;
   Coefficients c(from.position.size(), 6);
   c.col(0) = from.position;
   c.col(1) = *from.velocity;
   c.col(2) = 0.5 * a0;
-  c.col(3) = (10 * way - 4 * speed + 0.5 * bend) / (t * t * t);
-  c.col(4) = (-15 * way + 7 * speed - bend) / (t * t * t * t);
-  c.col(5) = (6 * way - 3 * speed + 0.5 * bend) / (t * t * t * t * t);
+  c.col(3) = (10 * delta - 4 * speed + 0.5 * bend) / (t * t * t);
+  c.col(4) = (-15 * delta + 7 * speed - bend) / (t * t * t * t);
+  c.col(5) = (6 * delta - 3 * speed + 0.5 * bend) / (t * t * t * t * t);
   return c;
 }
 

@@ -27,7 +27,7 @@ JointMotion braked(const JointMotion& from, double elapsed_s, double deceleratio
   return motion;
 }
 
-/// Where the way begins, told as the first of `knots` is: without its velocities the first part stays
+/// Where the trajectory begins, in the form of the first of `knots`: without its velocities the first part stays
 /// straight.
 JointKnot knot_before(const JointKnot& next, double time_s, const JointMotion& motion) {
   JointKnot knot{time_s, motion.position, std::nullopt, std::nullopt};
@@ -63,7 +63,7 @@ TrajectoryResult<void> TrajectoryFollower::start(const TrajectoryGoal& goal, dou
         begin_s > now_s ? braked(from, begin_s - now_s, params_.stop_deceleration_rad_s2) : from;
     knots.insert(knots.begin(), knot_before(knots.front(), begin_s, motion));
   }
-  way_ = JointSpline(knots);
+  spline_ = JointSpline(knots);
   start_s_ = begin_s;
   goal_time_s_ = checked->goal_time_s;
   path_bounds_ = std::move(checked->path_bounds);
@@ -99,9 +99,9 @@ std::optional<TrajectoryEnd> TrajectoryFollower::update(double now_s, const Join
     return std::nullopt;
   }
   if (now_s < start_s_) return std::nullopt;
-  const bool on_the_way = !begun_ || now_s <= way_.end_s();
+  const bool before_end = !begun_ || now_s <= spline_.end_s();
   begun_ = true;
-  auto end = on_the_way ? judge_path(now_s) : judge_goal(now_s);
+  auto end = before_end ? judge_path(now_s) : judge_goal(now_s);
   if (!end) return std::nullopt;
   if (end->code == TrajectoryCode::kSuccessful) {
     drop();
@@ -113,7 +113,7 @@ std::optional<TrajectoryEnd> TrajectoryFollower::update(double now_s, const Join
 }
 
 JointMotion TrajectoryFollower::desired(double time_s) const {
-  if (phase_ == Phase::kFollowing && time_s >= start_s_) return way_.sample(time_s);
+  if (phase_ == Phase::kFollowing && time_s >= start_s_) return spline_.sample(time_s);
   return braked(brake_, time_s - brake_start_s_, params_.stop_deceleration_rad_s2);
 }
 
@@ -142,9 +142,9 @@ std::optional<TrajectoryEnd> TrajectoryFollower::judge_path(double now_s) const 
 }
 
 std::optional<TrajectoryEnd> TrajectoryFollower::judge_goal(double now_s) const {
-  const auto violation = first_violation(way_.sample(way_.end_s()), goal_bounds_);
+  const auto violation = first_violation(spline_.sample(spline_.end_s()), goal_bounds_);
   if (violation.empty()) return TrajectoryEnd{TrajectoryCode::kSuccessful, ""};
-  if (now_s <= way_.end_s() + goal_time_s_) return std::nullopt;
+  if (now_s <= spline_.end_s() + goal_time_s_) return std::nullopt;
   return TrajectoryEnd{TrajectoryCode::kGoalToleranceViolated,
                        violation + " " + to_text(goal_time_s_) + " s after the last point's time"};
 }
@@ -155,16 +155,16 @@ std::string TrajectoryFollower::first_violation(const JointMotion& wanted, const
     const auto exceeds = [&](const auto& want, const auto& have, const auto& bound) {
       return std::abs(want[index] - have[index]) > bound[index];
     };
-    const auto tell = [&](const char* what, const auto& want, const auto& have, const auto& bound,
+    const auto describe = [&](const char* what, const auto& want, const auto& have, const auto& bound,
                           const char* unit) {
       return text_of(joints_[i], what, want[index] - have[index], bound[index], unit);
     };
     if (exceeds(wanted.position, measured_.position, bounds.position))
-      return tell("position", wanted.position, measured_.position, bounds.position, "rad");
+      return describe("position", wanted.position, measured_.position, bounds.position, "rad");
     if (exceeds(wanted.velocity, measured_.velocity, bounds.velocity))
-      return tell("velocity", wanted.velocity, measured_.velocity, bounds.velocity, "rad/s");
+      return describe("velocity", wanted.velocity, measured_.velocity, bounds.velocity, "rad/s");
     if (exceeds(wanted.acceleration, measured_.acceleration, bounds.acceleration))
-      return tell("acceleration", wanted.acceleration, measured_.acceleration, bounds.acceleration,
+      return describe("acceleration", wanted.acceleration, measured_.acceleration, bounds.acceleration,
                   "rad/s^2");
   }
   return "";

@@ -23,7 +23,7 @@ struct PlacedObject {
   bool bounded{true};  ///< must lie within the floor plan
 };
 
-/// Turns the `objects` of a world into bodies: config/worlds/README.md tells what each kind means.
+/// Turns the `objects` of a world into bodies: config/worlds/README.md describes each kind.
 class ObjectReader {
  public:
   /// The corners of the floor plan are the default size of floors and ceilings.

@@ -22,7 +22,7 @@ struct Outline {
   Polygon polygon;
 };
 
-/// Outlines of fixed shapes that are in the way of something as tall as a person.
+/// Outlines of fixed shapes that are obstacles for something as tall as a person.
 std::vector<Outline> obstacles(const std::vector<PlacedObject>& objects) {
   std::vector<Outline> list;
   for (const PlacedObject& object : objects) {
@@ -80,13 +80,13 @@ void check_robot(const WorldSpec& world, const std::vector<Outline>& fixed, cons
   if (!within(world, at))
     problems.add(origin.line, origin.key_path,
                  "the robot starts outside the floor plan: move it or widen floor_plan");
-  if (const Outline* in_the_way = near(fixed, at, kRobotRadius))
+  if (const Outline* obstacle = near(fixed, at, kRobotRadius))
     problems.add(origin.line, origin.key_path,
-                 "the robot starts inside or too near to \"" + in_the_way->object->body.name +
+                 "the robot starts inside or too near to \"" + obstacle->object->body.name +
                      "\" (its base needs 0.42 m around it): move one of them");
 }
 
-/// The first point of a path that is in a fixed object or outside; points along the way included.
+/// The first point of a path that is in a fixed object or outside; points between included.
 void check_path(const WorldSpec& world, const std::vector<Outline>& fixed, const PersonSpec& person,
                 const Origin& origin, Problems& problems) {
   const std::size_t count = person.path_m.size();
@@ -95,11 +95,11 @@ void check_path(const WorldSpec& world, const std::vector<Outline>& fixed, const
       return problems.add(origin.line, origin.key_path,
                           "point " + text_of(person.path_m[i]) + " is outside the floor plan: move it");
     if (i + 1 == count && !person.closed && count > 1) return;
-    const Eigen::Vector2d way = person.path_m[(i + 1) % count] - person.path_m[i];
-    const int steps = static_cast<int>(std::ceil(way.norm() / kStride));
+    const Eigen::Vector2d segment = person.path_m[(i + 1) % count] - person.path_m[i];
+    const int steps = static_cast<int>(std::ceil(segment.norm() / kStride));
     for (int step = 0; step <= steps; ++step) {
       const Eigen::Vector2d point =
-          person.path_m[i] + way * (steps == 0 ? 0.0 : static_cast<double>(step) / steps);
+          person.path_m[i] + segment * (steps == 0 ? 0.0 : static_cast<double>(step) / steps);
       if (const Outline* hit = near(fixed, point, kPersonRadius))
         return problems.add(origin.line, origin.key_path,
                             "\"" + person.name + "\" walks into \"" + hit->object->body.name + "\" near " +

@@ -104,7 +104,7 @@ class YamlMap {
 /// The content of a node for a message, shortened.
 [[nodiscard]] std::string shown(const YAML::Node& node);
 
-/// A finite number written in the "C" way, whatever the locale.
+/// A finite number written as in the "C" locale, whatever the locale.
 [[nodiscard]] std::optional<double> as_number(const YAML::Node& node);
 
 }  // namespace extperfc::simulate::worlds

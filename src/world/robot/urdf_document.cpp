@@ -80,7 +80,7 @@ Result<urdf::ModelInterfaceSharedPtr> parse_urdf(const std::string& xml) {
   if (model && complaints.text().empty()) return without_ownership_loops(std::move(model));
   const std::string& reason = thrown.empty() ? complaints.text() : thrown;
   return fail(ErrorCode::kCorrupt, "not a valid URDF: " + (reason.empty() ? "no <robot> element" : reason) +
-                                       " (check_urdf tells more)");
+                                       " (check_urdf shows details)");
 }
 
 }  // namespace extperfc

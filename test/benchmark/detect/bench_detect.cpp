@@ -1,4 +1,4 @@
-// The cost of an image on its way through the nodelets, against inference alone. Run with --help.
+// The cost of an image through the nodelets, against inference alone. Run with --help.
 
 #include <algorithm>
 #include <cstdio>

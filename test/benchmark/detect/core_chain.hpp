@@ -37,7 +37,7 @@ class CostWatch {
   double cpu_start_s_{process_cpu_seconds()};
 };
 
-/// The parts of one image's way.
+/// The processing steps of one image.
 struct ChainCosts {
   Cost prepare;  ///< wrapping the message, resizing, normalising
   Cost inference;

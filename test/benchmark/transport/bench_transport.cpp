@@ -27,7 +27,7 @@ namespace {
 
 constexpr char kHelp[] =
     "bench_transport [--pairs N] [--json FILE]; needs a ROS master, which tools/bench starts\n"
-    "  --pairs N    through each of the three ways (300)\n"
+    "  --pairs N    through each of the three transports (300)\n"
     "  --json FILE  write the results\n";
 
 constexpr char kExplanation[] =
@@ -52,10 +52,10 @@ struct Samples {
   int same_address{0};
 };
 
-/// The three ways from a camera to its user.
-class Ways {
+/// The three transports from a camera to its user.
+class Transports {
  public:
-  Ways() : ns_(ros::this_node::getName()) {}
+  Transports() : ns_(ros::this_node::getName()) {}
 
   [[nodiscard]] Result<void> start() {
     if (auto started = process_.start(ns_ + "/tcp"); !started) return started;
@@ -69,8 +69,8 @@ class Ways {
   }
 
   [[nodiscard]] Result<void> one_of_each() {
-    for (const auto way : {&Ways::by_pointer, &Ways::by_reference, &Ways::by_process})
-      if (auto done = (this->*way)(); !done) return done;
+    for (const auto transport : {&Transports::by_pointer, &Transports::by_reference, &Transports::by_process})
+      if (auto done = (this->*transport)(); !done) return done;
     return {};
   }
 
@@ -87,7 +87,7 @@ class Ways {
   Result<void> wait_for_process() {
     const Stopwatch watch;
     while (watch.seconds() < kDeadlineS) {
-      if (auto told = process_.publish(); !told) return told;
+      if (auto published = process_.publish(); !published) return published;
       if (process_receiver_.wait(0.1)) return {};
     }
     return fail(ErrorCode::kFailed, "nothing comes from the other process");
@@ -141,39 +141,39 @@ class Ways {
   PublisherProcess process_;
 };
 
-void add_rows(const char* metric, std::vector<double> Samples::*values, double fraction, Ways& ways,
+void add_rows(const char* metric, std::vector<double> Samples::*values, double fraction, Transports& transports,
               std::vector<Row>& rows) {
   const auto of = [&](Samples& samples) { return percentile(samples.*values, fraction); };
-  const double ours = of(ways.pointer);
-  for (Samples* peer : {&ways.reference, &ways.process}) {
+  const double ours = of(transports.pointer);
+  for (Samples* peer : {&transports.reference, &transports.process}) {
     rows.push_back({"pointer", metric, "us", ours, of(*peer), peer->name});
     rows.push_back({"pointer", std::string(metric) + ": gain over " + peer->name, "x", of(*peer) / ours});
   }
 }
 
-std::vector<Row> rows_of(Ways& ways) {
+std::vector<Row> rows_of(Transports& transports) {
   std::vector<Row> rows;
-  add_rows("latency, median", &Samples::latency_us, 0.5, ways, rows);
-  add_rows("latency, p95", &Samples::latency_us, 0.95, ways, rows);
-  add_rows("CPU per pair, median", &Samples::cpu_us, 0.5, ways, rows);
+  add_rows("latency, median", &Samples::latency_us, 0.5, transports, rows);
+  add_rows("latency, p95", &Samples::latency_us, 0.95, transports, rows);
+  add_rows("CPU per pair, median", &Samples::cpu_us, 0.5, transports, rows);
   const auto percent_same = [](const Samples& samples) {
     return 100.0 * samples.same_address / static_cast<double>(samples.latency_us.size());
   };
-  rows.push_back(at_least({"pointer", "pairs at the same address", "%", percent_same(ways.pointer),
-                           percent_same(ways.reference), ways.reference.name},
+  rows.push_back(at_least({"pointer", "pairs at the same address", "%", percent_same(transports.pointer),
+                           percent_same(transports.reference), transports.reference.name},
                           100.0));
   return rows;
 }
 
 Result<std::vector<Row>> measure(const Options& options) {
-  Ways ways;
-  if (auto started = ways.start(); !started) return tl::unexpected(started.error());
+  Transports transports;
+  if (auto started = transports.start(); !started) return tl::unexpected(started.error());
   for (int i = 0; i < kWarmUps; ++i)
-    if (auto done = ways.one_of_each(); !done) return tl::unexpected(done.error());
-  ways.forget();
+    if (auto done = transports.one_of_each(); !done) return tl::unexpected(done.error());
+  transports.forget();
   for (int i = 0; i < options.pairs; ++i)
-    if (auto done = ways.one_of_each(); !done) return tl::unexpected(done.error());
-  return rows_of(ways);
+    if (auto done = transports.one_of_each(); !done) return tl::unexpected(done.error());
+  return rows_of(transports);
 }
 
 std::optional<Options> parse(int argc, char** argv) {
@@ -202,7 +202,7 @@ int run(const Options& options) {
   const Stopwatch watch;
   const auto rows = measure(options);
   if (!rows) return complain(rows.error().message);
-  std::printf("%s\n%d pairs of 640 x 480 (rgb8, 16UC1) each way\n%s\n", machine_description().c_str(),
+  std::printf("%s\n%d pairs of 640 x 480 (rgb8, 16UC1) in each direction\n%s\n", machine_description().c_str(),
               options.pairs, kExplanation);
   std::fflush(stdout);
   print_table(std::cout, *rows);

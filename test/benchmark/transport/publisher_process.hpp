@@ -9,7 +9,7 @@
 
 namespace extperfc::benchmark {
 
-/// Another process of this program that publishes one pair on `ns` whenever it is told to.
+/// Another process of this program that publishes one pair on `ns` on request.
 class PublisherProcess {
  public:
   [[nodiscard]] Result<void> start(const std::string& ns);

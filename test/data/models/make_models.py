@@ -1,5 +1,5 @@
 #!/usr/bin/python3
-"""Writes the tiny networks that the unit tests of the detect room load. Needs PyTorch 1.13 (python3-torch).
+"""Writes the tiny networks that the unit tests of the detect module load. Needs PyTorch 1.13 (python3-torch).
 
 They find nothing: their weights are random with a fixed seed. What matters is that their outputs have the shapes of
 real detectors and depend on every input pixel, so that two back ends can be compared.

@@ -11,23 +11,23 @@ namespace {
 
 using std::chrono::milliseconds;
 
-TEST(Complaints, TheFirstIsToldAtOnceAndOnePerSecondAfterwards) {
+TEST(Complaints, TheFirstIsReportedAtOnceAndOnePerSecondAfterwards) {
   std::vector<std::string> lines;
   Complaints complaints([&](const std::string& line) { lines.push_back(line); });
   const auto begin = Complaints::Clock::time_point{};
-  for (int i = 0; i < 250; ++i) complaints.tell("wrong", begin + milliseconds(10 * i));
+  for (int i = 0; i < 250; ++i) complaints.report("wrong", begin + milliseconds(10 * i));
   ASSERT_EQ(lines.size(), 3U);
   EXPECT_EQ(lines[0], "wrong");
   EXPECT_EQ(lines[1], "wrong (and 99 like it)");
   EXPECT_EQ(lines[2], "wrong (and 99 like it)");
 }
 
-TEST(Complaints, RareOnesAreAllTold) {
+TEST(Complaints, RareOnesAreAllReported) {
   std::vector<std::string> lines;
   Complaints complaints([&](const std::string& line) { lines.push_back(line); });
   const auto begin = Complaints::Clock::time_point{};
-  complaints.tell("one", begin);
-  complaints.tell("two", begin + milliseconds(1000));
+  complaints.report("one", begin);
+  complaints.report("two", begin + milliseconds(1000));
   EXPECT_EQ(lines, (std::vector<std::string>{"one", "two"}));
 }
 

@@ -194,7 +194,7 @@ TEST_F(RobotTest, AWrongHeadCommandIsIgnored) {
   EXPECT_NEAR(simulator_.head_state().pan, -0.5, 0.02);
 }
 
-TEST_F(RobotTest, TheHeadNodsWhenItIsTold) {
+TEST_F(RobotTest, TheHeadNodsOnCommand) {
   auto nod = handle_.advertise<std_msgs::Bool>("robot/head/command_head_nod", 10);
   Inbox<baxter_core_msgs::HeadState> states("robot/head/head_state");
   send_in_vain(nod, make_bool(false));

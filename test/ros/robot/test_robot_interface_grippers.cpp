@@ -85,7 +85,7 @@ TEST_F(GrippersTest, PropertiesCanBeReplaced) {
   EXPECT_EQ(late.all().back()->product, "a hook") << "latched";
 }
 
-TEST_F(GrippersTest, GoesWhereItIsTold) {
+TEST_F(GrippersTest, FollowsPositionCommands) {
   calibrate();
   send(left_, command(EndEffectorCommand::CMD_GO, R"({"position": 40.0})"));
   host_.advance(0.05);
@@ -127,7 +127,7 @@ TEST_F(GrippersTest, StateEchoesTheLastCommandThatWasTaken) {
   EXPECT_NEAR(state->timestamp.toSec(), host_.stamp().toSec(), 0.03);
 }
 
-TEST_F(GrippersTest, StateTellsOfADisabledRobot) {
+TEST_F(GrippersTest, StateReportsADisabledRobot) {
   Inbox<EndEffectorState> states("robot/end_effector/left_gripper/state");
   simulator_.enable(false);
   EXPECT_EQ(next(states)->enabled, EndEffectorState::STATE_FALSE);

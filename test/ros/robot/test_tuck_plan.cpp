@@ -1,4 +1,4 @@
-// The ways to the tucked and the untucked pose.
+// The paths to the tucked and the untucked pose.
 #include <cmath>
 
 #include <gtest/gtest.h>
@@ -65,13 +65,13 @@ TEST(TuckPlan, TheArmWithTheShorterWayWaits) {
 TEST(TuckPlan, KeepsTheSpeed) {
   const TuckSpeed speed{0.6, 1.5};
   const auto goals = plan_tuck(true, both(untucked_pose), speed);
-  const double way = 3.0 + 1.19;  // of e0
-  EXPECT_NEAR(1.5 * way / goals[0].points[0].time_s, speed.velocity_rad_s, 1e-9);
+  const double distance_rad = 3.0 + 1.19;  // of e0
+  EXPECT_NEAR(1.5 * distance_rad / goals[0].points[0].time_s, speed.velocity_rad_s, 1e-9);
   auto near = both(tucked_pose);
   near[0][0] += 0.1;
   const double time_s = plan_tuck(true, near, speed)[0].points[0].time_s;
   EXPECT_NEAR(6 * 0.1 / (time_s * time_s), speed.accel_rad_s2, 1e-9)
-      << "a short way is bound by acceleration";
+      << "a short motion is bound by acceleration";
 }
 
 }  // namespace

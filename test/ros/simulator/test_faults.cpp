@@ -162,7 +162,7 @@ TEST_F(Faults, TheClockJumps) {
   EXPECT_NEAR(step(24).toSec(), 1.1, 1e-6) << "never before the start";
 }
 
-TEST_F(Faults, WhatIsActiveIsTold) {
+TEST_F(Faults, ActiveFaultsAreReported) {
   load(small_simulation());
   set_fault("camera_drop", "", 0.25);
   const auto response = set_fault("lidar_rings", "1", 1, 2.0);

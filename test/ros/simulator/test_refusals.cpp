@@ -46,12 +46,12 @@ TEST_F(Refusals, AGroupMustBeAGroup) {
   EXPECT_TRUE(log_.wait("/simulator/camera must be a group of parameters")) << log_.text();
 }
 
-TEST_F(Refusals, AnUnknownWorldIsToldWithThoseThatThereAre) {
+TEST_F(Refusals, AnUnknownWorldIsReportedWithTheKnownOnes) {
   expect_refusal({{"world", std::string("atlantis")}},
                  {"there is no world 'atlantis'", "lab", "office", "random_floor"});
 }
 
-TEST_F(Refusals, ABrokenWorldIsToldWithItsLine) {
+TEST_F(Refusals, ABrokenWorldIsReportedWithItsLine) {
   const TemporaryFolder folder;
   const auto file = folder.path() / "broken.yaml";
   std::ofstream(file) << "name: broken\nobjects:\n  - dragon: {at: [0, 0]}\n";

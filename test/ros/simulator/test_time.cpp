@@ -111,7 +111,7 @@ struct Hashes {
 
 class Determinism : public SimulatorTest {
  protected:
-  /// Drives in a circle for a second and hashes everything that was seen on the way.
+  /// Drives in a circle for a second and hashes everything that was received.
   Hashes drive() {
     forget();
     geometry_msgs::Twist twist;

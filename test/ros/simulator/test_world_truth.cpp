@@ -96,7 +96,7 @@ TEST_F(WorldMarkersTest, EveryShapeHasAMarkerWithANumberOfItsOwn) {
   EXPECT_EQ(array.markers[2].scale.x, 0.4);
 }
 
-TEST_F(WorldMarkersTest, OnlyWhatMovedIsTold) {
+TEST_F(WorldMarkersTest, OnlyMovedObjectsArePublished) {
   WorldMarkers markers(world_);
   EXPECT_TRUE(markers.moved(snapshot_, ros::Time(1.0)).markers.empty());
   snapshot_.world_T_body[1].translation().x() = 0.5;
@@ -104,19 +104,19 @@ TEST_F(WorldMarkersTest, OnlyWhatMovedIsTold) {
   ASSERT_EQ(moved.markers.size(), 2U);
   EXPECT_EQ(moved.markers[0].ns, "cone");
   EXPECT_EQ(moved.markers[0].pose.position.x, 0.5);
-  EXPECT_TRUE(markers.moved(snapshot_, ros::Time(3.0)).markers.empty()) << "told already";
+  EXPECT_TRUE(markers.moved(snapshot_, ros::Time(3.0)).markers.empty()) << "published already";
   snapshot_.world_T_person[0].yaw = 0.5;
   EXPECT_EQ(markers.moved(snapshot_, ros::Time(4.0)).markers.size(), 4U);
 }
 
-TEST_F(WorldMarkersTest, WhatCreepsIsToldWhenItHasComeFarEnough) {
+TEST_F(WorldMarkersTest, SlowMotionIsPublishedWhenItIsLargeEnough) {
   WorldMarkers markers(world_);
-  std::size_t told = 0;
+  std::size_t published = 0;
   for (int i = 0; i < 10; ++i) {
     snapshot_.world_T_body[0].translation().x() += 0.0004;
-    told += markers.moved(snapshot_, ros::Time(1.0)).markers.size();
+    published += markers.moved(snapshot_, ros::Time(1.0)).markers.size();
   }
-  EXPECT_EQ(told, 3U);
+  EXPECT_EQ(published, 3U);
 }
 
 }  // namespace

@@ -59,12 +59,12 @@ inline double ray_cone(const Standing& o, const Eigen::Vector3d& from, const Eig
 inline double ray_cube(const Standing& o, const Eigen::Vector3d& from, const Eigen::Vector3d& ray) {
   const Eigen::AngleAxisd rotation(-o.yaw_rad, Eigen::Vector3d::UnitZ());
   const Eigen::Vector3d start = rotation * from - Eigen::Vector3d(0, 0, o.width_m / 2);
-  const Eigen::Vector3d way = rotation * ray;
+  const Eigen::Vector3d direction = rotation * ray;
   double in = 0;
   double out = std::numeric_limits<double>::infinity();
   for (int i = 0; i < 3; ++i) {
-    const double a = (-o.width_m / 2 - start[i]) / way[i];
-    const double b = (o.width_m / 2 - start[i]) / way[i];
+    const double a = (-o.width_m / 2 - start[i]) / direction[i];
+    const double b = (o.width_m / 2 - start[i]) / direction[i];
     in = std::max(in, std::min(a, b));
     out = std::min(out, std::max(a, b));
   }

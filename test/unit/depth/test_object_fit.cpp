@@ -151,7 +151,7 @@ TEST(ObjectFit, SmallErrorOfUpIsMendedByTheSupport) {
   EXPECT_LT((fit->camera_T_object.translation() - view.middle(object)).norm(), 0.002);
 }
 
-TEST(ObjectFit, TellsWhyThereIsNothing) {
+TEST(ObjectFit, ReportsWhyThereIsNothing) {
   Rng rng(17);
   const Standing object{FitShape::kCube, 0.05, 0.05, 0.3};
   const View view = view_of(object, 0.4, 0.8, rng, std::nullopt, 10, 5);

@@ -78,9 +78,9 @@ inline Pose from_above(const Eigen::Vector3d& tip) {
 }
 
 /// Moves the joints of a Bodies smoothly (cosine) from one posture to the next.
-class ArmDriver {
+class JointDriver {
  public:
-  ArmDriver(Bodies& bodies, std::vector<double> start) : bodies_(&bodies), now_(std::move(start)) {
+  JointDriver(Bodies& bodies, std::vector<double> start) : bodies_(&bodies), now_(std::move(start)) {
     send(now_, now_);
   }
 

@@ -62,7 +62,7 @@ TEST(DynamicRobot, MotorsHoldTheArmWithTheEffortOfGravity) {
     EXPECT_NEAR(bodies->effort(joint), gravity[joint], 0.05) << mobile_baxter().joints()[joint].name;
 }
 
-/// Stretched to the front: of the published poses the one with the largest efforts.
+/// Stretched to the front: of the given poses the one with the largest efforts.
 TEST(DynamicRobot, MotorsCarryTheArmsInThePoseNeutral) {
   auto neutral = untucked();
   const std::array<double, 7> values{0, -0.55, 0, 0.75, 0, 1.26, 0};
@@ -162,7 +162,7 @@ TEST(DynamicRobot, PressingOnATableStaysBounded) {
   const auto above = reach("left", from_above({0.75, 0.3, 0.75}), untucked());
   const auto below = reach("left", from_above({0.75, 0.3, 0.55}), above);
   const auto bodies = make_bodies(world, mobile_baxter(), above, true);
-  ArmDriver driver(*bodies, above);
+  JointDriver driver(*bodies, above);
   const int hand = link_index("left_gripper");
   driver.move(below, 1, [&] {
     ASSERT_GT(bodies->world_T_link(hand).translation().z(), 0.65);

@@ -52,7 +52,7 @@ TEST_P(Grasp, CubeIsLiftedCarriedAndPutDown) {
   Bodies& bodies = **made;
   const int finger = joint_index("l_gripper_l_finger_joint");
   const int hand = link_index("left_gripper");
-  ArmDriver driver(bodies, plan.above);
+  JointDriver driver(bodies, plan.above);
   driver.move(plan.above, 2.5);  // the cube falls asleep
   driver.move(plan.at, 1.5);
   EXPECT_FALSE(bodies.gripped(finger));

@@ -23,7 +23,7 @@ std::vector<double> at_cube() {
   return reach("left", from_above(kCube - Eigen::Vector3d(0, 0, 0.008)), untucked());
 }
 
-TEST(KinematicRobot, JointsAreWhereTheyAreTold) {
+TEST(KinematicRobot, JointsFollowTheirSetPoints) {
   const auto start = untucked();
   const auto bodies = make_bodies(WorldSpec{}, mobile_baxter(), start);
   const int elbow = joint_index("left_e1");
@@ -80,7 +80,7 @@ TEST(KinematicRobot, HandPushesACubeAndTheTableStopsNothing) {
   goal[kFinger] = 0;
   auto start = reach("left", from_above(kCube + Eigen::Vector3d(0, -0.15, -0.01)), untucked());
   start[kFinger] = 0;
-  ArmDriver driver(*bodies, start);
+  JointDriver driver(*bodies, start);
   driver.move(goal, 2);
   driver.move(goal, 1);
   const Eigen::Vector3d cube = bodies->world_T_body(2).translation();
@@ -129,7 +129,7 @@ TEST(KinematicRobot, HeldCubeStaysOnTheTableThatIsInTheWay) {
   const auto bodies = make_bodies(table_with_cube(), mobile_baxter(), at);
   auto closed = at;
   closed[kFinger] = 0;
-  ArmDriver driver(*bodies, at);
+  JointDriver driver(*bodies, at);
   driver.move(closed, 0.3);
   ASSERT_EQ(bodies->gripped(kFinger), 2);
   auto below = reach("left", from_above(kCube - Eigen::Vector3d(0, 0, 0.028)), at);

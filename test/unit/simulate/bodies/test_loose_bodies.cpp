@@ -84,7 +84,7 @@ TEST(LooseBodies, BallsAndConesComeToRest) {
   }
 }
 
-TEST(LooseBodies, BounceAsTheirRestitutionTells) {
+TEST(LooseBodies, BounceAsTheirRestitutionSays) {
   WorldSpec world;
   auto ball = body("ball", Mobility::kLoose, Sphere{0.03}, make_pose({0, 0, 0.53}), 0.1);
   auto ground = make_floor();

@@ -79,7 +79,7 @@ class HeldCube : public ::testing::TestWithParam<bool> {
     bodies_ = make_bodies(world, mobile_baxter(), at, GetParam());
     auto closed = at;
     closed[kFinger] = 0;
-    ArmDriver driver(*bodies_, at);
+    JointDriver driver(*bodies_, at);
     driver.move(closed, 0.3);
     driver.move(closed, 0.3);
     ASSERT_EQ(bodies_->gripped(kFinger), 2);

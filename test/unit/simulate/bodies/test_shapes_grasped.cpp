@@ -29,7 +29,7 @@ TEST_P(ShapesGrasped, AreLiftedAndPutDown) {
   const auto at = reach(c.side, from_above(place + Eigen::Vector3d(0, 0, c.tip_m)), untucked());
   auto lifted = reach(c.side, from_above(place + Eigen::Vector3d(0, 0, c.tip_m + 0.2)), at);
   const auto bodies = make_bodies(world, mobile_baxter(), at, c.dynamic);
-  ArmDriver driver(*bodies, at);
+  JointDriver driver(*bodies, at);
   auto closed = at;
   closed[finger] = lifted[finger] = 0;
   driver.move(at, 0.2);

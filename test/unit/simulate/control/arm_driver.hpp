@@ -28,16 +28,16 @@ class ArmDriver {
   /// The end point goes along a straight line, 0.15 m/s; false when it cannot.
   [[nodiscard]] bool line_to(const Pose& base_T_goal) {
     const Pose start = endpoint(positions_);
-    const Eigen::Vector3d way = base_T_goal.translation() - start.translation();
+    const Eigen::Vector3d motion = base_T_goal.translation() - start.translation();
     const Eigen::Quaterniond from(start.linear());
     const Eigen::Quaterniond to(base_T_goal.linear());
-    const double turn = from.angularDistance(to);
-    const int ticks = 1 + static_cast<int>(std::ceil(std::max(way.norm() / 0.15, turn / 0.8) * kRateHz));
+    const double angle = from.angularDistance(to);
+    const int ticks = 1 + static_cast<int>(std::ceil(std::max(motion.norm() / 0.15, angle / 0.8) * kRateHz));
     for (int i = 1; i <= ticks; ++i) {
       const double done = static_cast<double>(i) / ticks;
       Pose via = Pose::Identity();
       via.linear() = from.slerp(done, to).toRotationMatrix();
-      via.translation() = start.translation() + done * way;
+      via.translation() = start.translation() + done * motion;
       if (!solve(via)) return false;
       hold(1.0 / kRateHz);
     }
@@ -79,9 +79,9 @@ class ArmDriver {
     for (int i = 0; i < 50; ++i) {
       const auto links = simulator_.robot().link_poses(positions_);
       const Pose now = links[joints_.base].inverse() * links[arm().endpoint];
-      const Eigen::AngleAxisd turn(wanted.linear() * now.linear().transpose());
+      const Eigen::AngleAxisd rotation(wanted.linear() * now.linear().transpose());
       Eigen::Matrix<double, 6, 1> error;
-      error << wanted.translation() - now.translation(), turn.angle() * turn.axis();
+      error << wanted.translation() - now.translation(), rotation.angle() * rotation.axis();
       if (error.norm() < 1e-6) return true;
       const ArmJacobian jacobian = arm_jacobian(simulator_.robot(), joints_, side_, links);
       const Eigen::Matrix<double, 6, 6> damped =

@@ -1,4 +1,4 @@
-// Every way in which a goal can be wrong, and what is made of a good one.
+// Every error of a goal, and what is made of a good one.
 #include <functional>
 #include <limits>
 #include <ostream>

@@ -1,4 +1,4 @@
-// What a spline through knots must be: through them, smooth where it is told to be, equal to what it is made
+// What a spline through knots must be: through them, smooth where it must be, equal to what it is made
 // of.
 #include <gtest/gtest.h>
 

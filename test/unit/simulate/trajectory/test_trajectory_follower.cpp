@@ -1,4 +1,4 @@
-// A follower with joints that do what they are told, or do not.
+// A follower with joints that follow their set points, or do not.
 #include <cmath>
 #include <functional>
 
@@ -66,7 +66,7 @@ TEST_F(FollowerTest, GetsThereInTimeAndNotBefore) {
   EXPECT_EQ(end->code, TrajectoryCode::kSuccessful) << end->message;
   EXPECT_NEAR(position(), 1, 1e-9);
   EXPECT_FALSE(follower_.moving());
-  EXPECT_FALSE(run(1)) << "an end is told once";
+  EXPECT_FALSE(run(1)) << "an end is reported once";
 }
 
 TEST_F(FollowerTest, AStuckJointViolatesThePath) {
