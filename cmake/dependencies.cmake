@@ -51,7 +51,7 @@ add_library(extperfc_bullet INTERFACE)
 add_library(extperfc::bullet ALIAS extperfc_bullet)
 target_link_libraries(extperfc_bullet INTERFACE PkgConfig::bullet)
 
-# Embree casts the sensors' rays; a bounding-volume tree of our own stands in for it.
+# Embree casts the sensors' rays; our bounding-volume tree replaces it.
 set(EXTPERFC_EMBREE_FOUND OFF)
 add_library(extperfc_embree INTERFACE)
 add_library(extperfc::embree ALIAS extperfc_embree)

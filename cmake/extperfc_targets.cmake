@@ -11,7 +11,7 @@ if(NOT EXTPERFC_LIB_DESTINATION MATCHES "^lib$")
   list(APPEND CMAKE_INSTALL_RPATH "$ORIGIN/../../${EXTPERFC_LIB_DESTINATION}")
 endif()
 
-# What every one of our own targets is compiled with.
+# Flags of all our targets.
 add_library(extperfc_flags INTERFACE)
 target_compile_features(extperfc_flags INTERFACE cxx_std_17)
 target_compile_options(extperfc_flags INTERFACE

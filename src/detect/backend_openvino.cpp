@@ -135,7 +135,7 @@ Result<void> fix_shape(ov::Model& model, const InputSpec& input) {
   return {};
 }
 
-/// Float32 at both ends, whatever the network computes in.
+/// Float32 at both ends, independent of the network's precision.
 std::shared_ptr<ov::Model> with_float_ends(const std::shared_ptr<ov::Model>& model) {
   ov::preprocess::PrePostProcessor ends(model);
   ends.input().tensor().set_element_type(ov::element::f32);

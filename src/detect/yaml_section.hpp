@@ -59,7 +59,7 @@ class YamlSection {
   [[nodiscard]] bool asked_for(const std::string& key) const;
   /// Refuses `key`, if it is there, for a reason better than "unknown".
   void refuse(const std::string& key, const std::string& reason);
-  /// Refuses every key that nobody asked for, with the most similar known key as a hint, and keys given
+  /// Refuses every key that was not read, with the most similar known key as a hint, and keys given
   /// twice.
   void refuse_unknown();
   void problem(const std::string& key, const std::string& what, ErrorCode code = ErrorCode::kInvalidArgument);

@@ -63,7 +63,7 @@ Result<void> validate(const OccupancyGrid& map) {
 
 std::array<std::uint8_t, 256> grey_values(const MapThresholds& thresholds) {
   std::array<std::uint8_t, 256> grey{};
-  constexpr double kTiny = 1e-9;  // 65 of 100 is 0.65, whatever the last digit says
+  constexpr double kTiny = 1e-9;  // 65 of 100 is 0.65 despite rounding
   for (int value = 0; value < 256; ++value) {
     const auto cell = static_cast<std::int8_t>(value);
     const double probability = cell / 100.0;
@@ -168,7 +168,7 @@ class Keys {
     const auto value = text_of(root_["mode"]);
     if (value == "scale") return MapMode::kScale;
     if (value == "raw") return MapMode::kRaw;
-    if (value != "trinary") complain("mode", "is none of trinary, scale and raw");
+    if (value != "trinary") complain("mode", "must be trinary, scale or raw");
     return MapMode::kTrinary;
   }
 

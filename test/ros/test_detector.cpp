@@ -19,7 +19,7 @@ TEST_F(DetectorTest, SubscribesOnlyWhileSomebodyListens) {
     const Inbox<vision_msgs::Detection2DArray> listener("detections");
     EXPECT_TRUE(wait_for([this] { return detector_listens(); }));
   }
-  EXPECT_TRUE(wait_for([this] { return !detector_listens(); })) << "nobody listens any more";
+  EXPECT_TRUE(wait_for([this] { return !detector_listens(); })) << "no subscribers any more";
   const Inbox<sensor_msgs::Image> viewer("detections/image");
   EXPECT_TRUE(wait_for([this] { return detector_listens(); })) << "the annotated image needs images too";
 }
@@ -52,7 +52,7 @@ TEST_F(ListeningDetectorTest, AnnotatesOnlyOnDemand) {
         return viewer.count() > 0;
       }));
   annotated = viewer.all().front();
-  EXPECT_EQ(annotated->header.stamp, ros::Time(11, 0)) << "the image of before was drawn for nobody";
+  EXPECT_EQ(annotated->header.stamp, ros::Time(11, 0)) << "the image of before was drawn without a subscriber";
   EXPECT_EQ(annotated->header.frame_id, kFrame);
   EXPECT_EQ(annotated->encoding, "bgr8");
   EXPECT_NE(annotated->data, before) << "nothing was drawn";

@@ -1,4 +1,4 @@
-"""Detects objects, puts them into space, and shows the result as a table and as images.
+"""Detects objects, computes their 3D positions, and shows the result as a table and as images.
 
 Without --source the simulated robot stands in its laboratory: detector and depth work on its camera, and the table
 reports how far each estimated position is from the truth. With a display it opens rviz.

@@ -12,7 +12,7 @@ _NOISE = re.compile(r"Failed to load nodelet|REQUIRED process|Initiating shutdow
 
 
 def free_port():
-    """A TCP port of the loopback interface that nobody uses now."""
+    """A TCP port of the loopback interface that no one uses now."""
     with socket.socket() as probe:
         probe.bind(("127.0.0.1", 0))
         return probe.getsockname()[1]
@@ -32,10 +32,10 @@ class RosSession:
     def launch(self, package, launch_file, **arguments):
         """Starts a launch file of a package, or one given by its path (package None); arguments are its `name:=value`
         pairs."""
-        words = ["roslaunch", "-p", str(self.port), *([package] if package else []), str(launch_file)]
-        words += [f"{name}:={value}" for name, value in arguments.items()]
+        command = ["roslaunch", "-p", str(self.port), *([package] if package else []), str(launch_file)]
+        command += [f"{name}:={value}" for name, value in arguments.items()]
         with open(self.log_file, "w") as log:
-            self.process = subprocess.Popen(words, stdout=log, stderr=subprocess.STDOUT, stdin=subprocess.DEVNULL)
+            self.process = subprocess.Popen(command, stdout=log, stderr=subprocess.STDOUT, stdin=subprocess.DEVNULL)
 
     def alive(self):
         return self.process is not None and self.process.poll() is None

@@ -31,7 +31,7 @@ def towards(here, goal, speed_m_s):
 
 
 def wander(here, clearance_at, yaw_sign):
-    """Velocity of a robot that drives in slight bows where there is room ahead and turns where there is none."""
+    """Velocity of a robot that drives in slight bows where there is room ahead and rotates where there is not."""
     ahead = [(here.x + ahead_m * math.cos(here.yaw), here.y + ahead_m * math.sin(here.yaw)) for ahead_m in (0.2, 0.4, 0.6)]
     if all(clearance_at(x, y) > MIN_CLEARANCE_M for x, y in ahead):
         return 0.5, 0.0, 0.2 * yaw_sign
@@ -180,7 +180,7 @@ class SimRobot:
         self.wait(lambda: error(self.pose(), pose)[0] < 0.5, "the robot to be where it was put")
         return self.now()
 
-    def tell_truth(self):
+    def set_true_pose(self):
         """Gives the localizer the true pose, as a person would by rviz's arrow."""
         here = self.pose()
         message = self.messages.PoseWithCovarianceStamped()

@@ -124,10 +124,10 @@ class Scope:
             changed = recent_changes.changed_files(REPO)
             every = recent_changes.modules_of(self.sources)
             self.modules = [module for module in recent_changes.modules_of(changed) if module in every]
-            turn = recent_changes.in_rotation(every, self.modules)
+            extra = recent_changes.in_rotation(every, self.modules)
             self.sources = recent_changes.sources_to_read(changed, self.sources) + [
-                name for name in self.sources if turn and recent_changes.module_of(name) == turn]
-            self.modules += [turn] if turn else []
+                name for name in self.sources if extra and recent_changes.module_of(name) == extra]
+            self.modules += [extra] if extra else []
 
 
 def python_and_unit_tests():
@@ -172,16 +172,16 @@ def all_tests(scope, with_long):
     yield from slow_checks(scope)
 
 
-def is_meant(test, word, with_long):
-    """A group's name means its tests of the normal tier, or all of them where none is of it; other words mean any name
-    that they are part of."""
-    if word not in GROUPS:
-        return word in test.name
-    return test.group == word and (with_long or not test.long or word in SLOW_GROUPS)
+def is_meant(test, pattern, with_long):
+    """A group's name means its tests of the normal tier, or all of them where that tier has none; any other pattern means
+    the tests whose names contain it."""
+    if pattern not in GROUPS:
+        return pattern in test.name
+    return test.group == pattern and (with_long or not test.long or pattern in SLOW_GROUPS)
 
 
-def chosen(tests, words, with_long):
-    """The tests that words mean; without words the normal tier, or all."""
-    if words:
-        return [t for t in tests if any(is_meant(t, word, with_long) for word in words)]
+def chosen(tests, patterns, with_long):
+    """The tests that patterns mean; without patterns the normal tier, or all."""
+    if patterns:
+        return [t for t in tests if any(is_meant(t, pattern, with_long) for pattern in patterns)]
     return [t for t in tests if with_long or not t.long]

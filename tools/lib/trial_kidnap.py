@@ -84,7 +84,7 @@ def start(options, session, rospy):
 def relocalize(robot):
     """Relocalizes by the true pose."""
     for _ in range(5):
-        robot.tell_truth()
+        robot.set_true_pose()
         begin = robot.now()
         robot.wait_until(begin + 1.0)
         if robot.error_now()[0] < MAX_M:

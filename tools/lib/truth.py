@@ -24,7 +24,7 @@ def overlap(a, b):
 def match(detections, visible, min_overlap=MIN_OVERLAP):
     """For each detection the index of the visible object that it is, or None.
 
-    `detections` are Box, the best first; each takes the object of its class that it overlaps most, if nobody took it.
+    `detections` are Box, the best first; each takes the object of its class that it overlaps most, unless another took it.
     """
     free = set(range(len(visible)))
     matches = []
@@ -39,7 +39,7 @@ def match(detections, visible, min_overlap=MIN_OVERLAP):
 
 
 def nearest(label, position, objects):
-    """The object of this class whose centre is nearest to `position`, as Nearest; None when there is none."""
+    """The object of this class whose centre is nearest to `position`, as Nearest; or None."""
     position = numpy.asarray(position)
     near = [Nearest(t, float(numpy.linalg.norm(numpy.asarray(t.position) - position))) for t in objects if t.label == label]
     return min(near, key=lambda n: n.error_m, default=None)

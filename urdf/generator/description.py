@@ -218,8 +218,8 @@ def half_turned(xyz):
 
 
 def finger_links(side, letter, finger):
-    """The right finger is the left one turned by half a turn about z; its joint mimics the left one's."""
-    turn, place = ((0, 0, 0), tuple) if finger == "l" else ((0, 0, pi), half_turned)
+    """The right finger is the left one rotated by 180 degrees about z; its joint mimics the left one's."""
+    rotation, place = ((0, 0, 0), tuple) if finger == "l" else ((0, 0, pi), half_turned)
     name = f"{letter}_gripper_{finger}_finger"
     tip_look = "paddle_tip" if side == "left" else "round_tip"
     tip_shape = box(f.PADDLE_TIP) if side == "left" else cylinder(*f.ROUND_TIP)
@@ -230,9 +230,9 @@ def finger_links(side, letter, finger):
     bounds = (0, f.FINGER_STROKE) if finger == "l" else (-f.FINGER_STROKE, 0)
     mimic = [] if finger == "l" else [f'<mimic joint="{letter}_gripper_l_finger_joint" multiplier="-1"/>']
     return "".join([
-        link(name, part("finger"), visuals("finger", (0, 0, 0), turn),
+        link(name, part("finger"), visuals("finger", (0, 0, 0), rotation),
              *[collision(box(size), place(xyz)) for size, xyz in f.FINGER_BOXES]),
-        link(f"{name}_tip", part("finger_tip"), visuals(tip_look, (0, 0, 0), turn),
+        link(f"{name}_tip", part("finger_tip"), visuals(tip_look, (0, 0, 0), rotation),
              collision(tip_shape, place(f.TIP_XYZ))),
         joint(f"{name}_joint", "prismatic", f"{side}_gripper_base", name, place(f.FINGER_ORIGIN), (0, 0, 0),
               axis((0, 1, 0)), limit(f.FINGER_EFFORT, f.FINGER_SPEED, *bounds), *mimic),

@@ -226,13 +226,13 @@ def roller():
     return s.revolved(profile, 8)
 
 
-def wheel(turn):
-    """About y. `turn` is +1 where the rollers on top point to the front and left, -1: to the front and right."""
+def wheel(slant):
+    """About y. `slant` is +1 where the rollers on top point to the front and left, -1: to the front and right."""
     to_middle = f.WHEEL_RADIUS - f.ROLLER_RADIUS
     rollers = []
     for i in range(f.ROLLERS):
         # On top of the wheel: along x, turned about z by 45 degrees; then around the wheel.
-        one = s.moved(s.moved(roller(), rpy=(0, pi / 2, 0)), (0, 0, to_middle), (0, 0, turn * pi / 4))
+        one = s.moved(s.moved(roller(), rpy=(0, pi / 2, 0)), (0, 0, to_middle), (0, 0, slant * pi / 4))
         rollers += s.moved(one, rpy=(0, 2 * pi * i / f.ROLLERS, 0))
     half = f.WHEEL_WIDTH / 2
     rims = []

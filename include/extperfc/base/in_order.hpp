@@ -12,7 +12,7 @@ namespace extperfc {
 /// hands its result on.
 class InOrder {
  public:
-  /// The next ticket, from 0 upwards. Every ticket must be passed to finish(), whatever became of the work.
+  /// The next ticket, from 0 upwards. Every ticket must be passed to finish(), also after a failure.
   [[nodiscard]] std::uint64_t begin() {
     const std::lock_guard lock(mutex_);
     return next_++;

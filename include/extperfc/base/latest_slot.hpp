@@ -17,7 +17,7 @@ namespace extperfc {
 template <typename T>
 class LatestSlot {
  public:
-  /// Stores `item`. Returns true when it replaced one that nobody had taken (a drop). Does nothing after
+  /// Stores `item`. Returns true when it replaced one that was not taken (a drop). Does nothing after
   /// close().
   bool put(T item) {
     std::optional<T> replaced;  // destroyed after the lock is released: an image may be large

@@ -55,7 +55,7 @@ struct Snapshot {
   std::vector<Pose2> world_T_person;  ///< by WorldSpec::people
 };
 
-/// The robot in its world, stepped by the caller. No thread of its own, no clock but its own, no global
+/// The robot in its world, stepped by the caller. No thread, no wall clock, no global
 /// state: one thread at a time. The same seed, the same calls in the same order give the same states, bit for
 /// bit, on one build.
 class Simulator {

@@ -36,7 +36,7 @@ enum class PixelFormat {
 
 [[nodiscard]] bool is_depth(PixelFormat format);
 
-/// An image that somebody else owns: row-major, top row first. Copying the view copies no pixels.
+/// A view of an image that it does not own: row-major, top row first. Copying the view copies no pixels.
 struct ImageView {
   const std::uint8_t* data{nullptr};
   int width{0};              ///< pixels

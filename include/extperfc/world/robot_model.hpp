@@ -67,7 +67,7 @@ class RobotModel {
   [[nodiscard]] const std::string& name() const { return name_; }
   [[nodiscard]] const std::vector<Link>& links() const { return links_; }
   [[nodiscard]] const std::vector<Joint>& joints() const { return joints_; }
-  /// Index by name, nothing when there is none.
+  /// Index by name, empty when there is none.
   [[nodiscard]] std::optional<int> link(const std::string& name) const;
   [[nodiscard]] std::optional<int> joint(const std::string& name) const;
 

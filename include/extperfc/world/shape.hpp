@@ -46,7 +46,7 @@ enum class Texture { kNone, kWood, kTiles, kPlaster, kCloth, kCarpet, kMarble, k
 /// Name of a texture as worlds write it: "none", "wood", "tiles", "plaster", "cloth", "carpet", "marble",
 /// "checker", "books".
 [[nodiscard]] const char* to_string(Texture texture);
-/// The texture of that name, nothing when there is none.
+/// The texture of that name, empty when there is none.
 [[nodiscard]] std::optional<Texture> texture_from(std::string_view name);
 
 /// What a surface looks like.

@@ -115,7 +115,7 @@ def random_light(rng, rotation):
 
 
 def _flat_shape(rng, world, spot, size):
-    """A disc, polygon or long stripe drawn on the ground: looks like the outline of an object, and is none."""
+    """A disc, polygon or long stripe drawn on the ground: looks like the outline of an object."""
     texture = textures.flat(textures.colour(rng))
     angle = rng.uniform(0, 6.28)
     sides = pick(rng, (3, 4, 4, 24, 24))

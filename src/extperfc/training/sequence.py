@@ -185,7 +185,7 @@ def _apply_camera_effects(frame):
 
 
 def sensed_depth(rng, depth, noise):
-    """Depth [m] as 16-bit millimetres, 0 where there is none; with noise, like a stereo camera of D435i size."""
+    """Depth [m] as 16-bit millimetres, 0 where it is missing; with noise, like a stereo camera of D435i size."""
     out = np.where(np.isfinite(depth), depth, 0).astype(np.float32)
     if noise:
         error = cv2.GaussianBlur(rng.standard_normal(out.shape, dtype=np.float32), (0, 0), 1.2)

@@ -36,7 +36,7 @@ void draw(cv::Mat& canvas, const Detection& detection, const std::string& name) 
   cv::putText(canvas, text, origin, cv::FONT_HERSHEY_SIMPLEX, kFontScale, cv::Scalar::all(0), 1, cv::LINE_AA);
 }
 
-/// A bgr8 copy: never draw into somebody else's image. Throws what cv_bridge throws.
+/// A bgr8 copy: never draw into the original. Throws what cv_bridge throws.
 cv::Mat bgr_copy(const SharedImage& image) {
   if (image.view.format == PixelFormat::kYuv422Yuy2) {  // unknown to cv_bridge
     cv::Mat bgr;

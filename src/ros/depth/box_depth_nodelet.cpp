@@ -44,14 +44,13 @@ std::optional<depth::FitShape> shape_of(const std::vector<std::string>& names, i
 
 }  // namespace
 
-/// Puts detected boxes into space with the depth image that belongs to them.
+/// Computes a 3D position for every detected box from the depth image of the same stamp.
 ///
-/// Subscribes (only while somebody listens to one of the outputs):
+/// Subscribes (only while one of the outputs has subscribers):
 ///   detections                               vision_msgs/Detection2DArray
-///   camera/aligned_depth_to_color/image_raw  sensor_msgs/Image 16UC1 [mm] or 32FC1 [m], aligned to the
-///   colour image camera/color/camera_info                 sensor_msgs/CameraInfo of the colour camera, the
-///   size of the depth image vision_info                              vision_msgs/VisionInfo: class names
-///   for the markers
+///   camera/aligned_depth_to_color/image_raw  sensor_msgs/Image, 16UC1 [mm] or 32FC1 [m], aligned to colour
+///   camera/color/camera_info                 sensor_msgs/CameraInfo of the colour camera
+///   vision_info                              vision_msgs/VisionInfo: class names for the markers
 /// Publishes:
 ///   detections_3d     vision_msgs/Detection3DArray   stamp of the detections
 ///                     results[0].pose and bbox.center are both the object's estimated centre, the first

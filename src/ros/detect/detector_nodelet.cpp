@@ -29,14 +29,13 @@ namespace extperfc {
 
 /// Finds objects in a colour image with a neural network.
 ///
-/// Subscribes (only while somebody listens to one of the outputs):
-///   camera/color/image_raw   sensor_msgs/Image   rgb8, bgr8, rgba8, bgra8, mono8, mono16, bayer_*8,
-///   yuv422(_yuy2)
+/// Subscribes (only while one of the outputs has subscribers):
+///   camera/color/image_raw   sensor_msgs/Image: rgb8, bgr8, rgba8, bgra8, mono8, mono16, bayer_*8, yuv422
 /// Publishes:
-///   detections               vision_msgs/Detection2DArray   stamp and frame of the image; id = index into
-///   the classes detections/image         sensor_msgs/Image bgr8         image with boxes, drawn only while
-///   somebody listens vision_info              vision_msgs/VisionInfo         latched; names the parameter
-///   that holds the class names diagnostics              diagnostic_msgs/DiagnosticArray
+///   detections        vision_msgs/Detection2DArray: stamp and frame of the image; id = index of the class
+///   detections/image  sensor_msgs/Image, bgr8: image with boxes, drawn only while it has subscribers
+///   vision_info       vision_msgs/VisionInfo, latched: names the parameter that holds the class names
+///   diagnostics       diagnostic_msgs/DiagnosticArray
 /// Parameters (private; unknown keys are refused):
 ///   model            path of a model folder, see models/README.md   default: models/shapes of this package
 ///   backend          auto | openvino | opencv                       auto: the fastest that loads the model
@@ -49,10 +48,9 @@ namespace extperfc {
 ///   image_transport  transport hint                                 raw
 ///   timeout_s        silence after which diagnostics warn [s]       5, [0.1, 3600]
 ///   classes          WRITTEN by the nodelet: list of class names
-/// Frames: none of its own; boxes are in pixels.
+/// Frames: none; boxes are in pixels.
 /// Diagnostics: model, what executes, rates, work and latency percentiles, drops, how images arrive; WARN
-/// when the
-///   topic is silent, ERROR while images are refused.
+///   when the topic is silent, ERROR while images are refused.
 /// Threads: the callback only stores the image; one worker per back-end slot. The newest image replaces a
 /// waiting one.
 class DetectorNodelet : public nodelet::Nodelet {

@@ -26,7 +26,7 @@ class Reporter {
   Reporter(const Reporter&) = delete;
   Reporter& operator=(const Reporter&) = delete;
 
-  /// A status of its own; before start().
+  /// A separate status; before start().
   void add(const std::string& name, const Report& report) { updater_.add(name, report); }
   void start() { timer_.start(); }
 

@@ -19,7 +19,7 @@ struct Range {
 };
 
 /// Reads the parameters of one private namespace and collects everything that is wrong with them, so that a
-/// user sees all errors at once: wrong types, values out of range, keys that nobody reads.
+/// user sees all errors at once: wrong types, values out of range, unknown keys.
 class ParamReader {
  public:
   explicit ParamReader(const ros::NodeHandle& private_handle);

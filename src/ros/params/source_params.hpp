@@ -16,7 +16,7 @@ struct SourceParams {
   std::filesystem::path path;      ///< folder of images, or rawlog file
   double rate_hz{10.0};            ///< frames per second; 0 = as recorded
   bool loop{true};                 ///< start again at the end
-  bool wait_for_subscriber{true};  ///< begin when somebody listens, so that nothing is missed
+  bool wait_for_subscriber{true};  ///< wait for the first subscriber, so that no message is lost
   bool recorded_stamps{false};     ///< stamps of the recording instead of the time of publishing
   double depth_scale{1000.0};      ///< units per metre of depth files
   std::string frame_id{"camera_color_optical_frame"};

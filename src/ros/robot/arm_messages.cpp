@@ -50,7 +50,7 @@ Result<simulate::ArmCommand> from_message(const JointCommand& message, simulate:
   const auto mode = mode_from(message.mode);
   if (!mode)
     return refuse("mode " + std::to_string(message.mode) +
-                  " is none of 1 (position), 2 (velocity), 3 (torque), 4 (raw position)");
+                  " is unknown: use 1 (position), 2 (velocity), 3 (torque) or 4 (raw position)");
   command.mode = *mode;
   if (message.names.empty()) return refuse("it names no joint");
   if (message.names.size() != message.command.size())
@@ -84,7 +84,7 @@ AssemblyState to_message(const simulate::RobotState& state) {
       message.estop_button = AssemblyState::ESTOP_BUTTON_UNKNOWN;
       message.estop_source = AssemblyState::ESTOP_SOURCE_UNKNOWN;
       break;
-    case Stop::kButton:  // nobody keeps a simulated button pressed, so that a reset may follow
+    case Stop::kButton:  // a simulated button is never held, so a reset may follow
       message.estop_button = AssemblyState::ESTOP_BUTTON_RELEASED;
       message.estop_source = AssemblyState::ESTOP_SOURCE_USER;
       break;

@@ -11,7 +11,7 @@
 
 namespace extperfc {
 
-/// Leads one arm along trajectories, for whoever asks: an action, the tuck service. The newest request has
+/// Leads one arm along trajectories for the action and the tuck service. The newest request has
 /// the arm. Of the simulation thread, all of it.
 class ArmMotion {
  public:
@@ -50,7 +50,7 @@ class ArmMotion {
   const simulate::TrajectoryFollowerParams params_;
   std::optional<simulate::TrajectoryFollower> follower_;  ///< made when the robot's limits are known
   std::optional<double> now_s_;                           ///< stamp of the last step
-  WhenDone when_done_;                                    ///< empty: nobody waits
+  WhenDone when_done_;                                    ///< empty: no one waits
 };
 
 /// One per side.

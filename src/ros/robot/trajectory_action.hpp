@@ -16,7 +16,7 @@ namespace extperfc {
 ///
 /// Goals that cannot be followed are rejected, with error_code and error_string in the result. A newer goal
 /// takes the arm from an older one, which ends preempted; a cancelled goal slows down and ends preempted at
-/// rest. Whatever ends the motion otherwise (a tolerance, a joint command, a disabled or stopped robot)
+/// rest. Any other end of the motion (a tolerance, a joint command, a disabled or stopped robot)
 /// aborts it. A preempted goal's error_code is GOAL_TOLERANCE_VIOLATED: the goal was not reached.
 ///
 /// Goals are handed to the simulation thread, which has all of the state.

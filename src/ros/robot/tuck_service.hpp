@@ -18,7 +18,7 @@ namespace extperfc {
 /// are there, or with the reason why not: a disabled robot, a tolerance, another command to an arm. It takes
 /// about 10 s of simulated time. A second call waits for the first.
 ///
-/// A thread of its own waits, so that the robot's topics stay alive meanwhile.
+/// A separate thread waits, so that the robot's topics stay alive meanwhile.
 class TuckService {
  public:
   TuckService(ros::NodeHandle handle, SimHost& host, const ArmMotions& motions, const TuckSpeed& speed);

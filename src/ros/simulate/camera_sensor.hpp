@@ -24,7 +24,7 @@ namespace extperfc {
 ///   sim/truth/labels (16UC1: what each pixel shows, an index into ~instances)
 ///   sim/truth/detections (vision_msgs/Detection2DArray: visible boxes of what has a class)
 /// Faults spoil the images, not the truth, and while the camera is frozen the truth is that of its image.
-/// Nothing is rendered unless somebody listens to an image or to the detections.
+/// Renders only while an image or the detections have subscribers.
 class CameraSensor : public Sensor {
  public:
   /// Errors: the robot has no camera frame.

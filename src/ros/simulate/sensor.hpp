@@ -21,7 +21,7 @@ struct SensorJob {
   std::vector<simulate::Fault> faults;  ///< active now
 };
 
-/// One sensor: whether somebody listens, and how it measures and publishes.
+/// One sensor: whether it has subscribers, and how it measures and publishes.
 class Sensor {
  public:
   virtual ~Sensor() = default;

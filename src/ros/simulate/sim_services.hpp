@@ -18,7 +18,7 @@
 namespace extperfc {
 
 /// Services of the simulation: sim/pause, sim/step, sim/reset, sim/set_real_time_factor, sim/set_fault,
-/// sim/move_body. They answer in threads of their own, so that a long sim/step holds up nobody else.
+/// sim/move_body. They answer in separate threads, so that a long sim/step blocks no other call.
 class SimServices {
  public:
   SimServices(const ros::NodeHandle& handle, SimThread& thread, FaultControl& faults);

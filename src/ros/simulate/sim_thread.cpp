@@ -49,7 +49,7 @@ void SimThread::start() {
 }
 
 void SimThread::stop() {
-  std::deque<Work> dropped;  // destroyed without the lock: whoever waits for an answer wakes up
+  std::deque<Work> dropped;  // destroyed without the lock: waiting callers wake up
   {
     const std::lock_guard lock(mutex_);
     stopping_ = true;

@@ -23,7 +23,7 @@
 
 namespace extperfc {
 
-/// Steps the simulator in a thread of its own, at the wanted real-time factor, and publishes its clock.
+/// Steps the simulator in a separate thread, at the wanted real-time factor, and publishes its clock.
 ///
 /// Publishes: /clock (rosgraph_msgs/Clock, latched), sim/real_time_factor (std_msgs/Float32, once a second of
 /// real time; 0 while paused).
@@ -71,7 +71,7 @@ class SimThread : public SimHost {
   using Work = std::function<void(simulate::Simulator&)>;
   static constexpr std::size_t kLongestQueue = 1000;
 
-  /// Steps that somebody waits for.
+  /// Steps that a caller waits for.
   struct Order {
     std::uint32_t left{0};
     std::promise<Result<ros::Time>> done;

@@ -29,7 +29,7 @@ class Simulation {
  public:
   using Report = std::function<void(diagnostic_updater::DiagnosticStatusWrapper&)>;
 
-  /// Errors: a robot or world that cannot be read, a frame that the robot lacks, a fault that is none.
+  /// Errors: a robot or world that cannot be read, a frame that the robot lacks, an invalid fault.
   [[nodiscard]] static Result<std::unique_ptr<Simulation>> make(
       const ros::NodeHandle& handle, const ros::NodeHandle& private_handle,
       const ros_params::SimulatorNodeletParams& params);

@@ -102,7 +102,7 @@ void WorldMarkers::add_body(const simulate::BodySpec& body) {
   carriers_.push_back(std::move(carrier));
 }
 
-/// Legs, body and head of somebody 1.75 m tall.
+/// Legs, body and head of a person 1.75 m tall.
 void WorldMarkers::add_person(const simulate::PersonSpec& person) {
   const Eigen::Vector3f skin(0.85F, 0.68F, 0.55F);
   const Eigen::Vector3f trousers(0.18F, 0.18F, 0.22F);

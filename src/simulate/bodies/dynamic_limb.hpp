@@ -17,7 +17,7 @@
 namespace extperfc::simulate {
 
 /// One tree of links on the robot's root: an arm with its gripper, or the head. Limbs are multibodies
-/// (Featherstone) of their own, as a root that follows commanded poses takes no forces from one to another;
+/// (Featherstone), as a root that follows commanded poses takes no forces from one to another;
 /// that makes each row of the constraint solver half as long as one multibody for the whole robot would.
 class DynamicLimb {
  public:

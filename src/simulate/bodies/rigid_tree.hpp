@@ -38,7 +38,7 @@ struct GripperFingers {
 };
 [[nodiscard]] std::vector<GripperFingers> find_grippers(const RobotModel& robot, const RigidTree& tree);
 
-/// A mimic joint's value for all joints' `positions`; the joint's own when it is none.
+/// A mimic joint's value for all joints' `positions`; the joint's own otherwise.
 [[nodiscard]] double followed_position(const RobotModel& robot, int joint,
                                        const std::vector<double>& positions);
 

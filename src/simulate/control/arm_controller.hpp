@@ -31,7 +31,7 @@ class ArmController {
   [[nodiscard]] Targets step(double now_s, double step_s, bool may_move, const ArmMeasurement& measured);
 
   [[nodiscard]] ArmValues set_points() const;
-  /// The joint stays where it is now, whatever is commanded; false lets it go.
+  /// The joint ignores commands and stays where it is; false releases it.
   void set_stuck(int joint, bool stuck);
 
  private:

@@ -251,7 +251,7 @@ void BaxterSimulator::drive_head() {
 }
 
 void BaxterSimulator::measure() {
-  // Torque mode needs it in every step; otherwise whoever asks for a state pays.
+  // Torque mode needs it in every step; otherwise it is computed on request.
   if (params_.bodies.dynamic || gravity_.empty()) gravity_ = parts_->bodies->gravity_efforts();
 }
 

@@ -69,7 +69,7 @@ class RayScene {
 
 /// Null when this build or machine has no Embree.
 [[nodiscard]] std::unique_ptr<RayScene> make_embree_scene();
-/// Two-level bounding-volume tree of our own; runs everywhere.
+/// Two-level bounding-volume tree without libraries; runs everywhere.
 [[nodiscard]] std::unique_ptr<RayScene> make_bvh_scene();
 /// The fastest that there is.
 [[nodiscard]] std::unique_ptr<RayScene> make_ray_scene();

@@ -14,7 +14,7 @@ const char* const kHelp = R"(Writes training images with Pascal VOC boxes from r
   extperfc-render OUT [options]
 
 OUT gets JPEGImages/000001.jpg, Annotations/000001.xml, ImageSets/Main/{train,val,trainval}.txt, labels.txt and
-render.txt (the settings). The same settings write the same files, whatever the number of threads.
+render.txt (the settings). The same settings write the same files with any number of threads.
 
 Options:
   --count NUMBER          images, 100 by default

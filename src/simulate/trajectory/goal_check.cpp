@@ -39,7 +39,7 @@ TrajectoryResult<Order> order_of(const std::vector<std::string>& names,
   for (auto name = names.begin(); name != names.end(); ++name) {
     if (std::find(names.begin(), name, *name) != name) return wrong(*name + " is given twice");
     const bool known = std::any_of(joints.begin(), joints.end(), [&](auto& j) { return j.name == *name; });
-    if (!known) return wrong("'" + *name + "' is none of this arm's joints");
+    if (!known) return wrong("'" + *name + "' is not a joint of this arm");
   }
   return order;
 }

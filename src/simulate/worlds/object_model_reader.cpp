@@ -28,7 +28,7 @@ double height_of(YamlMap& map, double fallback) {
   return map.number("height", kLength, fallback);
 }
 
-/// A plain shape: fixed unless its `mobility` says otherwise, without a mass of its own.
+/// A plain shape: fixed unless its `mobility` says otherwise, without a mass.
 ObjectModel plain(ObjectModel model) {
   model.mobility = Mobility::kFixed;
   model.mass_kg = 0;

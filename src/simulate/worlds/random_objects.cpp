@@ -11,7 +11,7 @@ namespace extperfc::simulate::worlds {
 
 namespace {
 
-constexpr double kTurn = 6.28318530717958648;  // [rad]
+constexpr double kTwoPi = 6.28318530717958648;  // [rad]
 constexpr double kGap = 0.003;                 // minimum distance between objects [m]
 constexpr int kTries = 60;
 
@@ -48,7 +48,7 @@ Object labelled_object(Rng& rng) {
   }
 }
 
-/// A cuboid that nobody takes for a cube: an edge at least 1.7 times as long as another.
+/// A cuboid that is clearly no cube: an edge at least 1.7 times as long as another.
 Object random_block(Rng& rng) {
   const double edge = rng.uniform(0.03, 0.08);
   const double ratio = rng.uniform(1.7, 3.5);
@@ -109,7 +109,7 @@ bool find_place(Rng& rng, const RandomWorldParams& params, const TableTop& top,
     if (!standing.empty() && rng.chance(params.crowded)) {
       const auto& friendly =
           standing.at(static_cast<std::size_t>(rng.integer(0, static_cast<int>(standing.size()) - 1)));
-      const double angle = rng.uniform(0, kTurn);
+      const double angle = rng.uniform(0, kTwoPi);
       const double apart = friendly.reach_m + reach + kGap + std::abs(rng.normal(0, 0.03));
       at = friendly.at_m + apart * Eigen::Vector2d(std::cos(angle), std::sin(angle));
     }
@@ -128,7 +128,7 @@ Standing* find_support(std::vector<Standing>& standing, double reach) {
 
 void put_on_top(RandomScene& scene, const TableTop& top, const Object& object, Standing& support) {
   const double z = support.surfaces.back().z_m;
-  const double yaw = scene.rng().uniform(0, kTurn);
+  const double yaw = scene.rng().uniform(0, kTwoPi);
   scene.put(object.model, object.kind,
             top.world_T_surface * upright(support.at_m.x(), support.at_m.y(), z, yaw));
   support.carries = true;
@@ -143,7 +143,7 @@ void put_object(RandomScene& scene, const RandomWorldParams& params, const Table
       return put_on_top(scene, top, object, *support);
   Eigen::Vector2d at(0, 0);
   if (!find_place(rng, params, top, standing, object.reach_m, at)) return;
-  const double yaw = rng.uniform(0, kTurn);
+  const double yaw = rng.uniform(0, kTwoPi);
   scene.put(object.model, object.kind, top.world_T_surface * upright(at.x(), at.y(), 0, yaw));
   standing.push_back({at, object.reach_m, object.model.surfaces});
 }

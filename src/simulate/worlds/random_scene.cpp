@@ -137,7 +137,7 @@ RandomScene::RandomScene(std::string name, std::uint64_t seed) : rng_(seed) {
 }
 
 void RandomScene::put(const ObjectModel& model, const std::string& kind, const Pose& world_T_object) {
-  // Numbers run over all objects, so that a name is unique whatever its kind.
+  // Numbers run over all objects, so that names are unique.
   world_.bodies.push_back(
       place(model, kind + "_" + std::to_string(world_.bodies.size() + 1), world_T_object));
 }

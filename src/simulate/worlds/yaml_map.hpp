@@ -76,9 +76,9 @@ class YamlMap {
   /// Maps in a list; an absent list is empty.
   [[nodiscard]] std::vector<YamlMap> maps(const std::string& key);
 
-  /// Refuses keys that nobody read (with the most similar known one as a hint) and keys given twice.
+  /// Refuses keys that were not read (with the most similar known one as a hint) and keys given twice.
   void refuse_unknown();
-  /// Accepts a key that somebody else reads.
+  /// Accepts a key that is read elsewhere.
   void expect(const std::string& key) { known_.push_back(key); }
   void problem(const std::string& key, const std::string& what);
   [[nodiscard]] int line(const std::string& key = "") const;
@@ -104,7 +104,7 @@ class YamlMap {
 /// The content of a node for a message, shortened.
 [[nodiscard]] std::string shown(const YAML::Node& node);
 
-/// A finite number written as in the "C" locale, whatever the locale.
+/// A finite number written as in the "C" locale.
 [[nodiscard]] std::optional<double> as_number(const YAML::Node& node);
 
 }  // namespace extperfc::simulate::worlds

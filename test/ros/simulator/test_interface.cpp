@@ -1,4 +1,4 @@
-// Topics, types, frames and rates; nothing is made that nobody listens to; pointers instead of copies.
+// Topics, types, frames and rates; outputs without subscribers are not computed; pointers instead of copies.
 #include <map>
 
 #include <nav_msgs/Odometry.h>
@@ -193,7 +193,7 @@ class SensorDiagnostics {
   Inbox<diagnostic_msgs::DiagnosticArray> inbox_{"/diagnostics"};
 };
 
-TEST_F(SimulatorTest, NothingIsRenderedUnlessSomebodyListens) {
+TEST_F(SimulatorTest, NothingIsRenderedWithoutSubscribers) {
   SensorDiagnostics camera("camera");
   const SensorDiagnostics lidar("lidar");
   load(small_simulation());

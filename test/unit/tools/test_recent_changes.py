@@ -59,8 +59,8 @@ class RecentChanges(unittest.TestCase):
         self.assertEqual(["arm", "scan"], recent_changes.modules_of(names))
 
     def test_every_unchanged_module_has_its_day(self):
-        turns = {recent_changes.in_rotation(["a", "b", "c"], ["b"], day) for day in range(4)}
-        self.assertEqual({"a", "c"}, turns)
+        chosen = {recent_changes.in_rotation(["a", "b", "c"], ["b"], day) for day in range(4)}
+        self.assertEqual({"a", "c"}, chosen)
         self.assertIsNone(recent_changes.in_rotation(["b"], ["b"], 1))
 
     def test_a_changed_header_has_its_source_read(self):

@@ -99,8 +99,8 @@ class Choosing(unittest.TestCase):
         tests = [Test("unit/a", "unit", None, True, False), Test("system/b", "system", None, False, True),
                  Test("system/d", "system", None, False, False), Test("sanitize/c", "sanitize", None, False, True)]
 
-        def names(words, with_long):
-            return [t.name[-1] for t in chosen(tests, words, with_long)]
+        def names(patterns, with_long):
+            return [t.name[-1] for t in chosen(tests, patterns, with_long)]
         self.assertEqual(["a", "d"], names([], False))
         self.assertEqual(["a", "b", "d", "c"], names([], True))
         self.assertEqual(["d"], names(["system"], False))

@@ -175,7 +175,7 @@ TEST(MapFile, DescriptionsAreChecked) {
   expect_contains(complaint(folder, replaced(kDescription, "-2", "[]"), pgm), "'origin'");
   expect_contains(complaint(folder, replaced(kDescription, "negate: 0", "negate: 2"), pgm), "'negate'");
   expect_contains(complaint(folder, replaced(kDescription, "0.196", "0.7"), pgm), "free_thresh");
-  expect_contains(complaint(folder, std::string(kDescription) + "mode: grey\n", pgm), "'mode' is none of");
+  expect_contains(complaint(folder, std::string(kDescription) + "mode: grey\n", pgm), "'mode' must be");
   expect_contains(complaint(folder, "image: [m.pgm\n", pgm), "m.yaml line");
   expect_contains(complaint(folder, "just text", pgm), "not a map's description");
   expect_contains(complaint(folder, "", pgm), "not a map's description");
