@@ -57,7 +57,7 @@ Result<void> validate(const OccupancyGrid& map) {
   const bool finite =
       std::isfinite(map.origin.x) && std::isfinite(map.origin.y) && std::isfinite(map.origin.yaw);
   if (!finite || !std::isfinite(map.resolution_m) || map.resolution_m <= 0)
-    return fail(ErrorCode::kInvalidArgument, "the map's origin or resolution is no usable number");
+    return fail(ErrorCode::kInvalidArgument, "the map's origin or resolution is not a usable number");
   return {};
 }
 

@@ -27,7 +27,7 @@ struct ObjectFitParams {
   double tilt_sigma_rad{0.02};  ///< standard deviation of the support's normal against `up`, [1e-4, 0.3]
   double min_size_m{0.01};      ///< smallest edge, diameter or height of an object, > 0 [m]
   double max_size_m{0.40};      ///< largest one, > min_size_m [m]
-  int min_object_px{30};        ///< fewer pixels that stand out of the support are no object, >= 10
+  int min_object_px{30};        ///< fewer pixels above the support are not an object, >= 10
   int min_support_px{60};       ///< fewer pixels of the support around the box are none, >= 10
   double max_rms{3.0};          ///< largest spread about the shape, in standard deviations of the noise, > 1
   double min_fitting{0.6};      ///< fraction of the object's pixels that must lie on the shape, (0, 1]
@@ -53,7 +53,7 @@ struct ObjectFit {
 ///
 /// 1. Support: the plane with a normal near `up` that most pixels around the box lie on (RANSAC, Fischler and
 ///    Bolles 1981), then least squares with `up` as prior knowledge of the normal.
-/// 2. Object: the pixels of the box that stand out of the support.
+/// 2. Object: the pixels of the box that rise above the support.
 /// 3. Shape: least distances of these pixels from the surface of a sphere (x, y, radius), a cone (x, y,
 ///    radius, height) or a cube (x, y, edge, yaw; several starts) that stands on the support; Gauss-Newton
 ///    with Cauchy weights.
@@ -62,7 +62,7 @@ struct ObjectFit {
 /// for something else, or refused. `depth` is kDepth16Mm or kDepth32M, aligned to the image of `box`; `up`
 /// is a unit vector against gravity in the optical frame. Errors: kInvalidArgument for a parameter out of its
 /// range, another image format, an empty box or a zero `up`; kNotFound, with a reason in one line, when
-/// there is no depth, no support, nothing on it, or what stands there is not of this shape or size. Bounded
+/// there is no depth, no support, nothing on it, or the object is not of this shape or size. Bounded
 /// time: at most about 4,000 pixels are read; some 5 ms, a cube 10 ms. Thread-safe.
 [[nodiscard]] Result<ObjectFit> fit_object(const ImageView& depth, const CameraModel& camera, const Box2& box,
                                            FitShape shape, const Eigen::Vector3d& up,

@@ -41,11 +41,11 @@ Result<Eigen::Vector3d> surface_point(const ImageView& depth, const CameraModel&
   box_params.max_depth_m = params.max_depth_m;
   box_params.noise = params.noise;
   const auto found = estimate_depth(depth, box, box_params);
-  if (!found) return fail(ErrorCode::kNotFound, "the box holds no depth");
+  if (!found) return fail(ErrorCode::kNotFound, "no depth measurements in the box");
   return locate(camera, box, *found).surface;
 }
 
-/// Pixels of the box that stand out of the support, in the support's frame.
+/// Pixels of the box that rise above the support, in the support's frame.
 std::vector<fit::Sample> standing_out(const fit::Points& points, const fit::SupportPlane& support,
                                       const ObjectFitParams& params) {
   const Pose plane_T_camera = support.camera_T_plane.inverse();
@@ -68,7 +68,7 @@ Result<void> check_fit(FitShape shape, const fit::SolidFit& found, const ObjectF
                                           std::to_string(size.maxCoeff()) + " m large");
   if (found.fitting < params.min_fitting || found.rms > params.max_rms)
     return fail(ErrorCode::kNotFound,
-                std::string("what stands there does not look like a ") + name_of(shape) + ": " +
+                std::string("the object does not match a ") + name_of(shape) + ": " +
                     std::to_string(static_cast<int>(100 * found.fitting)) + " % of its pixels fit");
   return {};
 }
@@ -134,11 +134,11 @@ Result<ObjectFit> fit_object(const ImageView& depth, const CameraModel& camera, 
   if (!anchor) return tl::unexpected<Error>(anchor.error());
   const fit::Points points = fit::gather(depth, camera, box, *anchor, params);
   const auto support = fit::find_support(points, up, *anchor, params);
-  if (!support) return fail(ErrorCode::kNotFound, "no level support is seen around the box");
+  if (!support) return fail(ErrorCode::kNotFound, "no level support found around the box");
   const auto samples = standing_out(points, *support, params);
   if (static_cast<int>(samples.size()) < params.min_object_px)
     return fail(ErrorCode::kNotFound,
-                "only " + std::to_string(samples.size()) + " pixels stand out of the support");
+                "only " + std::to_string(samples.size()) + " pixels rise above the support");
   const fit::SolidFit found = fit::fit_solid(shape, samples, points.independent);
   if (auto good = check_fit(shape, found, params); !good) return tl::unexpected<Error>(good.error());
   const double shared = std::sqrt(params.noise.common_fraction) * params.noise.sigma(anchor->z());

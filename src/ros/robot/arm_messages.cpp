@@ -52,14 +52,14 @@ Result<simulate::ArmCommand> from_message(const JointCommand& message, simulate:
     return refuse("mode " + std::to_string(message.mode) +
                   " is unknown: use 1 (position), 2 (velocity), 3 (torque) or 4 (raw position)");
   command.mode = *mode;
-  if (message.names.empty()) return refuse("it names no joint");
+  if (message.names.empty()) return refuse("no joint is named");
   if (message.names.size() != message.command.size())
     return refuse("it has " + std::to_string(message.names.size()) + " names and " +
                   std::to_string(message.command.size()) + " values; give one value per name");
   for (std::size_t i = 0; i < message.names.size(); ++i) {
     const auto joint = joint_index(message.names[i], side);
     if (!joint)
-      return refuse("'" + message.names[i] + "' is no joint of this arm; its joints are " +
+      return refuse("'" + message.names[i] + "' is not a joint of this arm; its joints are " +
                     robot_names::joint(side, 0) + " to " + robot_names::joint(side, kArmJoints - 1));
     if (command.values[*joint]) return refuse(message.names[i] + " is given twice");
     if (!std::isfinite(message.command[i]))

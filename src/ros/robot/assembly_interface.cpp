@@ -42,7 +42,7 @@ void AssemblyInterface::on_reset(const std_msgs::EmptyConstPtr& /*message*/) {
 
 void AssemblyInterface::hand_over(const char* topic, std::function<void(simulate::Simulator&)> work) {
   if (!host_.post(std::move(work)))
-    complaints_.report(std::string(topic) + ": the simulation takes no commands now");
+    complaints_.report(std::string(topic) + ": the simulation accepts no commands now");
 }
 
 }  // namespace extperfc

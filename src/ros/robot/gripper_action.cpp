@@ -52,7 +52,7 @@ GripperAction::GripperAction(const ros::NodeHandle& handle, SimHost& host, simul
 
 void GripperAction::on_goal(const Goal& goal) {
   if (!host_.post([this, goal](simulate::Simulator& simulator) { begin(goal, simulator); }))
-    Goal(goal).setRejected({}, "the simulation takes no commands now");
+    Goal(goal).setRejected({}, "the simulation accepts no commands now");
 }
 
 void GripperAction::on_cancel(const Goal& goal) {

@@ -39,7 +39,7 @@ void GripperInterface::on_command(const baxter_core_msgs::EndEffectorCommandCons
     if (auto taken = simulator.command_gripper(side_, command); !taken) return refuse(taken.error().message);
     last_ = message;
   });
-  if (!posted) refuse("the simulation takes no commands now");
+  if (!posted) refuse("the simulation accepts no commands now");
 }
 
 void GripperInterface::on_properties(const baxter_core_msgs::EndEffectorPropertiesConstPtr& message) {

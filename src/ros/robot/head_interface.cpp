@@ -33,7 +33,7 @@ void HeadInterface::on_pan(const baxter_core_msgs::HeadPanCommandConstPtr& messa
       message->speed_ratio > HeadPanCommand::MAX_SPEED_RATIO)
     return complaints_.report("robot/head/command_head_pan: speed_ratio is outside [0, 1]: ignored");
   if (!host_.post([this, message](simulate::Simulator& simulator) { pan(simulator, *message); }))
-    complaints_.report("robot/head/command_head_pan: the simulation takes no commands now");
+    complaints_.report("robot/head/command_head_pan: the simulation accepts no commands now");
 }
 
 void HeadInterface::pan(simulate::Simulator& simulator, const HeadPanCommand& command) {
@@ -48,7 +48,7 @@ void HeadInterface::pan(simulate::Simulator& simulator, const HeadPanCommand& co
 void HeadInterface::on_nod(const std_msgs::BoolConstPtr& message) {
   if (!message->data) return;
   if (!host_.post([](simulate::Simulator& simulator) { simulator.command_head_nod(); }))
-    complaints_.report("robot/head/command_head_nod: the simulation takes no commands now");
+    complaints_.report("robot/head/command_head_nod: the simulation accepts no commands now");
 }
 
 }  // namespace extperfc

@@ -25,7 +25,7 @@ void JointStatePublisher::on_rate(const std_msgs::UInt16ConstPtr& message) {
                             " Hz is outside [1, 1000]: the rate stays");
   const double rate_hz = message->data;
   if (!host_.post([this, rate_hz](simulate::Simulator&) { ticker_ = Ticker(rate_hz); }))
-    complaints_.report("robot/joint_state_publish_rate: the simulation takes no commands now");
+    complaints_.report("robot/joint_state_publish_rate: the simulation accepts no commands now");
 }
 
 }  // namespace extperfc

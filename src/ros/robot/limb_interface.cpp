@@ -75,7 +75,7 @@ void LimbInterface::refuse(const std::string& leaf, const std::string& why) {
 }
 
 void LimbInterface::hand_over(const std::string& leaf, std::function<void(simulate::Simulator&)> work) {
-  if (!host_.post(std::move(work))) refuse(leaf, "the simulation takes no commands now");
+  if (!host_.post(std::move(work))) refuse(leaf, "the simulation accepts no commands now");
 }
 
 }  // namespace extperfc

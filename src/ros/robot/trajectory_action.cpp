@@ -24,7 +24,7 @@ TrajectoryAction::TrajectoryAction(const ros::NodeHandle& handle, SimHost& host,
 
 void TrajectoryAction::on_goal(const Goal& goal) {
   if (host_.post([this, goal](simulate::Simulator& simulator) { begin(goal, simulator); })) return;
-  const TrajectoryEnd end{TrajectoryCode::kInvalidGoal, "the simulation takes no commands now"};
+  const TrajectoryEnd end{TrajectoryCode::kInvalidGoal, "the simulation accepts no commands now"};
   Goal(goal).setRejected(convert::to_message(end), end.message);
 }
 

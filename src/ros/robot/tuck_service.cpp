@@ -37,7 +37,7 @@ bool TuckService::serve(std_srvs::SetBool::Request& request, std_srvs::SetBool::
   auto answer = job->answer.get_future();
   response.success = false;
   if (!host_.post([this, job](simulate::Simulator& simulator) { begin(job, simulator); })) {
-    response.message = "the simulation takes no commands now";
+    response.message = "the simulation accepts no commands now";
     return true;
   }
   // The simulation may be paused, for however long, or end.

@@ -178,7 +178,7 @@ void ObjectReader::read_wall(YamlMap& map, const Group& group) {
   for (std::size_t i = 0; i < segment_count(wall); ++i)
     if (segment_length_m(wall, i) < wall.thickness_m)
       map.problem("path", "section " + std::to_string(i + 1) +
-                              " is shorter than the wall is thick: take a point out");
+                              " is shorter than the wall is thick: remove a point");
   for (YamlMap& opening : openings) {
     read_opening(opening, wall);
     read_opening_door(opening, wall, group);
@@ -239,7 +239,7 @@ void ObjectReader::rest_on(YamlMap& map, const Support& support, Pose& world_T_o
   const Eigen::Vector3d local = support.world_T_support.inverse() * world_T_object.translation();
   const Eigen::Vector2d off = (local.head<2>() - support.surface.centre_m).cwiseAbs();
   if ((off - support.surface.half_m).maxCoeff() > 0)
-    map.problem("at", "is not above \"" + support.name + "\": choose a point on it, or take `on` out");
+    map.problem("at", "is not above \"" + support.name + "\": choose a point on it, or remove `on`");
   world_T_object.translation().z() = support.world_T_support.translation().z() + support.surface.z_m;
 }
 

@@ -103,7 +103,7 @@ void check_path(const WorldSpec& world, const std::vector<Outline>& fixed, const
       if (const Outline* hit = near(fixed, point, kPersonRadius))
         return problems.add(origin.line, origin.key_path,
                             "\"" + person.name + "\" walks into \"" + hit->object->body.name + "\" near " +
-                                text_of(point) + ": lead the path around it");
+                                text_of(point) + ": route the path around it");
     }
   }
 }

@@ -106,7 +106,7 @@ Result<WorldSpec> parse_world(const std::string& yaml, const std::string& source
 } catch (const YAML::Exception& error) {
   Problems problems(source_name);
   problems.add(error.mark.is_null() ? 0 : error.mark.line + 1, "",
-               "not YAML: " + error.msg + ": mend this line");
+               "not YAML: " + error.msg + ": correct this line");
   return fail(ErrorCode::kCorrupt, problems.to_error().message);
 }
 

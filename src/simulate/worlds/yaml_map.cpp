@@ -232,7 +232,7 @@ void YamlMap::refuse_unknown() {
     const std::string full = path_.empty() ? key : path_ + "." + key;
     const bool known = std::find(known_.begin(), known_.end(), key) != known_.end();
     if (!known)
-      problems_->add(line_of(entry.first), full, "unknown key: take it out" + hint_for(key, known_));
+      problems_->add(line_of(entry.first), full, "unknown key: remove it" + hint_for(key, known_));
     if (!seen.insert(key).second) problems_->add(line_of(entry.first), full, "is there twice: keep one");
   }
 }

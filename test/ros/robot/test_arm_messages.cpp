@@ -44,7 +44,7 @@ TEST(ArmMessages, WrongCommandsAreRefusedByName) {
       {joint_command(1, {"left_s0"}, {}), "1 names and 0 values"},
       {joint_command(1, {"left_s0"}, {1, 2}), "1 names and 2 values"},
       {joint_command(1, {"right_s0"}, {0}),
-       "'right_s0' is no joint of this arm; its joints are left_s0 to left_w2"},
+       "'right_s0' is not a joint of this arm; its joints are left_s0 to left_w2"},
       {joint_command(1, {"left_s0", "left_s0"}, {0, 0}), "left_s0 is given twice"},
       {joint_command(1, {"left_s0", "left_w0"}, {0, nan}), "left_w0 has a value that is not finite"}};
   for (const auto& [message, why] : wrong) {

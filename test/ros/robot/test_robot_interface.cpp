@@ -209,7 +209,7 @@ TEST_F(RobotTest, CommandsWithoutASimulationAreRefusedAloud) {
   host_.close();
   EXPECT_TRUE(wait_for([&] {  // until the log is connected
     enable.publish(make_bool(false));
-    return log_.count("robot/set_super_enable: the simulation takes no commands now") > 0;
+    return log_.count("robot/set_super_enable: the simulation accepts no commands now") > 0;
   })) << log_.text();
   EXPECT_TRUE(simulator_.robot_state().enabled);
 }

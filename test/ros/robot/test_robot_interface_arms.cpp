@@ -116,7 +116,7 @@ TEST_F(ArmsTest, WrongCommandsAreIgnoredAndNamed) {
   const auto wrong = joint_command(JointCommand::RAW_POSITION_MODE, {"left_s0", "right_s1"}, {1.0, 0.0});
   EXPECT_TRUE(wait_for([&] {  // until the log is connected
     left_.publish(wrong);
-    return log_.count("robot/limb/left/joint_command is ignored: 'right_s1' is no joint of this arm") > 0;
+    return log_.count("robot/limb/left/joint_command is ignored: 'right_s1' is not a joint of this arm") > 0;
   })) << log_.text();
   host_.advance(0.1);
   EXPECT_EQ(positions(Side::kLeft), before) << "nothing of a wrong command is done";

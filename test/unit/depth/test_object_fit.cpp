@@ -161,7 +161,7 @@ TEST(ObjectFit, ReportsWhyThereIsNothing) {
     return fit ? std::string() : fit.error().message;
   };
   const DepthImage empty(640, 480);
-  EXPECT_EQ(reason(empty.view(), view.box, object.shape), "the box holds no depth");
+  EXPECT_EQ(reason(empty.view(), view.box, object.shape), "no depth measurements in the box");
   // Beside the object is nothing but the table.
   Box2 beside = view.box;
   const float shift = beside.x_min > 320 ? -2.5F * beside.width() : 2.5F * beside.width();
@@ -169,7 +169,7 @@ TEST(ObjectFit, ReportsWhyThereIsNothing) {
   beside.x_max += shift;
   EXPECT_NE(reason(view.depth.view(), beside, object.shape).find("pixels stand out"), std::string::npos);
   // A cube is no sphere and no cone.
-  EXPECT_NE(reason(view.depth.view(), view.box, FitShape::kSphere).find("does not look like a sphere"),
+  EXPECT_NE(reason(view.depth.view(), view.box, FitShape::kSphere).find("does not match a sphere"),
             std::string::npos);
   DepthImage wall(640, 480);
   wall.fill([](int, int) { return 0.5; });  // upright to the camera's axis: no level support
