@@ -41,7 +41,7 @@ struct Samples {
   [[nodiscard]] double pixels(double count) const { return count * step * step; }
 };
 
-/// The part of the box inside the image; nothing when it is not finite, has no area or lies outside.
+/// The part of the box inside the image; empty when it is not finite, has no area or lies outside.
 [[nodiscard]] std::optional<Box2> clip_box(const Box2& box, int width, int height);
 
 /// Square of `side` pixels around the centre of `box`, clipped to the image.

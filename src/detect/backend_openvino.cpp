@@ -33,7 +33,7 @@ ov::element::Type element_type(Precision precision) {
   return ov::element::f32;
 }
 
-/// A property of a compiled model; nothing when its device has no such property.
+/// A property of a compiled model; empty when its device has no such property.
 template <typename T, ov::PropertyMutability mutability>
 std::optional<T> property_of(const ov::CompiledModel& model, const ov::Property<T, mutability>& property) {
   try {

@@ -25,7 +25,7 @@ class ScoreRows {
         softmaxed_(spec.output.apply_softmax ? columns_ : 0U),
         margin_(min_logit(spec.thresholds.score)) {}
 
-  /// Scores of candidate `i`; nothing when none of them can reach the threshold.
+  /// Scores of candidate `i`; empty when none of them can reach the threshold.
   const float* row(int i) {
     const float* row = data_ + static_cast<std::size_t>(i) * columns_;
     if (softmaxed_.empty()) return row;

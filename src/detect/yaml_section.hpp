@@ -29,7 +29,7 @@ struct Range {
 };
 
 /// One map of a YAML file. Every read notes what is wrong, with the full key and the remedy, and returns a
-/// default then; a read without a fallback asks for a key that must be there. Nothing throws.
+/// default then; a read without a fallback asks for a key that must be there. Does not throw.
 class YamlSection {
  public:
   YamlSection(const YAML::Node& node, std::string path, Problems& problems);

@@ -99,7 +99,7 @@ void write_yaml(std::ostream& out, const OccupancyGrid& map, const std::string& 
       << "\nfree_thresh: " << thresholds.free << "\n\n";
 }
 
-/// Text of a key; nothing when it is not there. Kept apart from yaml-cpp's conversions, which throw.
+/// Text of a key; empty when it is not there. Kept apart from yaml-cpp's conversions, which throw.
 std::optional<std::string> text_of(const YAML::Node& node) {
   if (!node.IsDefined() || !node.IsScalar()) return std::nullopt;
   return node.Scalar();

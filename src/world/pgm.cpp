@@ -14,7 +14,7 @@ namespace fs = std::filesystem;
 constexpr unsigned kMaxGrey = 65535;
 constexpr unsigned kMaxByte = 255;
 
-/// The next number of a PNM text, over blanks and comments; nothing when another character comes first or the
+/// The next number of a PNM text, over blanks and comments; empty when another character comes first or the
 /// number is above `max_value`.
 std::optional<std::size_t> next_number(std::istream& in, std::size_t max_value) {
   int c = in.get();

@@ -30,7 +30,7 @@ class Arguments {
   [[nodiscard]] std::vector<std::string> all(const std::string& option) const;
   /// The last one given.
   [[nodiscard]] std::optional<std::string> last(const std::string& option) const;
-  /// The last one as a number in [low, high]; nothing when the option is not given.
+  /// The last one as a number in [low, high]; empty when the option is not given.
   [[nodiscard]] Result<std::optional<double>> number(const std::string& option, double low,
                                                      double high) const;
   /// As `count` numbers with commas between, e.g. "0.2,0,3.14".

@@ -32,14 +32,14 @@ class LatestSlot {
     return replaced.has_value();
   }
 
-  /// Waits for an item. Nothing means: closed.
+  /// Waits for an item. Empty: closed.
   [[nodiscard]] std::optional<T> take() {
     std::unique_lock lock(mutex_);
     ready_.wait(lock, [this] { return item_ || closed_; });
     return take_locked();
   }
 
-  /// Waits for an item, `timeout` at most. Nothing means: closed or timed out.
+  /// Waits for an item, `timeout` at most. Empty: closed or timed out.
   template <typename Duration>
   [[nodiscard]] std::optional<T> take_for(Duration timeout) {
     std::unique_lock lock(mutex_);

@@ -43,7 +43,7 @@ struct BoxDepth {
   double valid_fraction{0};  ///< valid pixels / pixels of the region looked at, [0, 1]
 };
 
-/// Depth of the object in `box`. Nothing when no valid estimate exists: the box lies outside the image, is
+/// Depth of the object in `box`. Empty when no valid estimate exists: the box lies outside the image, is
 /// not finite or has no area, or fewer than min_valid_px pixels are valid.
 ///
 /// `depth` is kDepth16Mm or kDepth32M, of the same size as the colour image that `box` refers to. Zeros,

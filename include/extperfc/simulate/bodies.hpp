@@ -45,7 +45,7 @@ struct JointTarget {
 /// - Friction and restitution of two bodies multiply. Fingers have 1.5, other links 0.6.
 /// - Meshes count as their convex hulls. Wheels (continuous joints) are part of the chassis and are where
 ///   commanded.
-/// - Loose bodies that rest for 2 s sleep, which costs nothing; what touches or moves something wakes them.
+/// - Loose bodies that rest for 2 s sleep, at no cost; what touches or moves something wakes them.
 class Bodies {
  public:
   /// `start_positions` has a value per joint of the robot. Errors: a parameter out of range, a loose body

@@ -52,7 +52,7 @@ struct GripperCommand {
   enum class Kind { kNoop, kGoTo, kStop, kCalibrate, kClearCalibration, kReset, kReboot, kConfigure };
   Kind kind{Kind::kNoop};
   double position_percent{100};  ///< 0 closed, 100 open
-  /// Nothing: unchanged. [0, 100] each, as in Baxter's parameters.
+  /// Empty: unchanged. [0, 100] each, as in Baxter's parameters.
   std::optional<double> velocity_percent, moving_force_percent, holding_force_percent, dead_zone_percent;
 };
 

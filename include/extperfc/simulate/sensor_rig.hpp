@@ -92,7 +92,7 @@ class SensorRig {
                                                                const WorldSpec& world, std::uint64_t seed);
   virtual ~SensorRig() = default;
 
-  /// Moves everything to where it is in the snapshot and updates the tree; what did not move costs nothing.
+  /// Moves everything to where it is in the snapshot and updates the tree; what did not move has no cost.
   virtual void pose(const Snapshot& snapshot) = 0;
 
   /// `images` keeps its memory from call to call; it is empty when the camera model is not valid. Pose: of

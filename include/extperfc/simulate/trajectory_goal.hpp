@@ -37,7 +37,7 @@ struct JointTolerance {
 struct TrajectoryGoal {
   std::vector<std::string> joints;      ///< every joint of the follower, in any order
   std::vector<TrajectoryPoint> points;  ///< times increase strictly
-  std::optional<double> start_s;        ///< on the caller's clock; nothing: at once
+  std::optional<double> start_s;        ///< on the caller's clock; empty: at once
   std::vector<JointTolerance> path_tolerance;
   std::vector<JointTolerance> goal_tolerance;
   double goal_time_tolerance_s{0};  ///< 0: the follower's default

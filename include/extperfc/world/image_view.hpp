@@ -28,7 +28,7 @@ enum class PixelFormat {
 /// Bytes of one pixel.
 [[nodiscard]] std::size_t bytes_per_pixel(PixelFormat format);
 
-/// The format of a ROS encoding string such as "rgb8" or "16UC1"; nothing when it is unknown.
+/// The format of a ROS encoding string such as "rgb8" or "16UC1"; empty when it is unknown.
 [[nodiscard]] std::optional<PixelFormat> pixel_format_from_encoding(std::string_view encoding);
 
 /// The ROS encoding string of a format.

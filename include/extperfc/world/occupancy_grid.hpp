@@ -30,7 +30,7 @@ struct OccupancyGrid {
   [[nodiscard]] std::int8_t at(std::size_t column, std::size_t row) const {
     return cells[row * width + column];
   }
-  /// The cell that holds a point of the map's frame [m]; nothing outside the grid.
+  /// The cell that holds a point of the map's frame [m]; empty outside the grid.
   [[nodiscard]] std::optional<Cell> cell_of(double x_m, double y_m) const;
   /// The middle of a cell in the map's frame; its yaw is the grid's.
   [[nodiscard]] Pose2 middle_of(Cell cell) const;

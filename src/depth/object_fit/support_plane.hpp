@@ -15,7 +15,7 @@ struct SupportPlane {
   int pixels{0};
 };
 
-/// The plane around the box; nothing when fewer than min_support_px pixels agree on one. `up` is a unit
+/// The plane around the box; empty when fewer than min_support_px pixels agree on one. `up` is a unit
 /// vector, `anchor` a point of the object's surface, both in the optical frame.
 [[nodiscard]] std::optional<SupportPlane> find_support(const Points& points, const Eigen::Vector3d& up,
                                                        const Eigen::Vector3d& anchor,

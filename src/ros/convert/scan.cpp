@@ -35,7 +35,7 @@ std::optional<scan::NumberType> number_type(std::uint8_t datatype) {
   }
 }
 
-/// Nothing when the cloud has no such field.
+/// Empty when the cloud has no such field.
 Result<std::optional<scan::CloudField>> find_field(const sensor_msgs::PointCloud2& message,
                                                    const std::string& name) {
   for (const auto& field : message.fields) {

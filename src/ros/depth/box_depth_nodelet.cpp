@@ -32,7 +32,7 @@ namespace extperfc {
 
 namespace {
 
-/// The shape of that name; nothing for other classes.
+/// The shape of that name; empty for other classes.
 std::optional<depth::FitShape> shape_of(const std::vector<std::string>& names, int class_index) {
   if (class_index < 0 || class_index >= static_cast<int>(names.size())) return std::nullopt;
   const std::string& name = names[static_cast<std::size_t>(class_index)];
@@ -313,7 +313,7 @@ void BoxDepthNodelet::locate(const Detection& detection, const ImageView& depth,
              : convert::to_message(detection, object, target_T_optical, header));
 }
 
-/// The shape that the depth image shows; nothing for other classes, and where the shape does not fit.
+/// The shape that the depth image shows; empty for other classes, and when the shape does not fit.
 std::optional<depth::ObjectFit> BoxDepthNodelet::fit(const Detection& detection, const ImageView& depth,
                                                      const CameraModel& camera,
                                                      const Eigen::Isometry3d& target_T_optical,

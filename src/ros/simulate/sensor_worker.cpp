@@ -18,7 +18,7 @@ double thread_cpu_seconds() {
   return static_cast<double>(t.tv_sec) + 1e-9 * static_cast<double>(t.tv_nsec);
 }
 
-/// A snapshot of one period ago, or nothing: time went back, or there were no subscribers meanwhile.
+/// A snapshot of one period ago; empty when time went back, or there were no subscribers meanwhile.
 std::shared_ptr<const simulate::Snapshot> if_recent(std::shared_ptr<const simulate::Snapshot> before,
                                                     double time_s, double rate_hz) {
   if (!before || before->time_s >= time_s || time_s - before->time_s > 1.5 / rate_hz) return nullptr;

@@ -14,7 +14,7 @@ namespace extperfc::simulate::worlds {
 /// Names of all textures, in the order of the enumeration.
 [[nodiscard]] std::vector<std::string> texture_names();
 
-/// sRGB of a named colour ("red"), nothing when the name is unknown.
+/// sRGB of a named colour ("red"), empty when the name is unknown.
 [[nodiscard]] std::optional<Eigen::Vector3f> colour_from_name(const std::string& name);
 [[nodiscard]] std::vector<std::string> colour_names();
 

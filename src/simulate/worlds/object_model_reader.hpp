@@ -10,7 +10,7 @@
 
 namespace extperfc::simulate::worlds {
 
-/// Furniture, objects and plain shapes by the name of their kind; nothing when there is no such kind.
+/// Furniture, objects and plain shapes by the name of their kind; empty when there is no such kind.
 /// config/worlds/README.md lists them with their keys.
 [[nodiscard]] std::optional<ObjectModel> read_object_model(const std::string& kind, YamlMap& map,
                                                            const MaterialReader& materials);

@@ -27,7 +27,7 @@ struct Heights {
 /// Convex polygon, counter-clockwise, without repeated points.
 using Polygon = std::vector<Eigen::Vector2d>;
 
-/// Vertical shadow of the part of a shape between two heights; nothing when it does not reach between them.
+/// Vertical shadow of the part of a shape between two heights; empty when it does not reach between them.
 /// Boxes are exact; round shapes are polygons of 32 corners around the outline (at most 0.5 % too large).
 [[nodiscard]] std::optional<Polygon> outline(const Geometry& geometry, const Pose& target_T_shape,
                                              double z_low_m, double z_high_m);

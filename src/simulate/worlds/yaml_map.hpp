@@ -49,7 +49,7 @@ inline constexpr Span kLength{1e-4, 1000};  ///< sizes [m]
 inline constexpr Span kFraction{0, 1};
 
 /// One map of a YAML file. Every read notes what is wrong, with line, key and remedy, and returns a default
-/// then; a read without a fallback asks for a key that must be there. Nothing throws.
+/// then; a read without a fallback asks for a key that must be there. Does not throw.
 class YamlMap {
  public:
   /// Anything but a map is a problem, and is read as an empty map.
@@ -71,7 +71,7 @@ class YamlMap {
   [[nodiscard]] Eigen::Vector3d place(const std::string& key);
   /// A list of [x, y] with at least `least` of them.
   [[nodiscard]] std::vector<Eigen::Vector2d> points(const std::string& key, std::size_t min_count);
-  /// The node itself, nothing when the key is absent.
+  /// The node itself, empty when the key is absent.
   [[nodiscard]] std::optional<YAML::Node> node(const std::string& key);
   /// Maps in a list; an absent list is empty.
   [[nodiscard]] std::vector<YamlMap> maps(const std::string& key);
@@ -98,7 +98,7 @@ class YamlMap {
   std::vector<std::string> known_;
 };
 
-/// ", did you mean ...?" when one of `known` is at most two edits away from `name`, else nothing.
+/// ", did you mean ...?" when one of `known` is at most two edits away from `name`, else empty.
 [[nodiscard]] std::string hint_for(const std::string& name, const std::vector<std::string>& known);
 
 /// The content of a node for a message, shortened.
