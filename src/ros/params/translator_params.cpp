@@ -302,11 +302,11 @@ void read_bridging(GroupReader& groups, BridgeParams& bridge) {
     static const NamedValues<Directions> one_direction{{"robot_to_workstation", Directions::kRobotToWorkstation},
                                                  {"workstation_to_robot", Directions::kWorkstationToRobot}};
     reader.read("bridge", bridge.clock);
-    read_word(reader, handle, "direction", bridge.clock_direction, one_direction);
+    read_named(reader, handle, "direction", bridge.clock_direction, one_direction);
   });
   groups.group("rosout", [&](ParamReader& reader, Handle handle) {
     reader.read("bridge", bridge.rosout);
-    read_word(reader, handle, "min_level", bridge.rosout_min_level, levels());
+    read_named(reader, handle, "min_level", bridge.rosout_min_level, levels());
   });
   groups.group("clocks",
                [&](ParamReader& reader, Handle handle) { read_clocks(reader, handle, bridge.clocks); });
