@@ -52,7 +52,8 @@ TEST_F(ListeningDetectorTest, AnnotatesOnlyOnDemand) {
         return viewer.count() > 0;
       }));
   annotated = viewer.all().front();
-  EXPECT_EQ(annotated->header.stamp, ros::Time(11, 0)) << "the image of before was drawn without a subscriber";
+  EXPECT_EQ(annotated->header.stamp, ros::Time(11, 0))
+      << "the image of before was drawn without a subscriber";
   EXPECT_EQ(annotated->header.frame_id, kFrame);
   EXPECT_EQ(annotated->encoding, "bgr8");
   EXPECT_NE(annotated->data, before) << "nothing was drawn";

@@ -92,8 +92,9 @@ struct PlanarOdometry {
   const Pose2& move(const Pose2& step, Rng& rng) {
     const double distance_m = std::hypot(step.x, step.y);
     const double stretch = 1 + scale + rng.normal(0, sigma_m_per_m);
-    const double yaw = veer_rad_per_m * distance_m +
-                       rng.normal(0, 1) * (sigma_rad_per_m * distance_m + sigma_rad_per_rad * std::abs(step.yaw));
+    const double yaw =
+        veer_rad_per_m * distance_m +
+        rng.normal(0, 1) * (sigma_rad_per_m * distance_m + sigma_rad_per_rad * std::abs(step.yaw));
     pose = compose(pose, {step.x * stretch, step.y * stretch, step.yaw + yaw});
     return pose;
   }

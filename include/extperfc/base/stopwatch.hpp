@@ -27,8 +27,8 @@ class Stopwatch {
   return static_cast<double>(t.tv_sec) + 1e-9 * static_cast<double>(t.tv_nsec);
 }
 
-/// CPU time of the calling thread since construction: the cost of a piece of work, independent of other users of the
-/// machine.
+/// CPU time of the calling thread since construction: the cost of a piece of work, independent of other users
+/// of the machine.
 class CpuStopwatch {
  public:
   [[nodiscard]] double seconds() const { return now() - start_; }

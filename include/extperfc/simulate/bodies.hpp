@@ -40,7 +40,8 @@ struct JointTarget {
 /// links push loose bodies and a gripper's fingers stop when both touch one loose body, which then is
 /// carried; in dynamic mode each arm is a btMultiBody with a motor per joint. In both modes:
 /// - The robot's links meet the world, not each other.
-/// - A gripper holds what both pads touch from inside while it is commanded to close, and lets go when it is commanded
+/// - A gripper holds what both pads touch from inside while it is commanded to close, and lets go when it is
+/// commanded
 ///   to open by more than 0.5 mm. Fingers move with 0.15 m/s at most.
 /// - Friction and restitution of two bodies multiply. Fingers have 1.5, other links 0.6.
 /// - Meshes count as their convex hulls. Wheels (continuous joints) are part of the chassis and are where

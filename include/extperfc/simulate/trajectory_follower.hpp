@@ -76,8 +76,8 @@ class TrajectoryFollower {
   std::vector<FollowedJoint> joints_;
   TrajectoryFollowerParams params_;
   Phase phase_{Phase::kIdle};
-  JointSpline spline_;    ///< times on the caller's clock
-  JointMotion brake_;  ///< where slowing down begins
+  JointSpline spline_;  ///< times on the caller's clock
+  JointMotion brake_;   ///< where slowing down begins
   double brake_start_s_{0};
   double start_s_{0};  ///< of the goal; before it brake_ holds
   bool begun_{false};  ///< the start was judged

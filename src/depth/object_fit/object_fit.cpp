@@ -67,9 +67,9 @@ Result<void> check_fit(FitShape shape, const fit::SolidFit& found, const ObjectF
     return fail(ErrorCode::kNotFound, std::string("as a ") + name_of(shape) + " it would be " +
                                           std::to_string(size.maxCoeff()) + " m large");
   if (found.fitting < params.min_fitting || found.rms > params.max_rms)
-    return fail(ErrorCode::kNotFound,
-                std::string("the object does not match a ") + name_of(shape) + ": " +
-                    std::to_string(static_cast<int>(100 * found.fitting)) + " % of its pixels fit");
+    return fail(ErrorCode::kNotFound, std::string("the object does not match a ") + name_of(shape) + ": " +
+                                          std::to_string(static_cast<int>(100 * found.fitting)) +
+                                          " % of its pixels fit");
   return {};
 }
 

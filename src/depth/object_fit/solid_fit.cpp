@@ -46,8 +46,8 @@ struct Sums {
   Numbers right;
 };
 
-/// What follows from the lateral extent of the samples: how wide a sphere is, or a cone at the height of the lowest
-/// samples.
+/// What follows from the lateral extent of the samples: how wide a sphere is, or a cone at the height of the
+/// lowest samples.
 struct Silhouette {
   double radius_m{0};  // 0: a cube, whose silhouette depends on its yaw
   double height_m{0};

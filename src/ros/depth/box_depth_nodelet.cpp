@@ -77,8 +77,7 @@ std::optional<depth::FitShape> shape_of(const std::vector<std::string>& names, i
 ///   timeout_s           silence after which diagnostics warn [s]                    5, [0.1, 3600]
 /// Frames: needs optical frame -> target_frame at the image's stamp when target_frame is set.
 /// Diagnostics: rates, latency, how images arrive, boxes without depth, results without a matching image;
-/// ERROR while
-///   inputs do not fit together (sizes, encodings, stamps, transforms).
+///   ERROR while inputs do not fit together (sizes, encodings, stamps, transforms).
 /// Threads: callbacks only match stamps; one worker computes. The newest matched pair replaces a waiting one.
 class BoxDepthNodelet : public nodelet::Nodelet {
  public:

@@ -149,9 +149,9 @@ void read_depth(ParamReader& reader, const ros::NodeHandle& handle, DepthObstacl
 void read_shapes(ParamReader& reader, const ros::NodeHandle& handle,
                  std::map<std::string, arm::UprightKind>& shapes) {
   const NamedValues<arm::UprightKind> words{{"box", arm::UprightKind::kBox},
-                                      {"sphere", arm::UprightKind::kSphere},
-                                      {"cylinder", arm::UprightKind::kCylinder},
-                                      {"cone", arm::UprightKind::kCone}};
+                                            {"sphere", arm::UprightKind::kSphere},
+                                            {"cylinder", arm::UprightKind::kCylinder},
+                                            {"cone", arm::UprightKind::kCone}};
   reader.accept("shapes");
   XmlRpc::XmlRpcValue given;
   if (!handle.getParam("shapes", given)) return;
@@ -187,10 +187,10 @@ void read_objects(ParamReader& reader, const ros::NodeHandle& handle, ObjectMoni
 void read_grippers(ParamReader& reader, const ros::NodeHandle& handle, ArmNodeParams& params) {
   const auto set = [](GripperParams& gripper, const std::string& key, const Entry& entry) -> Result<void> {
     const NamedValues<std::string*> fields{{"name", &gripper.name},
-                                     {"group", &gripper.group},
-                                     {"tip", &gripper.tip},
-                                     {"finger_joint", &gripper.finger_joint},
-                                     {"action", &gripper.action}};
+                                           {"group", &gripper.group},
+                                           {"tip", &gripper.tip},
+                                           {"finger_joint", &gripper.finger_joint},
+                                           {"action", &gripper.action}};
     const auto field = fields.find(key);
     if (field == fields.end())
       return fail(ErrorCode::kInvalidArgument,

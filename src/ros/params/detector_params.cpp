@@ -57,7 +57,8 @@ void store_class_names(const ros::NodeHandle& private_handle, const std::vector<
 std::vector<std::string> load_class_names(const std::string& location) {
   std::vector<std::string> names;
   std::string why_not;
-  // VisionInfo leaves the form of the location open: a file or a web address is no parameter name and would throw.
+  // VisionInfo leaves the form of the location open: a file or a web address is no parameter name and would
+  // throw.
   if (location.empty() || !ros::names::validate(location, why_not)) return names;
   ros::param::get(location, names);
   return names;

@@ -33,8 +33,8 @@ constexpr double kMaxBytes = 2147483647.0;  // of a 32-bit parameter
 
 const NamedValues<Directions>& directions() {
   static const NamedValues<Directions> words{{"both", Directions::kBoth},
-                                       {"robot_to_workstation", Directions::kRobotToWorkstation},
-                                       {"workstation_to_robot", Directions::kWorkstationToRobot}};
+                                             {"robot_to_workstation", Directions::kRobotToWorkstation},
+                                             {"workstation_to_robot", Directions::kWorkstationToRobot}};
   return words;
 }
 const NamedValues<Priority>& priorities() {
@@ -299,8 +299,9 @@ void read_bridging(GroupReader& groups, BridgeParams& bridge) {
     read_prefixes(reader, handle, "workstation_to_robot", bridge.params_workstation_to_robot);
   });
   groups.group("clock", [&](ParamReader& reader, Handle handle) {
-    static const NamedValues<Directions> one_direction{{"robot_to_workstation", Directions::kRobotToWorkstation},
-                                                 {"workstation_to_robot", Directions::kWorkstationToRobot}};
+    static const NamedValues<Directions> one_direction{
+        {"robot_to_workstation", Directions::kRobotToWorkstation},
+        {"workstation_to_robot", Directions::kWorkstationToRobot}};
     reader.read("bridge", bridge.clock);
     read_named(reader, handle, "direction", bridge.clock_direction, one_direction);
   });

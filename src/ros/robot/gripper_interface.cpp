@@ -45,7 +45,7 @@ void GripperInterface::on_command(const baxter_core_msgs::EndEffectorCommandCons
 void GripperInterface::on_properties(const baxter_core_msgs::EndEffectorPropertiesConstPtr& message) {
   if (message->ui_type > EndEffectorProperties::PASSIVE_GRIPPER)
     return complaints_.report(robot_names::gripper(side_, "rsdk/set_properties") + " is ignored: ui_type " +
-                            std::to_string(message->ui_type) + " must be 0 to 3");
+                              std::to_string(message->ui_type) + " must be 0 to 3");
   properties_publisher_.publish(message);
 }
 

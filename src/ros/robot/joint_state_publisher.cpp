@@ -22,7 +22,7 @@ void JointStatePublisher::after_step(const simulate::Simulator& simulator, const
 void JointStatePublisher::on_rate(const std_msgs::UInt16ConstPtr& message) {
   if (message->data < 1 || message->data > 1000)
     return complaints_.report("robot/joint_state_publish_rate: " + std::to_string(message->data) +
-                            " Hz is outside [1, 1000]: the rate stays");
+                              " Hz is outside [1, 1000]: the rate stays");
   const double rate_hz = message->data;
   if (!host_.post([this, rate_hz](simulate::Simulator&) { ticker_ = Ticker(rate_hz); }))
     complaints_.report("robot/joint_state_publish_rate: the simulation accepts no commands now");

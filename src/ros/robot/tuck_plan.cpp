@@ -44,7 +44,8 @@ std::vector<ArmValues> path_of(bool tuck, const ArmValues& from, Side side) {
 
 /// Of a cubic from rest to rest: its greatest speed is 1.5 d / t, its greatest acceleration 6 d / t^2.
 double duration(double distance_rad, const TuckSpeed& speed) {
-  return std::max({kShortestMove, 1.5 * distance_rad / speed.velocity_rad_s, std::sqrt(6 * distance_rad / speed.accel_rad_s2)});
+  return std::max({kShortestMove, 1.5 * distance_rad / speed.velocity_rad_s,
+                   std::sqrt(6 * distance_rad / speed.accel_rad_s2)});
 }
 
 simulate::TrajectoryPoint at_rest(double time_s, const ArmValues& pose) {

@@ -28,9 +28,8 @@ namespace extperfc {
 /// floor and the robot itself.
 ///
 /// Subscribes (only while one of the scans has subscribers):
-///   velodyne_points   sensor_msgs/PointCloud2 with x, y, z; intensity, ring and time, t or timestamp where
-///   they
-///                     are there; any number type, byte order and padding, organised or not
+///   velodyne_points   sensor_msgs/PointCloud2 with x, y, z; intensity, ring and time, t or timestamp
+///                     are used if present; any number type, byte order and padding, organised or not
 ///   imu/data          sensor_msgs/Imu with an orientation; with level: imu only
 /// Publishes (stamp of the cloud, frame target_frame):
 ///   scan              sensor_msgs/LaserScan for maps: per ray the nearest surface that two rings agree on
@@ -42,8 +41,7 @@ namespace extperfc {
 ///   target_frame           frame of the scan, of heights and of ranges          "": the cloud's
 ///   fixed_frame            points are deskewed by the motion in it, e.g. odom   "": no deskewing
 ///   deskew                 false: fixed_frame serves for the vertical only      true
-///   azimuth_times          none | end | start: times of a VLP-16's points from their azimuth, where the
-///   cloud
+///   azimuth_times          none | end | start: times of a VLP-16's points from their azimuth, if the cloud
 ///                          has no times; the stamp is that of the end or the start of the revolution   none
 ///   level                  none | tf (upwards in fixed_frame) | imu: removes roll and pitch of
 ///                          target_frame                                         tf
@@ -69,10 +67,9 @@ namespace extperfc {
 ///   ground_band_m, ground_inlier_m, ground_max_iterations, ground_min_points, ground_seed
 ///                          of the plane, see extperfc/scan/ground.hpp           0.3, 0.03, 100, 100, 1
 ///   timeout_s              silence after which diagnostics warn [s]             5, [0.1, 3600]
-/// Frames: needs cloud frame -> target_frame at the cloud's stamp when target_frame is set. Wants
-/// target_frame
-///   -> fixed_frame over the sweep, the IMU's frame and the frames of self_volumes; without them the scan
-///   comes all the same, and diagnostics warn.
+/// Frames: needs cloud frame -> target_frame at the cloud's stamp when target_frame is set. Uses
+///   target_frame -> fixed_frame over the sweep, the IMU's frame and the frames of self_volumes; without them
+///   the scan is published all the same, and diagnostics warn.
 /// Diagnostics: rates, latency, how clouds arrive, what became of points and rays; WARN while clouds are not
 ///   deskewed or not levelled although they should be, a frame of the robot is missing, or no ground plane is
 ///   found; ERROR while clouds cannot be used (fields, layout, transforms).

@@ -7,8 +7,8 @@
 namespace extperfc {
 
 /// Reports when an event that happens `rate_hz` times per second of simulated time is due. The times are the
-/// multiples of the period, independent of the length of a step: at 240 steps per second 100 Hz comes after two or
-/// three steps in turn.
+/// multiples of the period, independent of the length of a step: at 240 steps per second 100 Hz comes after
+/// two or three steps in turn.
 class Ticker {
  public:
   /// Never due when the rate is 0.

@@ -135,8 +135,8 @@ void TruthPublisher::publish_objects(const simulate::Snapshot& snapshot, const r
   message->header.stamp = stamp;
   message->header.frame_id = frames::kMap;
   for (const auto& object : objects_) {
-    const Pose pose =
-        object.is_person ? to_pose(snapshot.world_T_person[object.index]) : snapshot.world_T_body[object.index];
+    const Pose pose = object.is_person ? to_pose(snapshot.world_T_person[object.index])
+                                       : snapshot.world_T_body[object.index];
     message->detections.push_back(to_detection(object.class_id, pose, object.extent, message->header));
   }
   objects_publisher_.publish(message);

@@ -12,8 +12,8 @@ namespace extperfc::simulate {
 /// Watches the fingers' contacts and decides what each gripper holds.
 ///
 /// A gripper touches a body when each finger's pad meets it from its own side. A touched body is held from
-/// then on while the fingers are commanded to close; it is released when they are commanded to open, or when it is far
-/// from the hand all the same.
+/// then on while the fingers are commanded to close; it is released when they are commanded to open, or when
+/// it is far from the hand all the same.
 class Grips {
  public:
   Grips(const BodiesParams& params, const RobotPlan& plan, PhysicsWorld& world, Scenery& scenery,

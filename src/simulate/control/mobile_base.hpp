@@ -33,8 +33,8 @@ class MobileBase {
   MobileBase(const BaseParams& params, const Pose2& start, std::uint64_t seed);
 
   void command(const Twist2& velocity, double now_s);
-  /// One step. `collides(pose)` returns whether the base cannot stand there; it then stays and its wheels go on
-  /// turning.
+  /// One step. `collides(pose)` returns whether the base cannot stand there; it then stays and its wheels go
+  /// on turning.
   void step(double now_s, double step_s, const std::function<bool(const Pose2&)>& collides);
   /// Elsewhere, at rest; odometry stays.
   void place(const Pose2& pose);

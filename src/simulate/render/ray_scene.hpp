@@ -59,7 +59,8 @@ class RayScene {
   /// Makes what was added and placed visible to rays.
   virtual void commit() = 0;
 
-  /// Nearest hits. `coherent`: the rays start at one point and have about the same direction, which is faster.
+  /// Nearest hits. `coherent`: the rays start at one point and have about the same direction, which is
+  /// faster.
   virtual void intersect(const LaneMask& active, bool coherent, RayPacket& packet) const = 0;
   /// Sets rays.far to -infinity where something lies between near and far.
   virtual void occluded(const LaneMask& active, Rays& rays) const = 0;

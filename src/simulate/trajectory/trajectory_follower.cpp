@@ -27,8 +27,8 @@ JointMotion braked(const JointMotion& from, double elapsed_s, double deceleratio
   return motion;
 }
 
-/// Where the trajectory begins, in the form of the first of `knots`: without its velocities the first part stays
-/// straight.
+/// Where the trajectory begins, in the form of the first of `knots`: without its velocities the first part
+/// stays straight.
 JointKnot knot_before(const JointKnot& next, double time_s, const JointMotion& motion) {
   JointKnot knot{time_s, motion.position, std::nullopt, std::nullopt};
   if (next.velocity) knot.velocity = motion.velocity;
@@ -156,7 +156,7 @@ std::string TrajectoryFollower::first_violation(const JointMotion& wanted, const
       return std::abs(want[index] - have[index]) > bound[index];
     };
     const auto describe = [&](const char* what, const auto& want, const auto& have, const auto& bound,
-                          const char* unit) {
+                              const char* unit) {
       return text_of(joints_[i], what, want[index] - have[index], bound[index], unit);
     };
     if (exceeds(wanted.position, measured_.position, bounds.position))
@@ -165,7 +165,7 @@ std::string TrajectoryFollower::first_violation(const JointMotion& wanted, const
       return describe("velocity", wanted.velocity, measured_.velocity, bounds.velocity, "rad/s");
     if (exceeds(wanted.acceleration, measured_.acceleration, bounds.acceleration))
       return describe("acceleration", wanted.acceleration, measured_.acceleration, bounds.acceleration,
-                  "rad/s^2");
+                      "rad/s^2");
   }
   return "";
 }

@@ -177,8 +177,8 @@ void ObjectReader::read_wall(YamlMap& map, const Group& group) {
   if (wall.path_m.size() < 2) return;
   for (std::size_t i = 0; i < segment_count(wall); ++i)
     if (segment_length_m(wall, i) < wall.thickness_m)
-      map.problem("path", "section " + std::to_string(i + 1) +
-                              " is shorter than the wall is thick: remove a point");
+      map.problem("path",
+                  "section " + std::to_string(i + 1) + " is shorter than the wall is thick: remove a point");
   for (YamlMap& opening : openings) {
     read_opening(opening, wall);
     read_opening_door(opening, wall, group);

@@ -12,7 +12,7 @@ namespace extperfc::simulate::worlds {
 namespace {
 
 constexpr double kTwoPi = 6.28318530717958648;  // [rad]
-constexpr double kGap = 0.003;                 // minimum distance between objects [m]
+constexpr double kGap = 0.003;                  // minimum distance between objects [m]
 constexpr int kTries = 60;
 
 struct Object {

@@ -231,8 +231,7 @@ void YamlMap::refuse_unknown() {
     const std::string key = entry.first.IsScalar() ? entry.first.Scalar() : "(a key that is not text)";
     const std::string full = path_.empty() ? key : path_ + "." + key;
     const bool known = std::find(known_.begin(), known_.end(), key) != known_.end();
-    if (!known)
-      problems_->add(line_of(entry.first), full, "unknown key: remove it" + hint_for(key, known_));
+    if (!known) problems_->add(line_of(entry.first), full, "unknown key: remove it" + hint_for(key, known_));
     if (!seen.insert(key).second) problems_->add(line_of(entry.first), full, "is there twice: keep one");
   }
 }

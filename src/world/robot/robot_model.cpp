@@ -14,8 +14,8 @@ namespace {
 
 template <typename Named>
 std::optional<int> index_of(const std::vector<Named>& elements, const std::string& name) {
-  const auto found =
-      std::find_if(elements.begin(), elements.end(), [&](const Named& element) { return element.name == name; });
+  const auto found = std::find_if(elements.begin(), elements.end(),
+                                  [&](const Named& element) { return element.name == name; });
   if (found == elements.end()) return std::nullopt;
   return static_cast<int>(found - elements.begin());
 }

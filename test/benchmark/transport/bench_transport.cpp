@@ -141,8 +141,8 @@ class Transports {
   PublisherProcess process_;
 };
 
-void add_rows(const char* metric, std::vector<double> Samples::*values, double fraction, Transports& transports,
-              std::vector<Row>& rows) {
+void add_rows(const char* metric, std::vector<double> Samples::*values, double fraction,
+              Transports& transports, std::vector<Row>& rows) {
   const auto of = [&](Samples& samples) { return percentile(samples.*values, fraction); };
   const double ours = of(transports.pointer);
   for (Samples* peer : {&transports.reference, &transports.process}) {
@@ -202,8 +202,8 @@ int run(const Options& options) {
   const Stopwatch watch;
   const auto rows = measure(options);
   if (!rows) return complain(rows.error().message);
-  std::printf("%s\n%d pairs of 640 x 480 (rgb8, 16UC1) in each direction\n%s\n", machine_description().c_str(),
-              options.pairs, kExplanation);
+  std::printf("%s\n%d pairs of 640 x 480 (rgb8, 16UC1) in each direction\n%s\n",
+              machine_description().c_str(), options.pairs, kExplanation);
   std::fflush(stdout);
   print_table(std::cout, *rows);
   std::cout << "\n" << watch.seconds() << " s\n";

@@ -71,8 +71,7 @@ TEST_F(TuckTest, ADisabledArmGivesUpOnTheWay) {
   simulator_.enable(false);
   const auto given = wait_for_answer(std::move(answer));
   EXPECT_FALSE(given.success);
-  EXPECT_NE(given.message.find("arm: aborted: the robot is disabled"), std::string::npos)
-      << given.message;
+  EXPECT_NE(given.message.find("arm: aborted: the robot is disabled"), std::string::npos) << given.message;
 }
 
 TEST_F(TuckTest, OneArmThatFailsStopsTheOther) {

@@ -49,7 +49,8 @@ TEST(TwoScans, NeighboursHelpWhereARayHasOneRing) {
   auto half = open_params();
   half.angle_min = -90 * kDegree;
   half.angle_max = 90 * kDegree;
-  EXPECT_TRUE(std::isnan(supported_at({at(-90, 3, 1), at(90, 3.05, 2)}, -90, half))) << "half a revolution has";
+  EXPECT_TRUE(std::isnan(supported_at({at(-90, 3, 1), at(90, 3.05, 2)}, -90, half)))
+      << "half a revolution has";
 }
 
 TEST(TwoScans, OneRingNeedsThreePoints) {
