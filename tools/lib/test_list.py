@@ -29,8 +29,8 @@ LONG_FILE_LIMIT_S = 7200
 BESIDE_OTHERS = {
     "ros/box_depth", "ros/detector", "ros/params", "ros/rosbag", "ros/sources", "ros/start_up", "ros/translator_node",
     "ros/translator_params",
-    "system/map_tool", "system/model_tool", "system/plain_workspace", "system/render_tool", "system/translate_tool",
-    "system/translator_calls", "system/translator_oracle", "system/translator_rospy"}
+    "system/detection_launch", "system/examples", "system/map_tool", "system/model_tool", "system/plain_workspace",
+    "system/render_tool", "system/translate_tool", "system/translator_calls", "system/translator_oracle", "system/translator_rospy"}
 
 # Whole tests that only `tools/test --all`, or their name, runs; and what the normal tier has of them.
 LONG = {
