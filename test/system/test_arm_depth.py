@@ -24,7 +24,7 @@ WAIT_S = 30.0       # of real time for images to have an effect: they are rare o
 ANSWER_S = 120.0    # of real time for a motion
 PLACE_XY = (0.62, 0.24)     # over the tray, where the left arm reaches
 ABOVE_M = 0.12              # of the tool over the tray
-TURN = (0.0, 2.0, -0.6)     # roll, pitch, yaw of the gripper: ahead, somewhat down and to the right
+ROTATION = (0.0, 2.0, -0.6)  # roll, pitch, yaw of the gripper: ahead, somewhat down and to the right
 
 
 class ArmDepth(unittest.TestCase):
@@ -37,7 +37,7 @@ class ArmDepth(unittest.TestCase):
         rospy.Subscriber("arm/depth_voxels", Marker, lambda message: setattr(cls, "voxels", message), queue_size=1)
         cls.left = extperfc.arm.Arm("left", wait_s=60)
         cls.place_pose = scene.draw_place_pose(random.Random(SEED), "cube", 0.45, *cls.robot.camera())
-        cls.above = (*PLACE_XY, cls.place_pose.top + ABOVE_M, *TURN)
+        cls.above = (*PLACE_XY, cls.place_pose.top + ABOVE_M, *ROTATION)
 
     def setUp(self):
         self.robot.put("cube", self.place_pose)
@@ -81,7 +81,7 @@ class ArmDepth(unittest.TestCase):
         x, y = self.above[:2]
         self.wait(lambda: self.heights_of_voxels_near(x, y), "no voxels at the tray")
         self.assertAlmostEqual(self.place_pose.top, max(self.heights_of_voxels_near(x, y)), delta=0.03)
-        error = self.refused((x, y, self.place_pose.top - 0.02, *TURN))
+        error = self.refused((x, y, self.place_pose.top - 0.02, *ROTATION))
         self.assertIsNotNone(error, "the hand may go through the tray")
         self.assertEqual(ArmCode.GOAL_IN_COLLISION, error.code, error.message)
         self.assertIn("depth", error.message)
@@ -90,7 +90,7 @@ class ArmDepth(unittest.TestCase):
 
     def test_what_becomes_known_is_no_obstacle_of_this_kind_at_once(self):
         x, y = self.above[:2]
-        within = (x, y, self.place_pose.top - 0.02, *TURN)
+        within = (x, y, self.place_pose.top - 0.02, *ROTATION)
         self.addCleanup(self.left.scene.clear)
         for _ in range(5):  # images arrive ten times a second
             self.left.scene.clear()

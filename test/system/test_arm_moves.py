@@ -293,8 +293,8 @@ class ArmMoves(unittest.TestCase):
         left, right = (0.62, 0.55, 0.25) + AHEAD[3:], (0.62, 0.0, 0.25) + AHEAD[3:]
         self.left.move_to(left, frame="base", timeout=60)
         plan = self.left.plan(right, frame="base")
-        half_way = dict(zip(plan.trajectory.joint_names, plan.trajectory.points[len(plan.trajectory.points) // 2].positions))
-        x, y, z = robot.link_poses(half_way, frame="base")["left_gripper"][:3, 3]
+        middle = dict(zip(plan.trajectory.joint_names, plan.trajectory.points[len(plan.trajectory.points) // 2].positions))
+        x, y, z = robot.link_poses(middle, frame="base")["left_gripper"][:3, 3]
         motion = self.left.move_to(right, frame="base", wait=False, velocity_scale=0.1, replans=3, planning_time=10.0)
         while motion.feedback is None or motion.feedback.executed < 0.05:
             time.sleep(0.01)

@@ -232,10 +232,10 @@ class ArmObjects(unittest.TestCase):
             self.assertGreaterEqual(int(values["ignored: " + reason]), minimum, reason)
         # An unknown frame and an empty frame.
         self.detector.say(None)
-        for frame, word in (("atlantis", "atlantis"), ("", "no frame")):
-            def refused(frame=frame, word=word):
+        for frame, text in (("atlantis", "atlantis"), ("", "no frame")):
+            def refused(frame=frame, text=text):
                 self.detector.send(detection("cube", (0.8, 0.3, 0.0)), frame=frame)
-                return word in self.diagnostics_of("objects")["message"]
+                return text in self.diagnostics_of("objects")["message"]
             self.wait(refused, f"the frame '{frame}' is no error", 20)
             self.assertEqual(diagnostic_msgs.msg.DiagnosticStatus.ERROR, self.status["objects"]["level"])
         self.detector.say(lambda: [detection("cube", (0.8, 0.3, 0.0))])

@@ -14,8 +14,8 @@ from drawn_room import DRIVE, between, map_the_drive, write_bag
 
 RATE = 6                              # simulated seconds per second
 FIRST, SECOND = 100, 40               # scans before and after the second start
-MOST_STORED_M = 0.2                   # of the stored pose from where the robot stopped
-MOST_M, MOST_DEG = 0.3, 10.0          # of the estimates after the second start
+MAX_STORED_M = 0.2                    # of the stored pose from where the robot stopped
+MAX_ERROR_M, MAX_ERROR_DEG = 0.3, 10.0  # of the estimates after the second start
 
 
 def yaw_of(orientation):
@@ -38,7 +38,7 @@ class LocalizationRestart(unittest.TestCase):
         with BagSession(self.folder / "launch.log") as session:
             self.start_core(session.port)
             self.play_a_part(session, 0, FIRST, initial_pose_x=start[0], initial_pose_y=start[1], initial_pose_a=start[2])
-            session.wait(lambda: self.off_stored_pose(stop) < MOST_STORED_M, "the last pose in the parameter server", 20)
+            session.wait(lambda: self.off_stored_pose(stop) < MAX_STORED_M, "the last pose in the parameter server", 20)
             end(session.process)
             self.assertLess(rospy.get_param("/localizer/initial_cov_xx"), 0.1, "it knows better than at the start")
             rospy.init_node("localization_restart_test", disable_signals=True)
@@ -51,8 +51,8 @@ class LocalizationRestart(unittest.TestCase):
             pose = message.pose.pose
             x, y, yaw = between(path[round(message.header.stamp.to_sec(), 3)],
                                 (pose.position.x, pose.position.y, yaw_of(pose.orientation)))
-            self.assertLess(math.hypot(x, y), MOST_M, message.header.stamp)
-            self.assertLess(abs(math.degrees(yaw)), MOST_DEG, message.header.stamp)
+            self.assertLess(math.hypot(x, y), MAX_ERROR_M, message.header.stamp)
+            self.assertLess(abs(math.degrees(yaw)), MAX_ERROR_DEG, message.header.stamp)
 
     def start_core(self, port):
         """A ROS master that outlives the launch files."""

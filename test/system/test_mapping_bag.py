@@ -31,9 +31,9 @@ LOOP_RATE = 4           # where the player does not wait for the mapper
 # once in six runs, so the limit is twice the largest between seeds; a fiftieth of a cell is for what rounding does to a
 # path that the seed does not change.
 SPREAD = 2.0
-LEAST_M = 0.001
-LEAST_RAD = LEAST_M / 5.0   # moves a wall 5 m away by as much
-LEAST_F_SCORE_LOSS = 0.002
+MIN_DIFFERENCE_M = 0.001
+MIN_DIFFERENCE_RAD = MIN_DIFFERENCE_M / 5.0   # moves a wall 5 m away by as much
+MIN_F_SCORE_LOSS = 0.002
 
 
 def intel_recording(count):
@@ -102,7 +102,7 @@ class Run:
 
 
 NAMES = ("path [m]", "path [rad]", "last pose [m]", "last pose [rad]", "1 - F-score")
-FLOOR = numpy.array([LEAST_M, LEAST_RAD, LEAST_M, LEAST_RAD, LEAST_F_SCORE_LOSS])
+FLOOR = numpy.array([MIN_DIFFERENCE_M, MIN_DIFFERENCE_RAD, MIN_DIFFERENCE_M, MIN_DIFFERENCE_RAD, MIN_F_SCORE_LOSS])
 
 
 def offline(bag, folder, seed, *more):

@@ -24,12 +24,12 @@ SECONDS = 170                    # for everything after the start
 GOALS = [(0, 3.4), (-9, 3.4), (-9, 6.5), (-9, 3.4), (-11, 3.4), (-11, -3.4), (-8.5, -3.4), (-8.5, -6.2), (-8.5, -3.4),
          (-3.2, -3.4), (-3.2, -0.8), (-3.2, -3.4), (0, -3.4), (0, 0), (0, -3.4), (8, -3.4), (11, -3.4), (11, 0),
          (13, 0), (11, 0), (11, 3.4), (3, 3.4), (3, 6.0), (-2.5, 7.2), (-3, 3.4), (0, 3.4), (0, 0)]
-LEAST_GOALS = 20                 # that the robot must have reached; doors are 7 cm wider on each side than its chassis
+MIN_GOALS = 20                   # that the robot must have reached; doors are 7 cm wider on each side than its chassis
 TOLERANCE_CELLS = 1              # a cell counts as right when a right one is among its eight neighbours
 # Recall cannot be full: the truth shows all that stands between 0.1 and 1.5 m above each cell, also the tops of tables,
 # under which the scan looks through to the wall.
-LEAST_PRECISION, LEAST_RECALL, LEAST_F_SCORE = 0.97, 0.65, 0.80
-MOST_MEAN_ERROR_M, MOST_ERROR_M, MOST_ERROR_DEG = 0.08, 0.25, 2.0
+MIN_PRECISION, MIN_RECALL, MIN_F_SCORE = 0.97, 0.65, 0.80
+MAX_MEAN_ERROR_M, MAX_ERROR_M, MAX_ERROR_DEG = 0.08, 0.25, 2.0
 
 
 def world_without_people(folder):
@@ -219,7 +219,7 @@ class MappingOffice(unittest.TestCase):
             path_m = sum(math.dist(a[:2], b[:2]) for a, b in zip(robot.path(), robot.path()[1:]))
             print(f"{reached} of {len(GOALS)} goals, {path_m:.0f} m, {robot.stamp * 1e-9:.0f} simulated s in "
                   f"{time.monotonic() - begin:.0f} s", flush=True)
-            self.assertGreaterEqual(reached, LEAST_GOALS)
+            self.assertGreaterEqual(reached, MIN_GOALS)
             true_T_map = self.check_poses(robot)
             self.check_map(robot, true_T_map, pathlib.Path(folder))
 
@@ -248,9 +248,9 @@ class MappingOffice(unittest.TestCase):
         metres, degrees = np.array(errors)[:, 1], np.array(errors)[:, 2]
         print(f"pose error of {len(both)} scans: mean {metres.mean():.3f} m {degrees.mean():.2f} deg, "
               f"max {metres.max():.3f} m {degrees.max():.2f} deg, at the end {metres[-1]:.3f} m", flush=True)
-        self.assertLess(metres.mean(), MOST_MEAN_ERROR_M)
-        self.assertLess(metres.max(), MOST_ERROR_M)
-        self.assertLess(degrees.max(), MOST_ERROR_DEG)
+        self.assertLess(metres.mean(), MAX_MEAN_ERROR_M)
+        self.assertLess(metres.max(), MAX_ERROR_M)
+        self.assertLess(degrees.max(), MAX_ERROR_DEG)
         return true_T_map
 
     def check_map(self, robot, true_T_map, folder):
@@ -266,9 +266,9 @@ class MappingOffice(unittest.TestCase):
         precision, recall, f_score = comparison.scores()
         print(f"occupied cells within {TOLERANCE_CELLS} cell: precision {precision:.3f}, recall {recall:.3f}, "
               f"F-score {f_score:.3f}; images: {OUT}", flush=True)
-        self.assertGreater(precision, LEAST_PRECISION)
-        self.assertGreater(recall, LEAST_RECALL)
-        self.assertGreater(f_score, LEAST_F_SCORE)
+        self.assertGreater(precision, MIN_PRECISION)
+        self.assertGreater(recall, MIN_RECALL)
+        self.assertGreater(f_score, MIN_F_SCORE)
         pgm = (folder / "office.pgm").read_bytes()
         self.assertTrue(pgm.startswith(b"P5"), pgm[:20])
         self.assertGreater((folder / "office.session").stat().st_size, 1000)

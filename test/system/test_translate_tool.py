@@ -245,8 +245,8 @@ class TranslateTool(unittest.TestCase):
 
     def test_help(self):
         for arguments in ([], *([name] for name in ("check", "show", "md5", "export", "status", "store"))):
-            for word in ("--help", "-h"):
-                self.assertIn("extperfc-translate", self.run_tool(*arguments, word))
+            for option in ("--help", "-h"):
+                self.assertIn("extperfc-translate", self.run_tool(*arguments, option))
 
 
 if __name__ == "__main__":

@@ -228,20 +228,20 @@ class Topics(unittest.TestCase):
         self.warm_up(topic, kind, speakers, listeners)
         for index in range(count):
             for side, node in speakers:
-                node.send("publish", topic, SESSION.word(f"{side}_{index}"))
+                node.send("publish", topic, SESSION.string(f"{side}_{index}"))
         for side, node in speakers:
-            node.send("publish", topic, SESSION.word(f"{side}_end"))
+            node.send("publish", topic, SESSION.string(f"{side}_end"))
         expected = sorted(f"{side}_{index}" for side, _ in speakers for index in range(count))
         for side, node in listeners:
             self.until_heard(node, topic, {"robot_end", "workstation_end"})
-            counted = [word for word in node.texts(topic) if not word.startswith("warm") and not word.endswith("end")]
+            counted = [text for text in node.texts(topic) if not text.startswith("warm") and not text.endswith("end")]
             self.assertEqual(expected, sorted(counted))
 
     def warm_up(self, topic, kind, speakers, listeners):
         """Sends until everybody hears everybody: connections take their time."""
         def all_connected():
             for side, node in speakers:
-                node.send("publish", topic, SESSION.word(f"warm_{side}"))
+                node.send("publish", topic, SESSION.string(f"warm_{side}"))
             return all({f"warm_{side}" for side, _ in speakers} <= set(node.texts(topic)) for _, node in listeners)
         processes.wait_until(all_connected, 15, lambda: str([set(node.texts(topic)) for _, node in listeners]))
 
@@ -266,12 +266,12 @@ class Topics(unittest.TestCase):
                     self.warm_up(topic, kind, speakers, listeners), 15, "both translators")
             for index in range(count):
                 for side, node in speakers:
-                    node.send("publish", topic, SESSION.word(f"{side}_{index}"))
+                    node.send("publish", topic, SESSION.string(f"{side}_{index}"))
             for side, node in speakers:
-                node.send("publish", topic, SESSION.word(f"{side}_end"))
+                node.send("publish", topic, SESSION.string(f"{side}_end"))
             for side, node in listeners:
                 self.until_heard(node, topic, {"robot_end", "workstation_end"})
-            # What went around would come again and again: the last word's second copy is the end of it.
+            # What went around would come again and again: the last message's second copy is the end of it.
             for side, node in listeners:
                 other = "robot" if side == "workstation" else "workstation"
                 processes.wait_until(lambda: node.texts(topic).count(f"{other}_end") == 2, 10, "both copies")

@@ -101,8 +101,8 @@ class Actions(unittest.TestCase):
 
     def test_goal_feedback_result_and_cancel(self):
         cases = []
-        for kind, ways, serving, calling in itertools.product(self.TYPES, both_directions(), LANGUAGES, LANGUAGES):
-            server, client = ways
+        for kind, direction, serving, calling in itertools.product(self.TYPES, both_directions(), LANGUAGES, LANGUAGES):
+            server, client = direction
             serves, calls = f"{server}_{serving}", f"{client}_{calling}"
             name = f"/actions/{serves}/{calls}/{kind.split('/')[1]}"
             cases.append((name, kind, server, SESSION.node(serves), client, SESSION.node(calls)))
@@ -264,8 +264,8 @@ class Tools(unittest.TestCase):
         # Plans are made anew and roscpp's subscribers are called back: they hear the latched message again.
         workstation.wait_for("message", topic, 2)
         done = self.run_at("workstation", "rosservice", "call", NAME + "_home/status")
-        for word in (topic, kind, "c0d034a7", "convert"):
-            self.assertIn(word, done.stdout, done.stderr)
+        for text in (topic, kind, "c0d034a7", "convert"):
+            self.assertIn(text, done.stdout, done.stderr)
 
     def test_rosbag_record(self):
         """A recorder takes any version: it gets the one of its side, with its definition."""

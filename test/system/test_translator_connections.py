@@ -10,7 +10,7 @@ import xmlrpc.client
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[1] / "translator"))
 
 from harness import eras, processes  # noqa: E402
-from harness.session import NAME, WORD, Session  # noqa: E402
+from harness.session import NAME, STRING, Session  # noqa: E402
 
 SESSION = None
 TOOL = processes.REPO / "tools" / "extperfc-translate"
@@ -83,8 +83,8 @@ class ReferenceTopic(unittest.TestCase):
         topic = "/flapping"
         source, target, watcher = SESSION.start("robot_python_flaps", "workstation_cpp", "workstation_python")
         watcher.send("subscribe", "/diagnostics", "diagnostic_msgs/DiagnosticArray")
-        source.send("advertise", topic, WORD, 0)
-        target.send("subscribe", topic, WORD)
+        source.send("advertise", topic, STRING, 0)
+        target.send("subscribe", topic, STRING)
 
         def shown():
             source.send("hang_up", topic)
@@ -102,9 +102,9 @@ class StatusTool(unittest.TestCase):
         text = status_text()
         self.assertTrue(text.startswith("link: "), text)
         self.assertNotIn("\\n", text)
-        for word in ("robot side master: " + SESSION.robot.uri,
+        for line in ("robot side master: " + SESSION.robot.uri,
                      "workstation side master: " + SESSION.workstation.uri, "topics:", "services:"):
-            self.assertIn(word, text)
+            self.assertIn(line, text)
 
     def test_the_masters_uri_may_be_given(self):
         done = status("--node", NAME[1:] + "_home", "--master", SESSION.workstation.uri,
@@ -133,8 +133,8 @@ class Ends(unittest.TestCase):
         """Has a node heard, with its log, and ends it; returns its URI and its topic."""
         topic, target = "/of_" + name, SESSION.node("workstation_python")
         source = SESSION.node(name)
-        source.send("advertise", topic, WORD, 0)
-        target.send("subscribe", topic, WORD)
+        source.send("advertise", topic, STRING, 0)
+        target.send("subscribe", topic, STRING)
         SESSION.flow(source, target, topic, "alive")
         uri = SESSION.robot.ask("lookupNode", "/" + name)
         processes.wait_until(lambda: {"/rosout", topic} <= self.topics_from(uri), 20, "it is heard")
@@ -163,8 +163,8 @@ class Ends(unittest.TestCase):
     def test_rosnode_kill_ends_the_translator_whichever_of_its_nodes_is_named(self):
         """As rosnode does it: shutdown() of the node's own API."""
         topic, name = "/to_be_killed", "/translator_to_kill"
-        SESSION.node("robot_python").send("advertise", topic, WORD, 0)
-        SESSION.node("workstation_cpp").send("subscribe", topic, WORD)
+        SESSION.node("robot_python").send("advertise", topic, STRING, 0)
+        SESSION.node("workstation_cpp").send("subscribe", topic, STRING)
         for side, ending in ((SESSION.robot, ""), (SESSION.workstation, ""), (SESSION.workstation, "_home")):
             with self.subTest(master=side.name, node=name + ending):
                 translator = SESSION.another_translator(name, {"topics": {"allow": [topic]},
@@ -183,8 +183,8 @@ class Advice(unittest.TestCase):
     def test_a_name_without_an_address_names_the_parameter(self):
         """A publisher advertises a name that this machine does not resolve."""
         topic = "/unresolved"
-        SESSION.node("workstation_cpp").send("subscribe", topic, WORD)
-        SESSION.robot.ask("registerPublisher", topic, WORD, "http://robot-without-address.invalid:1234/")
+        SESSION.node("workstation_cpp").send("subscribe", topic, STRING)
+        SESSION.robot.ask("registerPublisher", topic, STRING, "http://robot-without-address.invalid:1234/")
         self.addCleanup(SESSION.robot.ask, "unregisterPublisher", topic, "http://robot-without-address.invalid:1234/")
         expected = rf"robot-without-address\.invalid.*add it to the parameter {NAME}_home/robot/hosts"
         processes.wait_until(lambda: re.search(expected, SESSION.translator.log.read_text()), 20,

@@ -10,7 +10,7 @@ import unittest
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[1] / "translator"))
 
 from harness import eras, processes, raw_peer  # noqa: E402
-from harness.session import NAME, WORD, Session  # noqa: E402
+from harness.session import NAME, STRING, Session  # noqa: E402
 
 SESSION = None
 MAX_AGE_S = 0.3
@@ -32,10 +32,10 @@ def setUpModule():
 
 
 class Faults(unittest.TestCase):
-    def flow(self, source, target, topic, word, seconds=20):
-        source.send("advertise", topic, WORD, 0)
-        target.send("subscribe", topic, WORD)
-        SESSION.flow(source, target, topic, word, seconds)
+    def flow(self, source, target, topic, text, seconds=20):
+        source.send("advertise", topic, STRING, 0)
+        target.send("subscribe", topic, STRING)
+        SESSION.flow(source, target, topic, text, seconds)
 
     def serve(self, server, client, client_master, name, seconds=20):
         server.send("serve", name, "std_srvs/Trigger", "x0100000000")
@@ -43,11 +43,11 @@ class Faults(unittest.TestCase):
         client.send("call", name, "std_srvs/Trigger", "x")
         self.assertEqual(["ok", "x0100000000"], client.wait_for("response", name)[0][:2])
 
-    def latch(self, source, target, topic, word, seconds=20):
-        source.send("advertise", topic, WORD, 1)
-        source.send("publish", topic, SESSION.word(word))
-        target.send("subscribe", topic, WORD)
-        processes.wait_until(lambda: word in target.texts(topic), seconds, f"{word} at {target.name}")
+    def latch(self, source, target, topic, text, seconds=20):
+        source.send("advertise", topic, STRING, 1)
+        source.send("publish", topic, SESSION.string(text))
+        target.send("subscribe", topic, STRING)
+        processes.wait_until(lambda: text in target.texts(topic), seconds, f"{text} at {target.name}")
 
     def restart_master(self, side):
         """What both sides had goes on, and what comes afterwards works without help."""
@@ -59,7 +59,7 @@ class Faults(unittest.TestCase):
         master.kill()
         for index, (source, target) in enumerate((before, before[::-1])):
             topic = f"/{side}_master/before_{index}"
-            source.send("publish", topic, SESSION.word("without_master"))
+            source.send("publish", topic, SESSION.string("without_master"))
             processes.wait_until(lambda: "without_master" in target.texts(topic), 5, "a message without a master")
         master.start()
         processes.wait_until(lambda: NAME in SESSION.names(master), 15, "the translator, registered again")
@@ -72,7 +72,7 @@ class Faults(unittest.TestCase):
         if side == "workstation":  # where the translator has its own node, with its reports
             processes.wait_until(lambda: f"{NAME}_home" in master.nodes(0, "/diagnostics"), 10, "reports again")
         # What was known before the restart is still offered to those who come after it.
-        mine.send("subscribe", f"/{side}_master/before_1", WORD)
+        mine.send("subscribe", f"/{side}_master/before_1", STRING)
         self.flow(before[1], mine, f"/{side}_master/before_1", "to_the_newcomer")
         SESSION.end_node(f"{side}_cpp_after_{side}")
 
@@ -174,7 +174,7 @@ class Faults(unittest.TestCase):
                 cut = time.monotonic()
                 SESSION.end_node("robot_cpp_replaced", kill=True)
                 source = SESSION.node("robot_cpp_replaced")
-                source.send("advertise", topic, WORD, 0)
+                source.send("advertise", topic, STRING, 0)
                 time.sleep(max(0.0, cut + seconds - time.monotonic()))  # the outage itself
                 SESSION.network.robot_cable.mend()
                 self.flow(source, target, topic, f"life_{life}")
@@ -265,8 +265,8 @@ class Faults(unittest.TestCase):
             stream.sendall(raw_peer.header(topic="/strange", type="std_msgs/String", md5sum="1" * 32,
                                            callerid="/stranger"))
             refusal = raw_peer.read_header(stream)["error"]
-        for word in ("std_msgs/String", "1" * 32, "definitions"):
-            self.assertIn(word, refusal)
+        for text in ("std_msgs/String", "1" * 32, "definitions"):
+            self.assertIn(text, refusal)
 
     def test_action_server_is_killed_and_comes_back(self):
         name, kind = "/mortal", "control_msgs/FollowJointTrajectory"
@@ -321,7 +321,7 @@ class Faults(unittest.TestCase):
                     if topic in everything and status.level > b"\0"[0]:
                         return everything
             return None
-        reported = processes.wait_until(report, 20, "a word about it on /diagnostics")
+        reported = processes.wait_until(report, 20, "a report about it on /diagnostics")
         self.assertIn("std_msgs/Float64", reported)
         self.assertIn("std_msgs/String", reported)
 

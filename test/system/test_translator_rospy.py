@@ -10,7 +10,7 @@ import xmlrpc.client
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[1] / "translator"))
 
 from harness import processes  # noqa: E402
-from harness.session import NAME, WORD, Session  # noqa: E402
+from harness.session import NAME, STRING, Session  # noqa: E402
 
 SESSION = None
 
@@ -34,8 +34,8 @@ def subscribers(master, topic):
 
 class Rospy(unittest.TestCase):
     def begin(self, source, target, topic):
-        source.send("advertise", topic, WORD, 0)
-        target.send("subscribe", topic, WORD)
+        source.send("advertise", topic, STRING, 0)
+        target.send("subscribe", topic, STRING)
         SESSION.flow(source, target, topic, "at_first")
 
     def test_listener_whose_connection_was_given_up_is_called_back(self):
@@ -46,7 +46,7 @@ class Rospy(unittest.TestCase):
         # Before the large ones: not in the middle of a long line of its output.
         target.process.send_signal(signal.SIGSTOP)
         try:
-            source.send("repeat", topic, 50, 1_000_000, SESSION.word("x" * 400_000))
+            source.send("repeat", topic, 50, 1_000_000, SESSION.string("x" * 400_000))
             processes.wait_until(lambda: not subscribers(SESSION.robot, topic), 20, "the translator gives it up")
         finally:
             target.process.send_signal(signal.SIGCONT)
@@ -60,7 +60,7 @@ class Rospy(unittest.TestCase):
         self.begin(source, target, topic)
         SESSION.end_node("robot_python_mortal", kill=True)
         target = SESSION.node("robot_python_mortal")
-        target.send("subscribe", topic, WORD)
+        target.send("subscribe", topic, STRING)
         SESSION.flow(source, target, topic, "second_life")
         self.assertEqual(["/robot_python_mortal"], subscribers(SESSION.robot, topic))
         SESSION.end_node("robot_python_mortal")
@@ -72,7 +72,7 @@ class Rospy(unittest.TestCase):
         target.send("unsubscribe", topic)
         processes.wait_until(lambda: not subscribers(SESSION.robot, topic), 20, "it leaves")
         heard = len(target.heard("message", topic))
-        target.send("subscribe", topic, WORD)
+        target.send("subscribe", topic, STRING)
         SESSION.flow(source, target, topic, "wanted_again")
         self.assertGreater(len(target.heard("message", topic)), heard)
         self.assertEqual(1, len(subscribers(SESSION.robot, topic)), "one connection, not two")
@@ -86,7 +86,7 @@ class Rospy(unittest.TestCase):
         try:
             SESSION.end_node("robot_python_talker", kill=True)
             source = SESSION.node("robot_python_talker")
-            source.send("advertise", topic, WORD, 0)
+            source.send("advertise", topic, STRING, 0)
             time.sleep(1.0)  # it stands still
         finally:
             SESSION.translator.process.send_signal(signal.SIGCONT)

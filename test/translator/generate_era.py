@@ -19,7 +19,7 @@ import genmsg.template_tools
 import genpy.generate_initpy
 import genpy.generator
 
-SHARE = [place for place in (pathlib.Path("/opt/ros/noetic/share"), pathlib.Path("/usr/share")) if place.is_dir()]
+PACKAGE_ROOTS = [place for place in (pathlib.Path("/opt/ros/noetic/share"), pathlib.Path("/usr/share")) if place.is_dir()]
 GENACTION = [pathlib.Path("/opt/ros/noetic/share/actionlib_msgs/../../lib/actionlib_msgs/genaction.py"),
              pathlib.Path("/usr/lib/actionlib_msgs/genaction.py")]
 MESSAGE_TEMPLATES = {"msg.h.template": "@NAME@.h"}
@@ -28,7 +28,7 @@ SERVICE_TEMPLATES = {"srv.h.template": "@NAME@.h"}
 
 def system_package(package):
     """The distribution's folder of a package, or None."""
-    return next((share / package for share in SHARE if (share / package / "package.xml").exists()), None)
+    return next((root / package for root in PACKAGE_ROOTS if (root / package / "package.xml").exists()), None)
 
 
 def merge_trees(trees, packages, out):
@@ -72,8 +72,8 @@ def layout(file):
 def search_path(tree):
     """Where genmsg finds embedded types: package -> folders."""
     found = {}
-    for share in SHARE:
-        for folder in share.glob("*/msg"):
+    for root in PACKAGE_ROOTS:
+        for folder in root.glob("*/msg"):
             found.setdefault(folder.parent.name, [str(folder)])
     found.update({folder.parent.name: [str(folder)] for folder in tree.glob("*/msg")})
     return found
@@ -109,7 +109,7 @@ def embedded(type_name, tree):
 
 
 def write_headers(types, tree, ours, out, search):
-    templates = next(share / "gencpp" for share in SHARE if (share / "gencpp").is_dir())
+    templates = next(root / "gencpp" for root in PACKAGE_ROOTS if (root / "gencpp").is_dir())
     includes = [f"{package}:{folder}" for package, folders in search.items() for folder in folders]
     waiting, done = list(types), set()
     while waiting:

@@ -24,7 +24,7 @@ Bytes are written as "x" and two hexadecimal digits each: a serialized message, 
   wait_server NAME SECONDS               connected NAME (0|1)
   send_goal NAME BYTES                   active NAME; feedback NAME BYTES; done NAME STATE BYTES TEXT
   cancel NAME
-  log error|warn|info WORD
+  log error|warn|info TEXT
 
 Every command is answered by "ok COMMAND" or "error ...". Which classes the types are, the PYTHONPATH decides.
 """
@@ -227,8 +227,8 @@ class Puppet:
 
     # Others
 
-    def do_log(self, level, word):
-        {"error": rospy.logerr, "warn": rospy.logwarn, "info": rospy.loginfo}[level](word)
+    def do_log(self, level, text):
+        {"error": rospy.logerr, "warn": rospy.logwarn, "info": rospy.loginfo}[level](text)
 
 
 def main():

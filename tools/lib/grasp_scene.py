@@ -14,12 +14,12 @@ TRAY_XY, TRAY_SIZE = (0.56, 0.0), (0.46, 0.70, 0.03)
 COLUMN_XY, COLUMN_HEIGHT, COLUMN_DIAMETER = (0.72, 0.0), 1.17, 0.09
 # Objects stay so far from the tray's edges, and nearer to the robot than this no gripper fits between it and them [m].
 EDGE_M = 0.05
-LEAST_X_M = 0.38
+MIN_X_M = 0.38
 OTHER_PLACE_M = (0.08, 0.20)  # from where an object was to where it is placed
 
-MOST_LEAN_RAD = math.radians(10)
-MOST_OFF_M = 0.03        # of a placed object from where it should be, in the plane
-MOST_OFF_HEIGHT_M = 0.01
+MAX_TILT_RAD = math.radians(10)
+MAX_ERROR_M = 0.03       # of a placed object from where it should be, in the plane
+MAX_ERROR_HEIGHT_M = 0.01
 MIN_RISE = 0.7           # fraction of the lift that a picked object has risen by
 MAX_IN_GRIPPER_M = 0.08    # of a held object's middle from the gripper's tip
 
@@ -50,11 +50,11 @@ def body_of(shape, map_T_middle):
 
 
 def on_tray(x, y):
-    return (max(TRAY_XY[0] - TRAY_SIZE[0] / 2 + EDGE_M, LEAST_X_M) < x < TRAY_XY[0] + TRAY_SIZE[0] / 2 - EDGE_M
+    return (max(TRAY_XY[0] - TRAY_SIZE[0] / 2 + EDGE_M, MIN_X_M) < x < TRAY_XY[0] + TRAY_SIZE[0] / 2 - EDGE_M
             and abs(y - TRAY_XY[1]) < TRAY_SIZE[1] / 2 - EDGE_M)
 
 
-def in_picture(shape, position, camera, map_T_camera):
+def in_image(shape, position, camera, map_T_camera):
     """Whether an object with its middle there, with any yaw, is wholly in the image."""
     width, height, focal, cx, cy = camera
     half = (0.71 * SHAPES[shape].width, SHAPES[shape].height / 2)
@@ -74,7 +74,7 @@ def draw_place_pose(rng, shape, distance_m, camera, map_T_camera, tries=1000):
         ray = numpy.array([(rng.uniform(0, width) - cx) / focal, (rng.uniform(0, height) - cy) / focal, 1.0])
         middle_of = (map_T_camera @ numpy.append(distance_m * ray / numpy.linalg.norm(ray), 1.0))[:3]
         x, y, z = map(float, middle_of)
-        if on_tray(x, y) and in_picture(shape, middle_of, camera, map_T_camera):
+        if on_tray(x, y) and in_image(shape, middle_of, camera, map_T_camera):
             return PlacePose(x, y, z - SHAPES[shape].height / 2, rng.uniform(-math.pi, math.pi))
     raise NoPlace(f"no place of the tray is {distance_m} m from the camera and in its image")
 
@@ -109,7 +109,7 @@ def is_placed(shape, position, rotation, place_pose):
     """Whether an object with its body's origin at `position` stands at the PlacePose."""
     off = position - body_position(shape, place_pose)
     tilt = {"cube": lies_on_side, "cone": lean, "sphere": lambda _: 0.0}[shape](rotation)
-    return (math.hypot(off[0], off[1]) < MOST_OFF_M and abs(off[2]) < MOST_OFF_HEIGHT_M and tilt < MOST_LEAN_RAD)
+    return (math.hypot(off[0], off[1]) < MAX_ERROR_M and abs(off[2]) < MAX_ERROR_HEIGHT_M and tilt < MAX_TILT_RAD)
 
 
 def outcome(reported, true):

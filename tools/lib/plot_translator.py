@@ -17,22 +17,22 @@ STYLES = {"direct": ("0.6", "o"), "relay": ("tab:red", "s"), "pass": ("tab:blue"
 
 
 def values(rows, metric):
-    """{way: [value by size]} of a metric [us]; peers' values stand in the rows of `pass`."""
+    """{route: [value by size]} of a metric [us]; peers' values stand in the rows of `pass`."""
     found = {}
     for row in rows:
-        size, _, way = row["case"].partition(", ")
-        if row["metric"] != metric or size not in SIZES or way not in ("pass", "convert"):
+        size, _, route = row["case"].partition(", ")
+        if row["metric"] != metric or size not in SIZES or route not in ("pass", "convert"):
             continue
-        found.setdefault(way, {})[size] = row["ours"]
+        found.setdefault(route, {})[size] = row["ours"]
         if row["peer"] is not None:
             found.setdefault(row["peer_name"], {})[size] = row["peer"]
-    return {way: [of_size.get(size) for size in SIZES] for way, of_size in found.items()}
+    return {route: [of_size.get(size) for size in SIZES] for route, of_size in found.items()}
 
 
 def draw(axis, table, title):
-    for way, (color, marker) in STYLES.items():
-        if way in table:
-            axis.plot(SIZES, table[way], color=color, marker=marker, label=way)
+    for route, (color, marker) in STYLES.items():
+        if route in table:
+            axis.plot(SIZES, table[route], color=color, marker=marker, label=route)
     axis.set_yscale("log")
     axis.set_title(title)
     axis.grid(alpha=0.3, which="both")

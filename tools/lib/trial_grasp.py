@@ -3,7 +3,7 @@ camera, at random positions of a tray that is as high as each distance needs, an
 
 A trial succeeds when `pick` and `place` both report success and the truth agrees: the object rose with the gripper, and in
 the end stands within 3 cm of where it should. A failure that is reported as one is counted as "reported", a success that
-is none as "false +", a failure after which the object is where it should be as "false -".
+the truth denies as "false +", a failure after which the object is where it should be as "false -".
 
 The arm node finds the object itself (objects:=true) and is asked for it by its class, as a user would; it knows
 tray and column only. The truth puts objects and judges.
@@ -32,7 +32,7 @@ def parse_arguments(argv):
                                      formatter_class=argparse.RawTextHelpFormatter)
     parser.add_argument("--trials", type=int, default=60, metavar="N",
                         help="in all, divided among shapes and distances; default: 60")
-    parser.add_argument("--goal", type=float, default=0.95, metavar="SHARE",
+    parser.add_argument("--goal", type=float, default=0.95, metavar="FRACTION",
                         help="minimum fraction of successes, else the exit code is 1; default: 0.95")
     parser.add_argument("--shapes", nargs="+", choices=sorted(scene.SHAPES), default=["cube", "sphere", "cone"], metavar="SHAPE",
                         help="default: cube sphere cone")

@@ -17,9 +17,9 @@ constexpr double kMaxRotation =
     0.2;  // [rad] of a joint between two of them: more is a jump to another branch
 
 /// One arm among all joints of its checker.
-class Reach {
+class ReachableGrasps {
  public:
-  Reach(const GraspArm& arm, const GraspChoiceOptions& options) : arm_(arm), options_(options) {
+  ReachableGrasps(const GraspArm& arm, const GraspChoiceOptions& options) : arm_(arm), options_(options) {
     if (arm.kinematics == nullptr || arm.checker == nullptr)
       throw std::invalid_argument("arm " + arm.name + " lacks kinematics or a collision checker");
     const auto& names = arm.checker->model().joint_names();
@@ -166,7 +166,7 @@ class Reach {
   JointVector in_collision_;
 };
 
-std::string summary(const std::vector<GraspArm>& arms, const std::vector<Reach>& reaches,
+std::string summary(const std::vector<GraspArm>& arms, const std::vector<ReachableGrasps>& reachable,
                     const NoGrasp& failure, std::size_t candidates) {
   std::string text = "none of " + std::to_string(failure.tried) + " grasps can be reached";
   if (failure.timed_out) text += " (the time was up, " + std::to_string(candidates) + " there are)";
@@ -179,7 +179,7 @@ std::string summary(const std::vector<GraspArm>& arms, const std::vector<Reach>&
               to_string(static_cast<GraspRefusal>(k));
       any = true;
     }
-    text += any ? reaches[i].touching() : " not tried";
+    text += any ? reachable[i].touching() : " not tried";
   }
   return text;
 }
@@ -206,9 +206,9 @@ tl::expected<GraspChoice, NoGrasp> choose_grasp(const std::vector<GraspCandidate
                                                 const std::vector<GraspArm>& arms,
                                                 const GraspChoiceOptions& options) {
   if (arms.empty()) throw std::invalid_argument("no arm to grasp with");
-  std::vector<Reach> reaches;
-  reaches.reserve(arms.size());
-  for (const GraspArm& arm : arms) reaches.emplace_back(arm, options);
+  std::vector<ReachableGrasps> reachable;
+  reachable.reserve(arms.size());
+  for (const GraspArm& arm : arms) reachable.emplace_back(arm, options);
   NoGrasp failure;
   failure.refusals.resize(arms.size());
   const Stopwatch watch;
@@ -224,11 +224,11 @@ tl::expected<GraspChoice, NoGrasp> choose_grasp(const std::vector<GraspCandidate
       break;
     }
     ++failure.tried;
-    std::optional<Reach::Found> best;
+    std::optional<ReachableGrasps::Found> best;
     int arm = -1;
-    for (std::size_t i = 0; i < reaches.size(); ++i) {
+    for (std::size_t i = 0; i < reachable.size(); ++i) {
       if (rank >= lists[i]->size()) continue;
-      auto found = reaches[i].reach((*lists[i])[rank]);
+      auto found = reachable[i].reach((*lists[i])[rank]);
       if (!found) {
         ++failure.refusals[i][static_cast<int>(found.error())];
       } else if (!best || found->effort < best->effort) {
@@ -240,7 +240,7 @@ tl::expected<GraspChoice, NoGrasp> choose_grasp(const std::vector<GraspCandidate
       return GraspChoice{arm,         static_cast<int>(rank), best->pregrasp,
                          best->grasp, std::move(best->path),  failure.tried};
   }
-  failure.message = summary(arms, reaches, failure, ranks);
+  failure.message = summary(arms, reachable, failure, ranks);
   return tl::unexpected<NoGrasp>(std::move(failure));
 }
 

@@ -45,7 +45,7 @@ def _end_on_signals():
 
 
 def ensure_node(name="arm_client"):
-    """Makes this process a ROS node if it is none. Raises ArmError where there is no master."""
+    """Makes this process a ROS node if it is not one yet. Raises ArmError where there is no master."""
     global _hook_set
     if not rospy.core.is_initialized():
         if not rosgraph.is_master_online():

@@ -15,12 +15,12 @@ LINE_LETTERS = 60
 def wrapped(text, letters=LINE_LETTERS):
     """The same text in lines of no more letters than this, where words allow it."""
     lines, line = [], ""
-    for word in text.split():
-        if line and len(line) + 1 + len(word) > letters:
+    for token in text.split():
+        if line and len(line) + 1 + len(token) > letters:
             lines.append(line)
-            line = word
+            line = token
         else:
-            line = f"{line} {word}".strip()
+            line = f"{line} {token}".strip()
     return "\n".join(lines + [line])
 
 

@@ -18,7 +18,7 @@ LINES = {"left": (0.3, 0.65, 1.0, 1.0), "right": (1.0, 0.65, 0.2, 1.0)}
 
 
 class Motion:
-    """A trajectory_msgs/JointTrajectory as joint values at times. Raises ValueError where it is none."""
+    """A trajectory_msgs/JointTrajectory as joint values at times. Raises ValueError for an invalid trajectory."""
 
     def __init__(self, trajectory):
         self.names = list(trajectory.joint_names)

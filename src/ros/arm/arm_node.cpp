@@ -34,7 +34,7 @@ Result<std::unique_ptr<ArmNode>> ArmNode::make(const ros::NodeHandle& handle,
   if (!arms) return tl::unexpected(arms.error());
   std::unique_ptr<ArmNode> node(new ArmNode(handle, private_handle, *params, std::move(*arms), name));
   if (auto fits = node->executor_.check(); !fits) return tl::unexpected(fits.error());
-  auto grasper = Grasper::make(handle, node->mover_);
+  auto grasper = Grasper::make(handle, node->motion_execution_);
   if (!grasper) return tl::unexpected(grasper.error());
   node->grasper_ = std::move(*grasper);
   if (params->depth.enabled) {
@@ -66,7 +66,7 @@ ArmNode::ArmNode(const ros::NodeHandle& handle, const ros::NodeHandle& private_h
       scene_(transforms_, params.world_frame),
       executor_(handle, arms_, robot_state_, scene_, params.execution, params.controllers),
       planner_({params_, arms_, robot_state_, transforms_, scene_, executor_}),
-      mover_(planner_.shared()),
+      motion_execution_(planner_.shared()),
       server_(planner_.shared()),
       reporter_(handle, private_handle, name) {}
 
@@ -183,11 +183,11 @@ Status ArmNode::move(const extperfc::MoveArmGoal& goal, const MotionCallbacks& c
   if (const auto cancelled = stops.cancel.reason()) return *cancelled;
   Moved moved;
   if (!goal.trajectory.points.empty() || !goal.trajectory.joint_names.empty()) {
-    moved = mover_.execute(goal.trajectory, stops);
-  } else if (auto request = mover_.read(goal.request); !request) {
+    moved = motion_execution_.execute(goal.trajectory, stops);
+  } else if (auto request = motion_execution_.read(goal.request); !request) {
     moved.status = request.error();
   } else {
-    moved = mover_.move(std::move(*request), goal.replans, stops);
+    moved = motion_execution_.move(std::move(*request), goal.replans, stops);
   }
   result.trajectory = std::move(moved.trajectory);
   result.fraction = moved.fraction;

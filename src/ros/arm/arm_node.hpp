@@ -109,7 +109,7 @@ class ArmNode {
   ArmsLease lease_;
   std::atomic<std::uint64_t> stops_{0};  ///< calls of arm/stop
   PlanExecution planner_;                ///< of the action plan
-  PlanExecution mover_;                  ///< of the actions that move, under the lease
+  PlanExecution motion_execution_;       ///< of the actions that move, under the lease
   std::mutex service_mutex_;
   PlanExecution server_;  ///< of services, under service_mutex_
 

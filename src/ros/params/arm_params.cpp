@@ -148,7 +148,7 @@ void read_depth(ParamReader& reader, const ros::NodeHandle& handle, DepthObstacl
 
 void read_shapes(ParamReader& reader, const ros::NodeHandle& handle,
                  std::map<std::string, arm::UprightKind>& shapes) {
-  const NamedValues<arm::UprightKind> words{{"box", arm::UprightKind::kBox},
+  const NamedValues<arm::UprightKind> kinds{{"box", arm::UprightKind::kBox},
                                             {"sphere", arm::UprightKind::kSphere},
                                             {"cylinder", arm::UprightKind::kCylinder},
                                             {"cone", arm::UprightKind::kCone}};
@@ -159,9 +159,9 @@ void read_shapes(ParamReader& reader, const ros::NodeHandle& handle,
   if (given.getType() == XmlRpc::XmlRpcValue::TypeArray && given.size() == 0) return;
   if (given.getType() != XmlRpc::XmlRpcValue::TypeStruct)
     return reader.complain(name + " must be shapes by the names of classes, e.g. {cube: box}");
-  for (auto& [label, word] : given) {
-    const bool text = word.getType() == XmlRpc::XmlRpcValue::TypeString;
-    const auto kind = meaning(text ? Entry(word).text() : "", words);
+  for (auto& [label, given_kind] : given) {
+    const bool text = given_kind.getType() == XmlRpc::XmlRpcValue::TypeString;
+    const auto kind = meaning(text ? Entry(given_kind).text() : "", kinds);
     if (kind)
       shapes[label] = *kind;
     else

@@ -140,8 +140,8 @@ void read_self(ParamReader& reader, const ros::NodeHandle& handle, CloudToScanNo
 }  // namespace
 
 const char* to_string(LevelFrom level) {
-  for (const auto& [word, meaning] : kLevels)
-    if (meaning == level) return word.c_str();
+  for (const auto& [name, meaning] : kLevels)
+    if (meaning == level) return name.c_str();
   return "?";
 }
 

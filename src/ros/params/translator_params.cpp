@@ -32,27 +32,27 @@ using Strings = std::vector<std::string>;
 constexpr double kMaxBytes = 2147483647.0;  // of a 32-bit parameter
 
 const NamedValues<Directions>& directions() {
-  static const NamedValues<Directions> words{{"both", Directions::kBoth},
-                                             {"robot_to_workstation", Directions::kRobotToWorkstation},
-                                             {"workstation_to_robot", Directions::kWorkstationToRobot}};
-  return words;
+  static const NamedValues<Directions> values{{"both", Directions::kBoth},
+                                              {"robot_to_workstation", Directions::kRobotToWorkstation},
+                                              {"workstation_to_robot", Directions::kWorkstationToRobot}};
+  return values;
 }
 const NamedValues<Priority>& priorities() {
-  static const NamedValues<Priority> words{
+  static const NamedValues<Priority> values{
       {"control", Priority::kControl}, {"normal", Priority::kNormal}, {"bulk", Priority::kBulk}};
-  return words;
+  return values;
 }
 const NamedValues<PlanOptions::Slash>& slashes() {
-  static const NamedValues<PlanOptions::Slash> words{{"keep", PlanOptions::Slash::kKeep},
-                                                     {"strip", PlanOptions::Slash::kStrip},
-                                                     {"add", PlanOptions::Slash::kAdd}};
-  return words;
+  static const NamedValues<PlanOptions::Slash> values{{"keep", PlanOptions::Slash::kKeep},
+                                                      {"strip", PlanOptions::Slash::kStrip},
+                                                      {"add", PlanOptions::Slash::kAdd}};
+  return values;
 }
 /// rosgraph_msgs/Log's levels.
 const NamedValues<std::uint8_t>& levels() {
-  static const NamedValues<std::uint8_t> words{
+  static const NamedValues<std::uint8_t> values{
       {"debug", 1}, {"info", 2}, {"warn", 4}, {"error", 8}, {"fatal", 16}};
-  return words;
+  return values;
 }
 
 void read_seconds(ParamReader& reader, const std::string& key, milliseconds& value, Range<double> range_s) {
@@ -147,12 +147,12 @@ void read_hosts(ParamReader& reader, const ros::NodeHandle& handle,
   Strings lines;
   read_strings(reader, handle, "hosts", lines);
   for (const auto& line : lines) {
-    std::istringstream words(line);
+    std::istringstream tokens(line);
     std::string address;
     std::string name;
-    words >> address;
+    tokens >> address;
     std::size_t names = 0;
-    for (; words >> name; ++names) hosts[name] = address;
+    for (; tokens >> name; ++names) hosts[name] = address;
     if (names == 0 || !is_address(address))
       reader.complain(handle.resolveName("hosts") + ": '" + line +
                       "' must be an address and its names, as in /etc/hosts");

@@ -23,7 +23,7 @@ Options:
   --world FILE            views of this world instead of random ones (config/worlds/README.md)
   --classes NAME,NAME...  labels that get boxes, cone,cube,sphere by default
   --min-pixels NUMBER     objects with fewer visible pixels get no box, 40 by default
-  --val SHARE             of the worlds for val.txt, 0 to 1, 0.1 by default
+  --val FRACTION          of the worlds for val.txt, 0 to 1, 0.1 by default
   --supersampling NUMBER  rays per pixel and direction, 1 or 2 (default)
   --depth                 writes Depth/000001.png too: 16 bit, millimetres, 0 where there is no measurement
   --plain                 no blur, exposure, white balance and noise

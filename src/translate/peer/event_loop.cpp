@@ -27,7 +27,7 @@ using std::chrono::nanoseconds;
 
 constexpr int kFetched = 1024;  ///< events of one epoll_wait
 /// How long normal and bulk handlers go on before control descriptors are looked at again.
-constexpr std::chrono::microseconds kTurn{100};
+constexpr std::chrono::microseconds kHandlingTime{100};
 constexpr std::size_t kPriorities = 3;
 constexpr std::uint32_t kAlways = EPOLLERR | EPOLLHUP;
 
@@ -178,11 +178,11 @@ struct EventLoop::State {
     if (events != 0) watch->handler(events);
   }
 
-  /// Control first, all of it; then normal and bulk for one turn, at least one of each.
+  /// Control first, all of it; then normal and bulk for kHandlingTime, at least one of each.
   void handle_ready() {
     auto& [control, normal, bulk] = pending;
     for (auto left = control.size(); left > 0 && !control.empty(); --left) handle_one(control);
-    const auto end = now() + kTurn;
+    const auto end = now() + kHandlingTime;
     for (auto* queue : {&normal, &bulk})
       for (auto left = queue->size(); left > 0 && !queue->empty(); --left) {
         handle_one(*queue);

@@ -51,7 +51,7 @@ class LinkState : public std::enable_shared_from_this<LinkState> {
   FrameReader reader_;
   BytesWriter writer_;
   std::deque<Call> calls_;
-  bool under_way_{false};  ///< the first call's request was given to the socket
+  bool request_sent_{false};  ///< the first call's request was given to the socket
   std::uint64_t last_call_{0};
 };
 
@@ -80,12 +80,12 @@ void LinkState::call(FramePtr request, std::chrono::milliseconds timeout, Servic
     if (const auto self = weak.lock()) self->time_out(id);
   });
   calls_.push_back({id, std::move(request), std::move(done), timer});
-  if (!under_way_) send_next();
+  if (!request_sent_) send_next();
 }
 
 void LinkState::send_next() {
   if (calls_.empty() || !socket_) return;
-  under_way_ = true;
+  request_sent_ = true;
   sent(writer_.write(socket_.get(), calls_.front().request->wire(), {}));
 }
 
@@ -117,10 +117,10 @@ void LinkState::read() {
 }
 
 void LinkState::finish(std::shared_ptr<Frame> response, bool ok) {
-  if (calls_.empty() || !under_way_) return lose("unexpected response from the server");
+  if (calls_.empty() || !request_sent_) return lose("unexpected response from the server");
   auto call = std::move(calls_.front());
   calls_.pop_front();
-  under_way_ = false;
+  request_sent_ = false;
   core_->loop.cancel(call.timer);
   send_next();
   if (ok) return call.done(FramePtr(std::move(response)));
@@ -140,7 +140,7 @@ void LinkState::time_out(std::uint64_t id) {
 
 void LinkState::lose(const std::string& reason) {
   socket_.close();
-  under_way_ = false;
+  request_sent_ = false;
   const auto calls = std::exchange(calls_, {});
   for (const auto& call : calls) core_->loop.cancel(call.timer);
   for (const auto& call : calls) call.done(tl::unexpected<Error>(call_error(service_, reason)));

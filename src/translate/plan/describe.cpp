@@ -114,7 +114,7 @@ class Describer {
         return "go to where " +
                (fields.empty() || fields.back() == '.' ? "the message ends" : fields + " comes from");
       case OpCode::kIndex:
-        return "take element " + std::to_string(op.size) + " on the way to " + fields +
+        return "take element " + std::to_string(op.size) + " of the path to " + fields +
                (op.extra == 0 ? "" : ", or what is written otherwise");
       case OpCode::kJump:
         return "or, without such an element:";

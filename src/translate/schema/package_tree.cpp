@@ -30,7 +30,7 @@ std::string package_name(const fs::path& folder) {
   return folder.filename().string();
 }
 
-class Walker {
+class PackageFinder {
  public:
   /// `real` is the folder without links.
   void visit(const fs::path& real, int depth) {
@@ -117,10 +117,10 @@ Result<PackageTree> find_packages(const fs::path& folder) {
   std::error_code error;
   if (!fs::is_directory(folder, error))
     return fail(ErrorCode::kNotFound, folder.string() + ": no such folder of packages");
-  Walker walker;
+  PackageFinder finder;
   // The absolute path has a name for the package when the folder is one, also for ".".
-  walker.visit(fs::canonical(folder, error), kTreeDepth);
-  return walker.take();
+  finder.visit(fs::canonical(folder, error), kTreeDepth);
+  return finder.take();
 }
 
 Result<std::string> read_text(const fs::path& file, std::size_t max_bytes) {

@@ -38,15 +38,15 @@ DepthScene scene() {
   return scene;
 }
 
-struct Picture {
+struct DepthImage {
   CameraModel camera;
   Pose root_T_camera;
   std::vector<std::uint16_t> depth;
 };
 
 /// With noise that grows with the square of the depth: 2 mm at 1 m.
-Picture image() {
-  Picture made{arm::test::small_camera(640), arm::test::looking({0.32, 0, 1.55}, {0.95, 0, kTable}), {}};
+DepthImage image() {
+  DepthImage made{arm::test::small_camera(640), arm::test::looking({0.32, 0, 1.55}, {0.95, 0, kTable}), {}};
   auto depth = scene().render(made.camera, made.root_T_camera, 6, 2);
   Rng rng(9);
   for (float& value : depth) value += static_cast<float>(rng.normal(0, 0.002)) * value * value;
@@ -61,7 +61,7 @@ DepthObstaclesParams params_of(int pixel_step) {
   return params;
 }
 
-Result<void> images(const Picture& image, int runs, std::vector<Row>& rows) {
+Result<void> images(const DepthImage& image, int runs, std::vector<Row>& rows) {
   for (const int step : {1, 2}) {
     auto obstacles = DepthObstacles::make(both_arms(), params_of(step));
     if (!obstacles) return tl::unexpected<Error>(obstacles.error());
@@ -145,7 +145,7 @@ Result<void> checks(const std::string& name, const std::optional<WorldObject>& b
 
 Result<std::vector<Row>> depth_rows(bool quick) {
   std::vector<Row> rows;
-  const Picture seen = image();
+  const DepthImage seen = image();
   if (auto ok = images(seen, quick ? 10 : 100, rows); !ok) return tl::unexpected<Error>(ok.error());
   const int states = quick ? 500 : 4000;
   if (auto ok = checks("both arms, a table", {}, states, rows); !ok) return tl::unexpected<Error>(ok.error());

@@ -15,7 +15,7 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr double kSpeedMPerS = 0.5;
-constexpr double kTurnRadPerS = 0.6;
+constexpr double kYawRateRadPerS = 0.6;
 
 struct Office {
   PlanarWorld world;
@@ -222,7 +222,7 @@ std::vector<Pose2> hall_drive() {
 
 Result<Recording> record_office(const DriveParams& params, const fs::path& folder) {
   const Office office = OfficeBuilder().build();
-  auto poses = planar_drive(office.route, kSpeedMPerS / params.rate_hz, kTurnRadPerS / params.rate_hz);
+  auto poses = planar_drive(office.route, kSpeedMPerS / params.rate_hz, kYawRateRadPerS / params.rate_hz);
   poses.resize(std::min(poses.size(), static_cast<std::size_t>(params.longest_s * params.rate_hz)));
   PlanarScanner scanner;
   scanner.rays = params.rays;

@@ -19,7 +19,7 @@
 namespace extperfc::benchmark {
 namespace {
 
-std::vector<std::string> words_of(const LogRun& run) {
+std::vector<std::string> arguments_of(const LogRun& run) {
   return {"log",
           run.recording.log.string(),
           run.recording.relations.string(),
@@ -189,7 +189,7 @@ Result<Figures> watch(const LogRun& run) {
 }  // namespace
 
 Result<Figures> run_log(const LogRun& run) {
-  return run_part(words_of(run));
+  return run_part(arguments_of(run));
 }
 
 int run_log_part(const std::vector<std::string>& tokens) {

@@ -24,8 +24,8 @@ constexpr double kArrivedM = 0.3;
 constexpr double kRotateOnSpotRad = 0.7;
 constexpr double kSteerOverM = 0.35;  // the robot rotates towards its path within this distance
 
-constexpr double kWalkerRadiusM = 0.2;
-constexpr double kNearestWalkerM = 0.4;
+constexpr double kPedestrianRadiusM = 0.2;
+constexpr double kNearestPedestrianM = 0.4;
 constexpr double kFromWallM = 0.25;
 
 Point position(const Pose2& pose) {
@@ -133,8 +133,8 @@ double Pedestrians::range(const Eigen::Vector2d& from, double angle_rad) const {
     const Point to = pedestrian.at - from;
     const double along = to.dot(ray);
     const double across = to.y() * ray.x() - to.x() * ray.y();
-    if (along <= kNearestWalkerM || std::abs(across) >= kWalkerRadiusM) continue;
-    nearest = std::min(nearest, along - std::sqrt(kWalkerRadiusM * kWalkerRadiusM - across * across));
+    if (along <= kNearestPedestrianM || std::abs(across) >= kPedestrianRadiusM) continue;
+    nearest = std::min(nearest, along - std::sqrt(kPedestrianRadiusM * kPedestrianRadiusM - across * across));
   }
   return nearest;
 }

@@ -221,23 +221,23 @@ void Planner::grid() {
   wander(columns, rows);
 }
 
-/// From crossing to crossing, never straight back.
+/// From intersection to intersection, never straight back.
 void Planner::wander(const std::vector<double>& columns, const std::vector<double>& rows) {
-  using Crossing = std::pair<int, int>;
-  const auto there = [&](const Crossing& c) {
+  using Intersection = std::pair<int, int>;
+  const auto there = [&](const Intersection& c) {
     return c.first >= 0 && c.second >= 0 && c.first < static_cast<int>(columns.size()) &&
            c.second < static_cast<int>(rows.size());
   };
-  const auto place = [&](const Crossing& c) {
+  const auto place = [&](const Intersection& c) {
     return Point(columns[static_cast<std::size_t>(c.first)], rows[static_cast<std::size_t>(c.second)]);
   };
-  Crossing last{-1, -1};
-  Crossing now{0, 0};
+  Intersection last{-1, -1};
+  Intersection now{0, 0};
   go({place(now)});
   for (double path_m = 0; path_m < kGridPathM;) {
     const auto& [i, j] = now;
-    std::vector<Crossing> choice;
-    for (const Crossing& next : {Crossing{i - 1, j}, {i + 1, j}, {i, j - 1}, {i, j + 1}})
+    std::vector<Intersection> choice;
+    for (const Intersection& next : {Intersection{i - 1, j}, {i + 1, j}, {i, j - 1}, {i, j + 1}})
       if (there(next) && next != last) choice.push_back(next);
     last = now;
     now = choice[static_cast<std::size_t>(rng_.integer(0, static_cast<int>(choice.size()) - 1))];

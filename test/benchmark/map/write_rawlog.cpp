@@ -87,7 +87,7 @@ int write(const std::string& from, const std::string& to, std::size_t max_scans)
 
 int main(int argc, char** argv) {
   if (argc != 4) {
-    std::cerr << "usage: bench_map_rawlog LOG RAWLOG MOST_SCANS\n";
+    std::cerr << "usage: bench_map_rawlog LOG RAWLOG MAX_SCANS\n";
     return 2;
   }
   try {

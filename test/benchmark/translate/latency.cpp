@@ -38,9 +38,9 @@ constexpr std::array<SizeClass, 5> kSizes{{{"200 B", 200, 1, 114},
                                            {"1 MB", 1'000'000, 4, 2'000},
                                            {"6 MB", 6'000'000, 10, 13'500}}};
 
-enum WayIndex : std::size_t { kDirect, kRelay, kPass, kConvert, kWays };
+enum RouteIndex : std::size_t { kDirect, kRelay, kPass, kConvert, kRoutes };
 
-/// One way from here to a subscriber, for one size.
+/// One route from here to a subscriber, for one size.
 struct Stream {
   std::unique_ptr<Sender> sender;
   ArrivalReader* reader{nullptr};
@@ -86,7 +86,7 @@ class Latency {
   ros::NodeHandle handle_;
   Process relay_, bridge_, robot_receiver_, workstation_receiver_;
   std::optional<ArrivalReader> robot_reader_, workstation_reader_;
-  std::array<std::array<Stream, kWays>, kSizes.size()> streams_;
+  std::array<std::array<Stream, kRoutes>, kSizes.size()> streams_;
 };
 
 std::string topic_of(const char* route, const SizeClass& size) {

@@ -12,7 +12,7 @@
 
 namespace extperfc::benchmark {
 
-/// One message at a time through every way from publisher to subscriber, in turns: latency, and CPU time of
+/// One message at a time through every route from publisher to subscriber, in turns: latency, and CPU time of
 /// the process in the middle. This process must have joined the robot's master.
 [[nodiscard]] Result<std::vector<Row>> latency_rows(const Stage& stage, const TranslateOptions& options);
 

@@ -69,7 +69,7 @@ void print_translate_help(std::ostream& out) {
          "relay\n"
          "in the same run: latency and CPU by size, many topics at once, and the conversion alone.\n\n"
          "  --only      latency, load or conversion (default: all three)\n"
-         "  --samples   messages of each way and size; fewer of the large ones (default 2000)\n"
+         "  --samples   messages of each route and size; fewer of the large ones (default 2000)\n"
          "  --seconds   of each measurement under load (default 10)\n"
          "  --topics    under load (default 500)\n"
          "  --rate      messages of all topics together under load (default 20000 per second)\n"

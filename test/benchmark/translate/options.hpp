@@ -8,7 +8,7 @@
 namespace extperfc::benchmark {
 
 struct TranslateOptions {
-  int samples{2000};       ///< of each way and size up to 100 kB; a tenth of it for 6 MB
+  int samples{2000};       ///< of each route and size up to 100 kB; a tenth of it for 6 MB
   double seconds{10.0};    ///< of each measurement under load [s]
   int topics{500};         ///< under load
   double rate_hz{20'000};  ///< messages of all topics together under load

@@ -10,7 +10,7 @@
 namespace extperfc::ros_test {
 namespace {
 
-constexpr double kTurnRate = 0.5;  // rad/s
+constexpr double kYawRate = 0.5;  // rad/s
 
 class CloudToScanMotionTest : public CloudToScanTest {
  protected:
@@ -27,7 +27,7 @@ class CloudToScanMotionTest : public CloudToScanTest {
     ASSERT_TRUE(wait_for([this] { return moving_.getNumSubscribers() > 0; }));
     for (int i = 0; 10.0 + 0.02 * i <= until_s + 1e-9; ++i) {
       const double time_s = 10.0 + 0.02 * i;
-      send("odom", "base_link", make_pose({1, 2, 0}, {roll, pitch, kTurnRate * (time_s - 10.0)}), time_s);
+      send("odom", "base_link", make_pose({1, 2, 0}, {roll, pitch, kYawRate * (time_s - 10.0)}), time_s);
     }
   }
 
@@ -48,7 +48,7 @@ class CloudToScanMotionTest : public CloudToScanTest {
       const double since_s = -0.1 + 0.1 * i / 399;
       const double direction = 0.8 - 1.6 * i / 399;  // in the base at the stamp
       const double range = 3 / std::cos(direction);
-      const double seen = direction - kTurnRate * since_s;  // in the sensor at that moment
+      const double seen = direction - kYawRate * since_s;  // in the sensor at that moment
       for (std::uint16_t ring = 0; ring < 3; ++ring) {
         points.push_back({static_cast<float>(range * std::cos(seen)),
                           static_cast<float>(range * std::sin(seen)), -0.3F + 0.2F * static_cast<float>(ring),
@@ -168,7 +168,7 @@ TEST_F(CloudToScanMotionTest, OdometryThatComesLateIsWaitedFor) {
   const std::size_t so_far = scans_->count();
   cloud_.publish(skewed_wall(10.95));
   EXPECT_TRUE(never([&] { return scans_->count() > so_far; })) << "odometry ends before the stamp";
-  send("odom", "base_link", make_pose({1, 2, 0}, {0, 0, kTurnRate * 1.0}), 11.0);
+  send("odom", "base_link", make_pose({1, 2, 0}, {0, 0, kYawRate * 1.0}), 11.0);
   const auto scan = scans_->wait_for_stamp(ros::Time(10.95));
   ASSERT_TRUE(scan);
   EXPECT_TRUE(is_straight(*scan)) << error_at_wall(*scan);

@@ -55,9 +55,9 @@ TEST(Knowledge, AnOverlaysVersionOfATypeCounts) {
   const auto knowledge = load_knowledge(
       params, source_folder(), {folder.path() / "above", folder.path() / "none", folder.path() / "below"});
   ASSERT_TRUE(knowledge) << knowledge.error().message;
-  const auto thing = knowledge->definitions.message_of_set(kInstalledSet, "mine_msgs/Thing");
-  ASSERT_NE(thing, nullptr);
-  EXPECT_EQ(thing->fields().size(), 2U);
+  const auto message = knowledge->definitions.message_of_set(kInstalledSet, "mine_msgs/Thing");
+  ASSERT_NE(message, nullptr);
+  EXPECT_EQ(message->fields().size(), 2U);
   EXPECT_NE(knowledge->definitions.message_of_set(kInstalledSet, "mine_msgs/Other"), nullptr);
 }
 

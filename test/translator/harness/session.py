@@ -5,7 +5,7 @@ import yaml
 from harness import eras, network, processes
 
 NAME = "/extperfc_translator"  # of the translator's nodes at both masters, as config/translator.yaml names them
-WORD = "std_msgs/String"  # what word() makes
+STRING = "std_msgs/String"  # what string() makes
 
 
 def merged(base, more):
@@ -126,16 +126,16 @@ class Session:
         """A message of the era of a node; fields may be nested: {"pose": {"position": {"x": 1}}}."""
         return _set_fields(self.era_of(node_name).message(type_name)(), fields)
 
-    def word(self, text):
+    def string(self, text):
         """A std_msgs/String as nodes publish it; its bytes are the same in both eras."""
-        return eras.to_hex(self.message("robot", WORD, data=text))
+        return eras.to_hex(self.message("robot", STRING, data=text))
 
-    def flow(self, source, target, topic, word, seconds=20):
-        """Sends a word again and again until it arrives."""
+    def flow(self, source, target, topic, text, seconds=20):
+        """Sends a text again and again until it arrives."""
         def arrived():
-            source.send("publish", topic, self.word(word))
-            return word in target.texts(topic)
-        processes.wait_until(arrived, seconds, lambda: f"{word} from {source.name} to {target.name}; "
+            source.send("publish", topic, self.string(text))
+            return text in target.texts(topic)
+        processes.wait_until(arrived, seconds, lambda: f"{text} from {source.name} to {target.name}; "
                              f"translator: {self.translator.log_tail(5)}")
 
 

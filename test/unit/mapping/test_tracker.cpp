@@ -164,7 +164,7 @@ struct CorridorDrive {
   }
 };
 
-PlanarScanner half_turn_scanner() {
+PlanarScanner half_circle_scanner() {
   PlanarScanner scanner;
   scanner.rays = 181;
   scanner.angle_min = -M_PI / 2;
@@ -182,7 +182,7 @@ TEST(Tracker, WalkersInACorridorDoNotHoldItBack) {
   for (const double pace : {0.85, 1.0, 1.2})
     for (const std::uint64_t seed : {11U, 12U, 13U}) {
       SCOPED_TRACE(testing::Message() << "pace " << pace << ", seed " << seed);
-      CorridorDrive run{half_turn_scanner(), pace, true};
+      CorridorDrive run{half_circle_scanner(), pace, true};
       run.drive(seed);
       EXPECT_NEAR(run.tracked_m, run.odometry_m, kOffWheelsM);
       EXPECT_NEAR(run.aside_m, 0, 0.1);
@@ -194,7 +194,7 @@ TEST(Tracker, NoiseOfABareCorridorDoesNotHoldItBack) {
   for (const double sigma_m : {0.01, 0.04})
     for (const std::uint64_t seed : {15U, 16U, 17U}) {
       SCOPED_TRACE(testing::Message() << "noise " << sigma_m << " m, seed " << seed);
-      CorridorDrive run{half_turn_scanner()};
+      CorridorDrive run{half_circle_scanner()};
       run.scanner.sigma_m = sigma_m;
       run.drive(seed);
       EXPECT_NEAR(run.tracked_m, run.odometry_m, kOffWheelsM);

@@ -132,8 +132,8 @@ TEST(Relations, FilesAreReadAndChecked) {
 std::vector<ScanMoment> drive(std::size_t scans) {
   std::vector<ScanMoment> moments;
   for (std::size_t i = 0; i < scans; ++i) {
-    const auto way = static_cast<double>(i);
-    moments.push_back({i, 100 + 0.1 * way, Pose2{1.02 * way, 0, 0}});
+    const auto step = static_cast<double>(i);
+    moments.push_back({i, 100 + 0.1 * step, Pose2{1.02 * step, 0, 0}});
   }
   return moments;
 }

@@ -48,7 +48,7 @@ TEST_F(RealRevolutionTest, IsAWholeRevolution) {
 
 TEST_F(RealRevolutionTest, TheNearestIsOftenNotTheSupported) {
   // The wider the band, the more often something thin or low stands before the wall.
-  std::vector<double> shares;
+  std::vector<double> fractions;
   for (const auto& [low, high] : {std::pair{-0.3, 0.3}, {-1.0, 1.0}}) {
     const auto both = see(band(low, high));
     double differ = 0;
@@ -60,11 +60,11 @@ TEST_F(RealRevolutionTest, TheNearestIsOftenNotTheSupported) {
       ASSERT_GE(both.scans.supported.ranges[i], both.scans.nearest.ranges[i]);
     }
     ASSERT_GT(comparable, 300);
-    shares.push_back(differ / comparable);
-    RecordProperty("share_" + std::to_string(shares.size()), std::to_string(shares.back()));
+    fractions.push_back(differ / comparable);
+    RecordProperty("fraction_" + std::to_string(fractions.size()), std::to_string(fractions.back()));
   }
-  EXPECT_GT(shares.back(), 0.02);
-  EXPECT_LT(shares.front(), shares.back());
+  EXPECT_GT(fractions.back(), 0.02);
+  EXPECT_LT(fractions.front(), fractions.back());
 }
 
 TEST_F(RealRevolutionTest, UnseenRaysAreNeverFree) {

@@ -210,17 +210,17 @@ TEST(ScanRawlog, MrptsOwnRecording) {
   ASSERT_TRUE(log) << log.error().message;
   const auto records = read_all(**log);
   EXPECT_EQ(records.size(), 225U);
-  double way_m = 0;
+  double distance_m = 0;
   for (std::size_t i = 0; i < records.size(); ++i) {
     ASSERT_TRUE(records[i].odom_T_base) << i;
     EXPECT_EQ(records[i].scan.ranges.size(), 361U);
     EXPECT_GT(count_returns(records[i].scan), 100U);
     if (i > 0) {
       const Pose2 step = between(*records[i - 1].odom_T_base, *records[i].odom_T_base);
-      way_m += std::hypot(step.x, step.y);
+      distance_m += std::hypot(step.x, step.y);
     }
   }
-  EXPECT_NEAR(way_m, 76.4, 0.2);
+  EXPECT_NEAR(distance_m, 76.4, 0.2);
 }
 
 }  // namespace

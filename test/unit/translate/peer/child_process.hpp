@@ -22,7 +22,7 @@ class ChildProcess {
     if (::pipe2(pipe.data(), O_CLOEXEC) != 0) std::abort();
     std::vector<char*> arguments;
     arguments.reserve(command.size() + 1);
-    for (const auto& word : command) arguments.push_back(const_cast<char*>(word.c_str()));
+    for (const auto& argument : command) arguments.push_back(const_cast<char*>(argument.c_str()));
     arguments.push_back(nullptr);
     pid_ = ::fork();
     if (pid_ == 0) {

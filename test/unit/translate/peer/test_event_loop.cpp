@@ -96,17 +96,17 @@ TEST(EventLoop, ControlDoesNotWaitBehindManySlowBulkHandlers) {
 TEST(EventLoop, EveryBulkDescriptorHasItsTurn) {
   EventLoop loop;
   const std::vector<Pair> pairs(10);
-  std::vector<int> turns(pairs.size());
+  std::vector<int> calls(pairs.size());
   for (std::size_t i = 0; i < pairs.size(); ++i) {
-    loop.watch(pairs[i].near, EPOLLIN, Priority::kBulk, [&turns, i](std::uint32_t) {
-      ++turns[i];  // stays ready
+    loop.watch(pairs[i].near, EPOLLIN, Priority::kBulk, [&calls, i](std::uint32_t) {
+      ++calls[i];  // stays ready
       const auto end = EventLoop::now() + 150us;
       while (EventLoop::now() < end) continue;
     });
     pairs[i].write();
   }
   for (int round = 0; round < 50; ++round) loop.run_once(1s);
-  for (const int count : turns) EXPECT_NEAR(count, 5, 1);
+  for (const int count : calls) EXPECT_NEAR(count, 5, 1);
 }
 
 TEST(EventLoop, ARemovedHandlerNeverRunsThoughItsEventWasFetched) {

@@ -28,9 +28,9 @@ std::vector<std::vector<std::string>> rows_of(const std::string& name) {
   std::vector<std::vector<std::string>> rows;
   for (std::string line; std::getline(in, line);) {
     if (line.empty() || line.front() == '#') continue;
-    std::istringstream words(line);
+    std::istringstream tokens(line);
     rows.emplace_back();
-    for (std::string word; words >> word;) rows.back().push_back(word);
+    for (std::string token; tokens >> token;) rows.back().push_back(token);
   }
   return rows;
 }
