@@ -13,7 +13,8 @@ int main(int argc, char** argv) {
   if (pixels.empty()) return std::cerr << argv[1] << " is not an image that can be read\n", 1;
 
   // A model is a folder with an ONNX file and a model.yaml that describes it.
-  const auto spec = examples::value_of(detect::load_model_spec(argc > 2 ? argv[2] : EXTPERFC_MODELS "/shapes"));
+  const auto spec =
+      examples::value_of(detect::load_model_spec(argc > 2 ? argv[2] : EXTPERFC_MODELS "/shapes"));
   detect::InferenceOptions options;  // back end, device and threads; by default the fastest back end
   auto detector = examples::value_of(detect::Detector::create(spec, options));
 

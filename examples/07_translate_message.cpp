@@ -17,7 +17,8 @@ int main(int argc, char** argv) {
   const auto plan = examples::value_of(translate::Plan::compile(from, to, translate::RuleSet{}));
   std::cout << "the translator would " << to_string(plan->kind()) << " it\n";
   for (const auto& note : plan->notes())
-    if (note.kind != translate::Plan::Note::Kind::kKept) std::cout << "  " << note.path << ": " << note.text << "\n";
+    if (note.kind != translate::Plan::Note::Kind::kKept)
+      std::cout << "  " << note.path << ": " << note.text << "\n";
 
   translate::ByteBuffer message, converted;  // bytes as they come from a connection; here all fields are zero
   translate::serialize_default(*from, message);

@@ -9,8 +9,9 @@ namespace extperfc::examples {
 /// The mobile Baxter of this package. Another robot: give its URDF and SRDF.
 inline arm::RobotArms baxter() {
   const std::filesystem::path root = EXTPERFC_SOURCE_DIR;
-  return value_of(arm::RobotArms::make(value_of(RobotModel::from_file(root / "urdf/mobile_baxter.urdf", root)),
-                                       value_of(arm::read_srdf(root / "config/robots/baxter/mobile_baxter.srdf"))));
+  return value_of(
+      arm::RobotArms::make(value_of(RobotModel::from_file(root / "urdf/mobile_baxter.urdf", root)),
+                           value_of(arm::read_srdf(root / "config/robots/baxter/mobile_baxter.srdf"))));
 }
 
 /// A world with a table of 0.7 m x 1.5 m before the robot.
