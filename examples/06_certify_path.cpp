@@ -27,7 +27,7 @@ int main() {
   };
   arm::JointVector aside = from, down = from;
   aside[0] += 0.6;  // the shoulder turns outwards
-  down[1] += 0.9;   // the arm goes down, into the table
+  down[1] += 0.4;   // the arm goes down, into the table
   report("aside", aside);
   report("down", down);
 }

@@ -33,7 +33,7 @@ class Examples(unittest.TestCase):
             self.assertIn(f"`{source.stem}", readme)
 
     def test_detect_image(self):
-        text = self.run_example("01_detect_image", REPO / "docs/images/simulation_camera.png")
+        text = self.run_example("01_detect_image", REPO / "docs/images/arm_grasp.png")
         self.assertRegex(text, r"(cone|cube|sphere) 0\.\d+ at x")
 
     def test_an_image_that_is_missing_is_named(self):

@@ -16,7 +16,8 @@ constexpr const char* kHelp = R"(Makes a map of a recording of planar laser scan
   extperfc-map RECORDING [OPTION ...]
 
 RECORDING is a CARMEN log (FLASER or ROBOTLASER1 lines; plain, .gz or .bz2), a ROS bag with sensor_msgs/LaserScan (and
-tf or nav_msgs/Odometry), or an MRPT rawlog. The format is recognised by content. Scans are taken in the order of the file.
+tf or nav_msgs/Odometry), or an MRPT rawlog. The format is recognised by content. Scans are taken in the order of the
+file.
 
 Writes into a folder:
   map.pgm, map.yaml   the map, as map_server, the localizer and amcl read it

@@ -122,7 +122,7 @@ TEST_F(LocalizerTest, InitialposeInAnotherFrameIsIgnored) {
   ASSERT_TRUE(poses_.wait_for_count(1));
   const auto poses = poses_.count();
   give_pose({2, 2, 0}, 0.1, 0.1, "odom");
-  ASSERT_TRUE(log_.wait("the initial pose is in the frame odom, but must be in map"));
+  ASSERT_TRUE(log_.wait("ignoring initial pose: its frame is odom, must be map"));
   give_pose({std::nan(""), 2, 0});
   ASSERT_TRUE(log_.wait("ignoring initial pose: the pose has values that are not finite"));
   ASSERT_TRUE(locate());

@@ -207,8 +207,8 @@ TEST_F(MapperFaultsTest, NonsenseIsRefusedAndNamed) {
   send_refused([](auto& scan) { scan.angle_min = kNan; }, "not a finite number");
   send_refused([](auto& scan) { scan.range_max = -1; }, "range_max");
   send_refused([](auto& scan) { scan.angle_increment = 1; }, "angle_increment in radians");
-  send_refused([](auto& scan) { scan.header.stamp = ros::Time(); }, "without stamp or frame_id");
-  send_refused([](auto& scan) { scan.header.frame_id = ""; }, "without stamp or frame_id");
+  send_refused([](auto& scan) { scan.header.stamp = ros::Time(); }, "no stamp or no frame_id");
+  send_refused([](auto& scan) { scan.header.frame_id = ""; }, "no stamp or no frame_id");
   ASSERT_TRUE(feed({0, 0, 0}));
   EXPECT_TRUE(diagnostics_.wait_latest([](const Report& r) { return r.number("scans refused") == 7; }));
 }

@@ -194,7 +194,7 @@ TEST_F(Services, AServerThatGoesAwayFailsTheCallsUnderWay) {
   ASSERT_TRUE(until([&] { return held.size() == 1; }));
   server.reset();
   ASSERT_TRUE(until([&] { return !answer.empty(); }));
-  EXPECT_NE(answer.find("goes away"), std::string::npos) << answer;
+  EXPECT_NE(answer.find("shuts down"), std::string::npos) << answer;
   EXPECT_TRUE(until([&] { return !(*link)->connected(); }));
   EXPECT_TRUE(until([&] { return master.service("/set").empty(); }));
 }
