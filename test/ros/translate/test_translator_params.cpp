@@ -342,8 +342,8 @@ diagnostics: {max_items: -1}
                    "/services/allow must be a list of texts",
                    "/profiles: '*'",
                    "/profiles[0]/queue: 0 is out of its range [1, 100000]",
-                   "/profiles[0]/directions: 'up' is unknown: use one of both, workstation_to_robot, "
-                   "robot_to_workstation",
+                   "/profiles[0]/directions: 'up' is unknown: use one of both, robot_to_workstation, "
+                   "workstation_to_robot",
                    "/profiles[0]/speed: is not a key of a profile",
                    "/profiles[0]/lazy has a value of a wrong type",
                    "/profiles: a profile has no pattern",
