@@ -13,7 +13,8 @@ int main() {
   arm::MotionRequest request;
   request.group = "left_arm";
   request.start = examples::value_of(arms.named_state(*both, "neutral"));  // of every joint that is known
-  request.goal = arm::JointPositions{{"left_s0", 0.6}, {"left_w1", 0.8}};  // or a state's name, or a tool's pose
+  request.goal =
+      arm::JointPositions{{"left_s0", 0.6}, {"left_w1", 0.8}};  // or a state's name, or a tool's pose
   request.velocity_scale = 0.5;
   request.seed = 1;
 

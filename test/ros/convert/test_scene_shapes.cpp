@@ -98,8 +98,9 @@ TEST(SceneShapes, WhatMakesNoSenseIsRefusedWithAReason) {
   EXPECT_NE("", error([](auto& m) { m.mesh_poses = {geometry_msgs::Pose()}; }));  // a quaternion of zeros
   EXPECT_NE("", error([](auto& m) { m.meshes[0].triangles.clear(); }));
   EXPECT_NE("", error([](auto& m) { m.meshes[0].triangles.resize(100'001); }));
-  EXPECT_NE(std::string::npos,
-            error([](auto& m) { m.meshes[0].triangles[1].vertex_indices[2] = 4; }).find("vertex index 4, of 4"));
+  EXPECT_NE(std::string::npos, error([](auto& m) {
+                                 m.meshes[0].triangles[1].vertex_indices[2] = 4;
+                               }).find("vertex index 4, of 4"));
 }
 
 }  // namespace

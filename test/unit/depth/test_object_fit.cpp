@@ -167,7 +167,8 @@ TEST(ObjectFit, ReportsWhyThereIsNothing) {
   const float shift = beside.x_min > 320 ? -2.5F * beside.width() : 2.5F * beside.width();
   beside.x_min += shift;
   beside.x_max += shift;
-  EXPECT_NE(reason(view.depth.view(), beside, object.shape).find("pixels rise above the support"), std::string::npos);
+  EXPECT_NE(reason(view.depth.view(), beside, object.shape).find("pixels rise above the support"),
+            std::string::npos);
   // A cube is no sphere and no cone.
   EXPECT_NE(reason(view.depth.view(), view.box, FitShape::kSphere).find("does not match a sphere"),
             std::string::npos);

@@ -158,7 +158,8 @@ TEST(Gridmap, WhatMrptCannotKeepIsRefused) {
   EXPECT_NE(error_of([](auto& map) { map.origin.yaw = 0.1; }).find("cannot be rotated"), std::string::npos);
   EXPECT_NE(error_of([](auto& map) { map.origin.x = -0.33; }).find("multiple of its resolution"),
             std::string::npos);
-  EXPECT_NE(error_of([](auto& map) { map.cells.pop_back(); }).find("their number does not match its size"), std::string::npos);
+  EXPECT_NE(error_of([](auto& map) { map.cells.pop_back(); }).find("their number does not match its size"),
+            std::string::npos);
   EXPECT_NE(error_of([](auto& map) { map.resolution_m = 0; }).find("resolution"), std::string::npos);
   EXPECT_TRUE(fs::is_empty(folder.path()));
   const auto nowhere = save_gridmap(small_map(), folder.path() / "none" / "a.gridmap");
