@@ -394,7 +394,13 @@ class SubscriptionHandle : public Subscription {
  public:
   SubscriptionHandle(std::shared_ptr<SubscriptionState> state, Consumers::ConsumerPtr consumer)
       : state_(std::move(state)), consumer_(std::move(consumer)) {}
-  ~SubscriptionHandle() override { state_->leave(consumer_); }
+  ~SubscriptionHandle() override {
+    try {
+      state_->leave(consumer_);
+    } catch (...) {
+      // The connections then end with the state, when its last consumer goes.
+    }
+  }
   SubscriptionHandle(const SubscriptionHandle&) = delete;
   SubscriptionHandle& operator=(const SubscriptionHandle&) = delete;
 
