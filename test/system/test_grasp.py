@@ -10,9 +10,11 @@ REPO = pathlib.Path(__file__).resolve().parents[2]
 sys.path[:0] = [str(REPO / "src"), str(REPO / "tools" / "lib")]
 
 import grasp_scene as scene  # noqa: E402
+import rospy  # noqa: E402
 import simulated_robot  # noqa: E402
 from grasp_arms import GraspArms  # noqa: E402
 from grasp_robot import GraspRobot  # noqa: E402
+from trajectory_msgs.msg import JointTrajectory  # noqa: E402
 
 import extperfc.arm  # noqa: E402
 from extperfc.msg import ArmCode  # noqa: E402
@@ -61,12 +63,18 @@ class Grasp(unittest.TestCase):
         pick = self.arms.arms.pick
         self.fails(ArmCode.UNKNOWN_FRAME, pick("cube", place_at=goal, frame="nowhere", wait=False))
         self.fails(ArmCode.NO_GRASP, pick("cube", place_at=(5.0, 0.0, 1.0), frame="map", wait=False))
+        shown = []
+        display = rospy.Subscriber("arm/display_trajectory", JointTrajectory, shown.append)
+        self.addCleanup(display.unregister)
         picked = pick("cube", lift=LIFT_M, place_at=goal, frame="map", timeout=ANSWER_S)
+        self.assertGreaterEqual(len(shown), 3, "motions to the object, along the grasp and up are shown")
+        shown.clear()
         self.robot.sleep(1.0)
         rise = self.robot.true_pose("cube")[2, 3] - before
         self.assertTrue(scene.is_held(rise, LIFT_M, self.robot.from_tip("cube")), f"it rose by {rise:.3f} m")
         self.assertEqual([picked.object], self.held())
         self.arms.arms.place(goal, frame="map", timeout=ANSWER_S)
+        self.assertGreaterEqual(len(shown), 3, "motions to the place, down and back are shown")
         self.robot.sleep(1.0)
         pose = self.robot.true_pose("cube")
         self.assertTrue(scene.is_placed("cube", pose[:3, 3], pose[:3, :3], self.other), f"\n{pose}\n{self.other}")
