@@ -26,6 +26,27 @@ if(EXTPERFC_SANITIZE)
   target_link_options(extperfc_flags INTERFACE -fsanitize=${EXTPERFC_SANITIZE})
 endif()
 
+# Precompiled headers, one for each kind of target: the core's libraries and programs share this one, tests that of
+# extperfc_test_headers, nodelets that of extperfc_ros_support, and their tests that of extperfc_ros_test_support.
+# Who shares one compiles with the same flags, so everything of ours is position independent.
+target_compile_options(extperfc_flags INTERFACE -fPIC)
+set(EXTPERFC_CORE_HEADERS
+  <algorithm> <array> <chrono> <cmath> <functional> <map> <memory> <optional> <set> <string>
+  <utility> <vector> <Eigen/Core> <Eigen/Geometry> <tl/expected.hpp>)
+set(EXTPERFC_HEADERS_FROM extperfc_core_headers)  # src/ros says otherwise
+add_library(extperfc_core_headers STATIC EXCLUDE_FROM_ALL ${PROJECT_SOURCE_DIR}/cmake/precompiled.cpp)
+target_link_libraries(extperfc_core_headers PRIVATE extperfc_flags Eigen3::Eigen tl::expected)
+target_precompile_headers(extperfc_core_headers PRIVATE ${EXTPERFC_CORE_HEADERS})
+if(EXTPERFC_TESTS)
+  # The tests' own code is compiled quickly, not for speed: what they test is in the libraries.
+  add_library(extperfc_test_flags INTERFACE)
+  target_link_libraries(extperfc_test_flags INTERFACE extperfc_flags)
+  target_compile_options(extperfc_test_flags INTERFACE -O0)
+  add_library(extperfc_test_headers STATIC EXCLUDE_FROM_ALL ${PROJECT_SOURCE_DIR}/cmake/precompiled.cpp)
+  target_link_libraries(extperfc_test_headers PRIVATE extperfc_test_flags Eigen3::Eigen tl::expected GTest::gtest)
+  target_precompile_headers(extperfc_test_headers PRIVATE <gtest/gtest.h> ${EXTPERFC_CORE_HEADERS})
+endif()
+
 # extperfc_add_library(<module> SOURCES ... [LINK public targets ...] [PRIVATE_LINK targets ...])
 # One shared library libextperfc_<module>.so per module, alias extperfc::<module>.
 function(extperfc_add_library module)
@@ -38,6 +59,9 @@ function(extperfc_add_library module)
   target_link_libraries(extperfc_${module}
     PUBLIC ${ARG_LINK} PRIVATE $<BUILD_INTERFACE:extperfc_flags> ${ARG_PRIVATE_LINK})
   target_compile_features(extperfc_${module} PUBLIC cxx_std_17)
+  if(NOT module STREQUAL ros_support)
+    target_precompile_headers(extperfc_${module} REUSE_FROM ${EXTPERFC_HEADERS_FROM})
+  endif()
   install(TARGETS extperfc_${module} LIBRARY DESTINATION ${EXTPERFC_LIB_DESTINATION})
 endfunction()
 
@@ -47,6 +71,7 @@ function(extperfc_add_program name)
   add_executable(${name} ${ARG_SOURCES})
   target_include_directories(${name} PRIVATE ${PROJECT_SOURCE_DIR}/src)
   target_link_libraries(${name} PRIVATE extperfc_flags ${ARG_LINK})
+  target_precompile_headers(${name} REUSE_FROM ${EXTPERFC_HEADERS_FROM})
   if(NOT ARG_NO_INSTALL)
     install(TARGETS ${name} RUNTIME DESTINATION lib/${PROJECT_NAME})
   endif()
@@ -58,7 +83,8 @@ function(extperfc_add_test name)
   string(REPLACE "/" "_" target test_${name})
   add_executable(${target} ${ARG_SOURCES})
   target_include_directories(${target} PRIVATE ${PROJECT_SOURCE_DIR}/src ${PROJECT_SOURCE_DIR}/test/support)
-  target_link_libraries(${target} PRIVATE extperfc_flags ${ARG_LINK} GTest::gtest_main)
+  target_link_libraries(${target} PRIVATE extperfc_test_flags ${ARG_LINK} GTest::gtest_main)
+  target_precompile_headers(${target} REUSE_FROM extperfc_test_headers)
   target_compile_definitions(${target} PRIVATE
     EXTPERFC_TEST_DATA="${PROJECT_SOURCE_DIR}/test/data" EXTPERFC_SOURCE_DIR="${PROJECT_SOURCE_DIR}")
   if(EXTPERFC_SANITIZE MATCHES address)
