@@ -136,11 +136,6 @@ std::optional<Polygon> sphere_outline(double radius, const Eigen::Vector3d& cent
   return circle(centre.head<2>(), std::sqrt(radius * radius - off * off));
 }
 
-/// Half extent of a disc of this radius along z, given the z component of its axis.
-double disc_rise(double radius, double axis_z) {
-  return radius * std::sqrt(std::max(0.0, 1 - axis_z * axis_z));
-}
-
 /// Whether an edge of `a` has all of `b` on its outer side.
 bool edge_separates(const Polygon& a, const Polygon& b, double slack) {
   for (std::size_t i = 0; i < a.size(); ++i) {
@@ -178,34 +173,6 @@ Eigen::Vector3d centre_of_mass(const std::vector<Shape>& shapes) {
     total += volume;
   }
   return sum / total;
-}
-
-Heights heights(const Geometry& geometry, const Pose& pose) {
-  const double z = pose.translation().z();
-  const double axis_z = pose.linear()(2, 2);
-  return std::visit(Overload{[&](const Box& box) {
-                               const double half = pose.linear().row(2).cwiseAbs().dot(box.size_m) / 2;
-                               return Heights{z - half, z + half};
-                             },
-                             [&](const Cylinder& c) {
-                               const double half =
-                                   std::abs(axis_z) * c.length_m / 2 + disc_rise(c.radius_m, axis_z);
-                               return Heights{z - half, z + half};
-                             },
-                             [&](const Cone& c) {
-                               const double tip = z + axis_z * c.height_m / 2;
-                               const double base = z - axis_z * c.height_m / 2;
-                               const double rise = disc_rise(c.radius_m, axis_z);
-                               return Heights{std::min(tip, base - rise), std::max(tip, base + rise)};
-                             },
-                             [&](const Sphere& s) {
-                               return Heights{z - s.radius_m, z + s.radius_m};
-                             },
-                             [&](const TriangleMesh& mesh) {
-                               const double half = pose.linear().row(2).cwiseAbs().dot(mesh_half(mesh));
-                               return Heights{z - half, z + half};
-                             }},
-                    geometry);
 }
 
 std::optional<Polygon> outline(const Geometry& geometry, const Pose& target_T_shape, double z_low_m,

@@ -17,13 +17,6 @@ namespace extperfc::simulate::worlds {
 /// Centre of mass of a body of uniform density, in the body's frame. At least one shape.
 [[nodiscard]] Eigen::Vector3d centre_of_mass(const std::vector<Shape>& shapes);
 
-/// Lowest and highest z of a shape that stands at `target_T_shape` [m]. Exact.
-struct Heights {
-  double low{0};
-  double high{0};
-};
-[[nodiscard]] Heights heights(const Geometry& geometry, const Pose& target_T_shape);
-
 /// Convex polygon, counter-clockwise, without repeated points.
 using Polygon = std::vector<Eigen::Vector2d>;
 

@@ -10,6 +10,7 @@
 
 #include "extperfc/simulate/floor_plan.hpp"
 #include "extperfc/simulate/random_world.hpp"
+#include "extperfc/world/shape_extent.hpp"
 
 #include "simulate/worlds/solid.hpp"
 
@@ -41,26 +42,21 @@ std::vector<double> numbers_of(const WorldSpec& world) {
   return numbers;
 }
 
-worlds::Heights heights_of(const BodySpec& body) {
-  worlds::Heights all{1e9, -1e9};
-  for (const Shape& shape : body.shapes) {
-    const auto one = worlds::heights(shape.geometry, body.world_T_body * shape.body_T_shape);
-    all = {std::min(all.low, one.low), std::max(all.high, one.high)};
-  }
-  return all;
+VerticalExtent heights_of(const BodySpec& body) {
+  return vertical_extent(body.shapes, body.world_T_body);
 }
 
 /// A shape's outline and heights in the world.
 struct Extent {
   worlds::Polygon outline;
-  worlds::Heights heights;
+  VerticalExtent heights;
 };
 
 std::vector<Extent> extents_of(const BodySpec& body) {
   std::vector<Extent> list;
   for (const Shape& shape : body.shapes) {
     const Pose pose = body.world_T_body * shape.body_T_shape;
-    list.push_back({*worlds::outline(shape.geometry, pose, -1, 10), worlds::heights(shape.geometry, pose)});
+    list.push_back({*worlds::outline(shape.geometry, pose, -1, 10), vertical_extent(shape.geometry, pose)});
   }
   return list;
 }
@@ -69,8 +65,8 @@ std::vector<Extent> extents_of(const BodySpec& body) {
 bool may_touch(const std::vector<Extent>& a, const std::vector<Extent>& b, double slack) {
   for (const Extent& one : a)
     for (const Extent& other : b) {
-      const bool level =
-          one.heights.low < other.heights.high - slack && other.heights.low < one.heights.high - slack;
+      const bool level = one.heights.low_m < other.heights.high_m - slack &&
+                         other.heights.low_m < one.heights.high_m - slack;
       if (level && worlds::overlap(one.outline, other.outline, slack)) return true;
     }
   return false;
@@ -103,15 +99,15 @@ TEST(RandomWorld, ObjectsStandOnTheTableOrOnEachOther) {
   for (std::uint64_t seed = 0; seed < kSeeds; ++seed) {
     const WorldSpec world = make(seed);
     const BodySpec& table = table_of(world);
-    const double top = heights_of(table).high;
+    const double top = heights_of(table).high_m;
     const auto loose = loose_bodies(world);
     for (const BodySpec* body : loose) {
-      const double low = heights_of(*body).low;
+      const double low = heights_of(*body).low_m;
       const bool on_table = std::abs(low - top) < 2e-3;
       const bool on_another = std::any_of(loose.begin(), loose.end(), [&](const BodySpec* other) {
         const double apart =
             (other->world_T_body.translation() - body->world_T_body.translation()).head<2>().norm();
-        return other != body && apart < 0.03 && std::abs(heights_of(*other).high - low) < 2e-3;
+        return other != body && apart < 0.03 && std::abs(heights_of(*other).high_m - low) < 2e-3;
       });
       EXPECT_TRUE(on_table || on_another)
           << "seed " << seed << ": " << body->name << " at " << low << ", top " << top;
@@ -188,7 +184,7 @@ TEST(RandomWorld, WorldsDiffer) {
   std::set<int> lights;
   for (std::uint64_t seed = 0; seed < 50; ++seed) {
     const WorldSpec world = make(seed);
-    table_heights.insert(static_cast<int>(heights_of(table_of(world)).high * 20));
+    table_heights.insert(static_cast<int>(heights_of(table_of(world)).high_m * 20));
     lights.insert(static_cast<int>(world.light.direct * 20));
   }
   EXPECT_GE(table_heights.size(), 8U);
