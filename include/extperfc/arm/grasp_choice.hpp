@@ -15,10 +15,19 @@
 
 namespace extperfc::arm {
 
-/// The joint values of a straight path of the tip from `from` to the pose `root_T_tip`, ends included;
-/// std::nullopt without a collision-free one.
-using StraightMotion =
-    std::function<std::optional<std::vector<JointVector>>(const JointVector& from, const Pose& root_T_tip)>;
+/// What a candidate needs beside a posture; joint values are of the arm's chain.
+struct StraightPaths {
+  std::vector<JointVector> approach;  ///< from the pregrasp to the grasp, both included
+  /// From the grasp on: the lift, or the retreat of a gripper that opened.
+  std::vector<JointVector> departure;
+  /// With the object at the place that is required later; no values where none is required.
+  JointVector place;
+};
+
+/// Straight collision-free paths to and from the posture `grasp` of a candidate, which is given with its
+/// index in the list; std::nullopt without such paths.
+using StraightMotion = std::function<std::optional<StraightPaths>(
+    std::size_t index, const GraspCandidate& candidate, const JointVector& grasp)>;
 
 /// An arm that may grasp. What it points to must outlive the call.
 struct GraspArm {
@@ -30,8 +39,8 @@ struct GraspArm {
   JointVector state;  ///< of all joints of the checker's model: where the robot is
   /// For this arm's hand, best first; nullptr: those given to choose_grasp(). May be empty.
   const std::vector<GraspCandidate>* grasps{nullptr};
-  /// Joint values are of the arm's chain. Empty: inverse kinematics at places at most 0.01 m apart, with a
-  /// free motion proven between them.
+  /// Empty: the approach alone, by inverse kinematics at places at most 0.01 m apart, with a free motion
+  /// proven between them.
   StraightMotion straight;
   /// Values of the arm's joints to look for postures from first, before where it is; may be empty.
   std::vector<JointVector> starts{};
@@ -58,12 +67,13 @@ struct GraspChoiceOptions {
 };
 
 struct GraspChoice {
-  int arm{-1};                    ///< index
-  int candidate{-1};              ///< index in the list of this arm
-  JointVector pregrasp;           ///< of the arm's joints
-  JointVector grasp;              ///< of the arm's joints
-  std::vector<JointVector> path;  ///< from pregrasp to grasp, both included
-  int tried{0};                   ///< candidates
+  int arm{-1};          ///< index
+  int candidate{-1};    ///< index in the list of this arm
+  StraightPaths paths;  ///< with an approach
+  int tried{0};         ///< candidates
+
+  [[nodiscard]] const JointVector& pregrasp() const { return paths.approach.front(); }
+  [[nodiscard]] const JointVector& grasp() const { return paths.approach.back(); }
 };
 
 struct NoGrasp {
@@ -84,5 +94,9 @@ struct NoGrasp {
 
 /// The hand's fingers may touch the object of that name.
 void allow_grasp(CollisionWorld& world, const std::string& object, const ParallelHand& hand);
+/// The object of that name, with these shapes at this pose, may touch its support: all objects that do not
+/// reach above its lower side.
+void allow_support(CollisionWorld& world, const std::string& object, const std::vector<Shape>& shapes,
+                   const Pose& root_T_object);
 
 }  // namespace extperfc::arm

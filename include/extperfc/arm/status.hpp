@@ -1,6 +1,9 @@
 #pragma once
 
 #include <string>
+#include <utility>
+
+#include <tl/expected.hpp>
 
 #include "extperfc/arm/arm_code.hpp"
 
@@ -11,5 +14,9 @@ struct Status {
   ArmCode code{ArmCode::kInternal};
   std::string message;
 };
+
+[[nodiscard]] inline tl::unexpected<Status> failure(ArmCode code, std::string message) {
+  return tl::unexpected<Status>(Status{code, std::move(message)});
+}
 
 }  // namespace extperfc::arm

@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "extperfc/base/stopwatch.hpp"
+#include "extperfc/world/shape_extent.hpp"
 
 namespace extperfc::arm {
 namespace {
@@ -15,6 +16,7 @@ namespace {
 constexpr double kStep = 0.01;  // [m] between places on a straight path
 constexpr double kMaxRotation =
     0.2;  // [rad] of a joint between two of them: more is a jump to another branch
+constexpr double kSupportSlack = 0.01;  // [m] an object's support ends at most this far above its bottom
 
 /// One arm among all joints of its checker.
 class ReachableGrasps {
@@ -40,15 +42,14 @@ class ReachableGrasps {
   }
 
   struct Found {
-    JointVector pregrasp, grasp;
-    std::vector<JointVector> path;
+    StraightPaths paths;
     double effort{0};  ///< largest displacement of a joint from where the arm is
   };
 
-  [[nodiscard]] tl::expected<Found, GraspRefusal> reach(const GraspCandidate& candidate) {
+  [[nodiscard]] tl::expected<Found, GraspRefusal> reach(std::size_t index, const GraspCandidate& candidate) {
     for (const JointVector& start : arm_.starts)
       if (const auto grasp = solve(candidate.root_T_tip, start, 0))
-        if (auto found = from_pregrasp(grasp->joints, candidate)) return std::move(*found);
+        if (auto found = with_paths(index, candidate, grasp->joints)) return std::move(*found);
     GraspRefusal last = GraspRefusal::kOutOfReach;
     for (int posture = 0; posture < options_.postures; ++posture) {
       if (posture > 0 && options_.cancelled && options_.cancelled()) break;
@@ -58,7 +59,7 @@ class ReachableGrasps {
         break;
       }
       last = GraspRefusal::kNoPath;
-      if (auto found = from_pregrasp(grasp->joints, candidate)) return std::move(*found);
+      if (auto found = with_paths(index, candidate, grasp->joints)) return std::move(*found);
     }
     return tl::unexpected<GraspRefusal>(last);
   }
@@ -76,15 +77,14 @@ class ReachableGrasps {
     return refusal(failure.reason);
   }
 
-  /// The straight path to these joint values, when it is free.
-  [[nodiscard]] std::optional<Found> from_pregrasp(const JointVector& grasp,
-                                                   const GraspCandidate& candidate) const {
-    auto path = straight(grasp, candidate.root_T_pregrasp);
-    if (!path || path->empty()) return std::nullopt;
-    std::reverse(path->begin(), path->end());
-    const JointVector pregrasp = path->front();
-    const double effort = arm_.kinematics->chain().difference(pregrasp, seed_).cwiseAbs().maxCoeff();
-    return Found{pregrasp, grasp, std::move(*path), effort};
+  /// The straight paths of these joint values, when they are free.
+  [[nodiscard]] std::optional<Found> with_paths(std::size_t index, const GraspCandidate& candidate,
+                                                const JointVector& grasp) const {
+    auto paths = arm_.straight ? arm_.straight(index, candidate, grasp) : approach(candidate, grasp);
+    if (!paths || paths->approach.empty()) return std::nullopt;
+    const double effort =
+        arm_.kinematics->chain().difference(paths->approach.front(), seed_).cwiseAbs().maxCoeff();
+    return Found{std::move(*paths), effort};
   }
 
   [[nodiscard]] JointVector whole(const JointVector& joints) const {
@@ -133,15 +133,16 @@ class ReachableGrasps {
     return GraspRefusal::kOutOfReach;
   }
 
-  [[nodiscard]] std::optional<std::vector<JointVector>> straight(const JointVector& from,
-                                                                 const Pose& root_T_tip) const {
-    if (arm_.straight) return arm_.straight(from, root_T_tip);
+  /// Followed backwards, from the grasp to the pregrasp.
+  [[nodiscard]] std::optional<StraightPaths> approach(const GraspCandidate& candidate,
+                                                      const JointVector& grasp) const {
     const InverseKinematics& kinematics = *arm_.kinematics;
-    const Pose start = kinematics.chain().forward(from);
-    const Eigen::Vector3d delta = root_T_tip.translation() - start.translation();
-    const Eigen::Quaterniond rotation_from(start.linear()), rotation_to(root_T_tip.linear());
+    const Pose start = kinematics.chain().forward(grasp);
+    const Pose& pregrasp = candidate.root_T_pregrasp;
+    const Eigen::Vector3d delta = pregrasp.translation() - start.translation();
+    const Eigen::Quaterniond rotation_from(start.linear()), rotation_to(pregrasp.linear());
     const int steps = std::max(1, static_cast<int>(std::ceil(delta.norm() / kStep)));
-    std::vector<JointVector> points{from};
+    std::vector<JointVector> points{grasp};
     for (int i = 1; i <= steps; ++i) {
       const double fraction = static_cast<double>(i) / steps;
       Pose target = Pose::Identity();
@@ -156,7 +157,8 @@ class ReachableGrasps {
       if (!arm_.checker->motion_free(whole(points.back()), whole(next->joints))) return std::nullopt;
       points.push_back(next->joints);
     }
-    return points;
+    std::reverse(points.begin(), points.end());
+    return StraightPaths{std::move(points), {}, {}};
   }
 
   const GraspArm& arm_;
@@ -228,7 +230,7 @@ tl::expected<GraspChoice, NoGrasp> choose_grasp(const std::vector<GraspCandidate
     int arm = -1;
     for (std::size_t i = 0; i < reachable.size(); ++i) {
       if (rank >= lists[i]->size()) continue;
-      auto found = reachable[i].reach((*lists[i])[rank]);
+      auto found = reachable[i].reach(rank, (*lists[i])[rank]);
       if (!found) {
         ++failure.refusals[i][static_cast<int>(found.error())];
       } else if (!best || found->effort < best->effort) {
@@ -236,9 +238,7 @@ tl::expected<GraspChoice, NoGrasp> choose_grasp(const std::vector<GraspCandidate
         arm = static_cast<int>(i);
       }
     }
-    if (best)
-      return GraspChoice{arm,         static_cast<int>(rank), best->pregrasp,
-                         best->grasp, std::move(best->path),  failure.tried};
+    if (best) return GraspChoice{arm, static_cast<int>(rank), std::move(best->paths), failure.tried};
   }
   failure.message = summary(arms, reachable, failure, ranks);
   return tl::unexpected<NoGrasp>(std::move(failure));
@@ -246,6 +246,17 @@ tl::expected<GraspChoice, NoGrasp> choose_grasp(const std::vector<GraspCandidate
 
 void allow_grasp(CollisionWorld& world, const std::string& object, const ParallelHand& hand) {
   for (const std::string& link : hand.finger_links) world.allow(object, link);
+}
+
+void allow_support(CollisionWorld& world, const std::string& object, const std::vector<Shape>& shapes,
+                   const Pose& root_T_object) {
+  const double bottom_m = vertical_extent(shapes, root_T_object).low_m;
+  std::vector<std::string> below;
+  for (const auto& [name, placed] : world.objects())
+    if (name != object && vertical_extent(placed->object.shapes, placed->object.root_T_object).high_m <=
+                              bottom_m + kSupportSlack)
+      below.push_back(name);
+  for (const auto& name : below) world.allow(object, name);
 }
 
 }  // namespace extperfc::arm

@@ -13,10 +13,6 @@ namespace extperfc::arm::motion {
 
 namespace {
 
-tl::unexpected<Status> failure(ArmCode code, std::string message) {
-  return tl::unexpected<Status>(Status{code, std::move(message)});
-}
-
 std::string where(const ToolTarget& target) {
   const auto& p = target.root_T_tool.translation();
   char text[96];

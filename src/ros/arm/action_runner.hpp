@@ -12,6 +12,7 @@
 
 #include "ros/arm/motion_callbacks.hpp"
 #include "ros/arm/status.hpp"
+#include "ros/convert/arm.hpp"
 
 namespace extperfc::arm_node {
 
@@ -79,7 +80,7 @@ class ActionRunner {
     } catch (const std::exception& error) {
       status = {arm::ArmCode::kInternal, error.what()};
     }
-    result.code = static_cast<int>(status.code);
+    result.code = convert::to_message(status.code);
     result.message = status.message;
     const std::string text = std::string(to_string(status.code)) + ": " + status.message;
     if (status.code == arm::ArmCode::kSuccess)

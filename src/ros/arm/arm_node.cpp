@@ -239,21 +239,17 @@ bool ArmNode::on_check_state(extperfc::CheckArmState::Request& request,
                              extperfc::CheckArmState::Response& response) {
   const std::lock_guard lock(service_mutex_);
   const auto answer = [&](ArmCode code, const std::string& message) {
-    response.code = static_cast<int>(code);
+    response.code = convert::to_message(code);
     response.message = message;
     return true;
   };
-  extperfc::ArmRequest asked;
-  asked.group = request.group;
-  asked.start = request.joints;
-  asked.named_state = "-";  // a check of the start needs no goal
-  const auto state = server_.read(asked);
+  const auto state = server_.read_start(request.joints);
   if (!state) return answer(state.error().code, state.error().message);
   const auto world = scene_.world();
   if (!world) return answer(world.error().code, world.error().message);
-  auto checker = server_.pipeline().checker(request.group, state->start, *world, false);
+  auto checker = server_.pipeline().checker(request.group, *state, *world, false);
   if (!checker) return answer(ArmCode::kInvalidRequest, checker.error().message);
-  const auto values = arm::RobotArms::select(**arms_.group(request.group), state->start);
+  const auto values = arm::RobotArms::select(**arms_.group(request.group), *state);
   if (!values) return answer(ArmCode::kNoJointStates, values.error().message);
   if (const auto nearest = checker->nearest(*values)) {
     response.first = nearest->first;
@@ -277,7 +273,7 @@ bool ArmNode::on_solve_ik(extperfc::SolveArmIk::Request& request, extperfc::Solv
   asked.start = request.seed;
   asked.tool_goals = {request.goal};
   const auto answer = [&](const Status& status) {
-    response.code = static_cast<int>(status.code);
+    response.code = convert::to_message(status.code);
     response.message = status.message;
     return true;
   };

@@ -18,6 +18,15 @@ namespace {
 
 constexpr double kExact = 1e-4;  // [m] or [rad], used for a tolerance of 0
 
+constexpr bool is(arm::ToolConstraintKind kind, int constant) {
+  return static_cast<int>(kind) == constant;
+}
+static_assert(is(arm::ToolConstraintKind::kKeepAxis, extperfc::ToolConstraint::KEEP_AXIS));
+static_assert(is(arm::ToolConstraintKind::kKeepPlane, extperfc::ToolConstraint::KEEP_PLANE));
+static_assert(is(arm::ToolConstraintKind::kKeepLine, extperfc::ToolConstraint::KEEP_LINE));
+static_assert(is(arm::ToolConstraintKind::kKeepOrientation, extperfc::ToolConstraint::KEEP_ORIENTATION));
+static_assert(is(arm::ToolConstraintKind::kKeepRelative, extperfc::ToolConstraint::KEEP_RELATIVE));
+
 tl::expected<Eigen::Vector3d, Status> tolerance(const geometry_msgs::Vector3& message, double free_from) {
   Eigen::Vector3d tolerance(message.x, message.y, message.z);
   for (auto& value : tolerance) {
@@ -41,10 +50,6 @@ tl::expected<arm::ToolTarget, Status> to_target(const ToolGoal& message, const T
   if (!orientation) return tl::unexpected(orientation.error());
   target.tolerance = {*position, *orientation};
   return target;
-}
-
-double or_else(double value, double instead) {
-  return value == 0.0 ? instead : value;
 }
 
 tl::expected<void, Status> read_goal(const ArmRequest& message, const TransformLookup& transforms,
@@ -94,21 +99,26 @@ tl::expected<arm::ToolConstraint, Status> to_constraint(const extperfc::ToolCons
 
 }  // namespace
 
+tl::expected<arm::JointPositions, Status> PlanExecution::read_start(
+    const sensor_msgs::JointState& message) const {
+  auto positions = shared_.robot_state.positions();
+  if (!positions) return tl::unexpected(positions.error());
+  const auto start = convert::to_positions(message);
+  if (!start) return failure(ArmCode::kInvalidRequest, "start: " + start.error().message);
+  for (const auto& [name, value] : *start) {
+    if (!shared_.arms.robot().joint(name))
+      return failure(ArmCode::kInvalidRequest, "start: the robot has no joint '" + name + "'");
+    (*positions)[name] = value;
+  }
+  return *std::move(positions);
+}
+
 tl::expected<MotionRequest, Status> PlanExecution::read(const ArmRequest& message) const {
   MotionRequest request;
   request.group = message.group;
-  const auto positions = shared_.robot_state.positions();
-  if (!positions) return tl::unexpected(positions.error());
-  request.start = *positions;
-  if (!message.start.name.empty()) {
-    const auto start = convert::to_positions(message.start);
-    if (!start) return failure(ArmCode::kInvalidRequest, "start: " + start.error().message);
-    for (const auto& [name, value] : *start) {
-      if (!shared_.arms.robot().joint(name))
-        return failure(ArmCode::kInvalidRequest, "start: the robot has no joint '" + name + "'");
-      request.start[name] = value;
-    }
-  }
+  auto start = read_start(message.start);
+  if (!start) return tl::unexpected(start.error());
+  request.start = std::move(*start);
   if (auto done = read_goal(message, shared_.transforms, &request); !done)
     return tl::unexpected(done.error());
   if (message.motion > ArmRequest::LINEAR)
@@ -121,10 +131,10 @@ tl::expected<MotionRequest, Status> PlanExecution::read(const ArmRequest& messag
       request.constraints.push_back(std::move(*constraint));
     }
   const auto& params = shared_.params;
-  request.planning_time_s = or_else(message.planning_time, params.planning_time_s);
-  request.velocity_scale = or_else(message.velocity_scale, params.velocity_scale);
-  request.acceleration_scale = or_else(message.acceleration_scale, params.acceleration_scale);
-  request.minimum_fraction = or_else(message.minimum_fraction, 1.0);
+  request.planning_time_s = value_or_default(message.planning_time, params.planning_time_s);
+  request.velocity_scale = value_or_default(message.velocity_scale, params.velocity_scale);
+  request.acceleration_scale = value_or_default(message.acceleration_scale, params.acceleration_scale);
+  request.minimum_fraction = value_or_default(message.minimum_fraction, 1.0);
   request.improve = message.improve != 0;
   request.planner = message.planner;
   if (message.seed != 0) request.seed = message.seed;

@@ -28,6 +28,11 @@ struct Shared {
   Executor& executor;
 };
 
+/// A number of a message, in which 0 stands for the default.
+[[nodiscard]] inline double value_or_default(double value, double default_value) {
+  return value == 0.0 ? default_value : value;
+}
+
 /// Result of a motion.
 struct Moved {
   Status status;
@@ -45,6 +50,10 @@ class PlanExecution {
 
   /// Starts at the robot's present state unless the message has a start. Errors name the invalid part.
   [[nodiscard]] tl::expected<arm::MotionRequest, Status> read(const extperfc::ArmRequest& message) const;
+
+  /// The robot's present joint positions, replaced by those of the message. Errors name the joint.
+  [[nodiscard]] tl::expected<arm::JointPositions, Status> read_start(
+      const sensor_msgs::JointState& message) const;
 
   /// Plans in the present scene, with the contacts that `callbacks.allow` permits.
   [[nodiscard]] arm::MotionOutcome plan(const arm::MotionRequest& request,

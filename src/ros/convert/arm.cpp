@@ -9,6 +9,8 @@
 #include <utility>
 #include <variant>
 
+#include <extperfc/ArmCode.h>
+
 #include "ros/convert/geometry.hpp"
 
 namespace extperfc::convert {
@@ -16,6 +18,36 @@ namespace extperfc::convert {
 namespace {
 
 using shape_msgs::SolidPrimitive;
+
+static_assert(to_message(arm::ArmCode::kSuccess) == extperfc::ArmCode::SUCCESS);
+static_assert(to_message(arm::ArmCode::kInvalidRequest) == extperfc::ArmCode::INVALID_REQUEST);
+static_assert(to_message(arm::ArmCode::kStartOutsideLimits) == extperfc::ArmCode::START_OUTSIDE_LIMITS);
+static_assert(to_message(arm::ArmCode::kStartInCollision) == extperfc::ArmCode::START_IN_COLLISION);
+static_assert(to_message(arm::ArmCode::kGoalOutsideLimits) == extperfc::ArmCode::GOAL_OUTSIDE_LIMITS);
+static_assert(to_message(arm::ArmCode::kGoalInCollision) == extperfc::ArmCode::GOAL_IN_COLLISION);
+static_assert(to_message(arm::ArmCode::kPlanningTimeout) == extperfc::ArmCode::PLANNING_TIMEOUT);
+static_assert(to_message(arm::ArmCode::kCancelled) == extperfc::ArmCode::CANCELLED);
+static_assert(to_message(arm::ArmCode::kGoalUnreachable) == extperfc::ArmCode::GOAL_UNREACHABLE);
+static_assert(to_message(arm::ArmCode::kUnknownFrame) == extperfc::ArmCode::UNKNOWN_FRAME);
+static_assert(to_message(arm::ArmCode::kNoJointStates) == extperfc::ArmCode::NO_JOINT_STATES);
+static_assert(to_message(arm::ArmCode::kConstraintViolated) == extperfc::ArmCode::CONSTRAINT_VIOLATED);
+static_assert(to_message(arm::ArmCode::kPathIncomplete) == extperfc::ArmCode::PATH_INCOMPLETE);
+static_assert(to_message(arm::ArmCode::kPathBlocked) == extperfc::ArmCode::PATH_BLOCKED);
+static_assert(to_message(arm::ArmCode::kNotFollowing) == extperfc::ArmCode::NOT_FOLLOWING);
+static_assert(to_message(arm::ArmCode::kControllerRefused) == extperfc::ArmCode::CONTROLLER_REFUSED);
+static_assert(to_message(arm::ArmCode::kControllerMissing) == extperfc::ArmCode::CONTROLLER_MISSING);
+static_assert(to_message(arm::ArmCode::kRobotNotEnabled) == extperfc::ArmCode::ROBOT_NOT_ENABLED);
+static_assert(to_message(arm::ArmCode::kRobotStopped) == extperfc::ArmCode::ROBOT_STOPPED);
+static_assert(to_message(arm::ArmCode::kPreempted) == extperfc::ArmCode::PREEMPTED);
+static_assert(to_message(arm::ArmCode::kStartMoved) == extperfc::ArmCode::START_MOVED);
+static_assert(to_message(arm::ArmCode::kUnknownObject) == extperfc::ArmCode::UNKNOWN_OBJECT);
+static_assert(to_message(arm::ArmCode::kNoGrasp) == extperfc::ArmCode::NO_GRASP);
+static_assert(to_message(arm::ArmCode::kGraspMissed) == extperfc::ArmCode::GRASP_MISSED);
+static_assert(to_message(arm::ArmCode::kObjectLost) == extperfc::ArmCode::OBJECT_LOST);
+static_assert(to_message(arm::ArmCode::kNothingHeld) == extperfc::ArmCode::NOTHING_HELD);
+static_assert(to_message(arm::ArmCode::kGrippersFull) == extperfc::ArmCode::GRIPPERS_FULL);
+static_assert(to_message(arm::ArmCode::kGripperFailed) == extperfc::ArmCode::GRIPPER_FAILED);
+static_assert(to_message(arm::ArmCode::kInternal) == extperfc::ArmCode::INTERNAL);
 
 constexpr std::size_t kMaxTriangles = 100'000;  ///< of one mesh
 

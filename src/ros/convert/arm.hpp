@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstdint>
 #include <string>
 #include <vector>
 
@@ -8,6 +9,7 @@
 #include <sensor_msgs/JointState.h>
 #include <trajectory_msgs/JointTrajectory.h>
 
+#include "extperfc/arm/arm_code.hpp"
 #include "extperfc/arm/robot_arms.hpp"
 #include "extperfc/arm/timed_path.hpp"
 #include "extperfc/base/error.hpp"
@@ -16,6 +18,11 @@
 
 /// Messages of arms <-> types of the core.
 namespace extperfc::convert {
+
+/// A constant of extperfc/ArmCode.
+[[nodiscard]] constexpr std::int32_t to_message(arm::ArmCode code) {
+  return static_cast<std::int32_t>(code);
+}
 
 /// Errors: a quaternion whose norm differs from 1 by more than 1 % (e.g. all zeros), a value that is not
 /// finite.

@@ -104,12 +104,12 @@ TEST(GraspChoice, StartsAreLookedFromFirst) {
   const auto usual = choose_grasp(grasps, arms);
   ASSERT_TRUE(usual) << usual.error().message;
   const std::vector<GraspCandidate> one{grasps[static_cast<std::size_t>(usual->candidate)]};
-  const auto start = other_posture(arms[0], usual->grasp, one[0].root_T_tip);
+  const auto start = other_posture(arms[0], usual->grasp(), one[0].root_T_tip);
   arms[0].starts = {start};
   const auto chosen = choose_grasp(one, arms);
   ASSERT_TRUE(chosen) << chosen.error().message;
-  EXPECT_LT((chosen->grasp - start).cwiseAbs().maxCoeff(), 0.05);
-  EXPECT_GT((chosen->grasp - usual->grasp).cwiseAbs().maxCoeff(), 0.4);
+  EXPECT_LT((chosen->grasp() - start).cwiseAbs().maxCoeff(), 0.05);
+  EXPECT_GT((chosen->grasp() - usual->grasp()).cwiseAbs().maxCoeff(), 0.4);
 }
 
 TEST(GraspChoice, AStartThatLeadsNowhereChangesNothing) {
@@ -118,9 +118,10 @@ TEST(GraspChoice, AStartThatLeadsNowhereChangesNothing) {
   arms.resize(1);
   // Of no use to any way: it is refused whatever it is asked for first.
   int asked = 0;
-  arms[0].straight = [&](const JointVector& from, const Pose&) -> std::optional<std::vector<JointVector>> {
+  arms[0].straight = [&](std::size_t, const GraspCandidate&,
+                         const JointVector& grasp) -> std::optional<StraightPaths> {
     if (++asked == 1) return std::nullopt;
-    return std::vector<JointVector>{from};
+    return StraightPaths{{grasp}, {}, {}};
   };
   arms[0].starts = {arms[0].kinematics->chain().mid_range()};
   EXPECT_TRUE(choose_grasp(scene.grasps(), arms));
@@ -138,16 +139,15 @@ TEST(GraspChoice, TheArmOnTheObjectsSideTakesIt) {
     EXPECT_EQ(choice->arm, side > 0 ? 0 : 1);
     const GraspCandidate& grasp = grasps[choice->candidate];
     const ArmChain& chain = arms[choice->arm].kinematics->chain();
-    EXPECT_TRUE(chain.forward(choice->grasp).isApprox(grasp.root_T_tip, 1e-4));
-    EXPECT_TRUE(chain.forward(choice->pregrasp).isApprox(grasp.root_T_pregrasp, 1e-4));
-    EXPECT_TRUE(choice->path.front() == choice->pregrasp && choice->path.back() == choice->grasp);
+    EXPECT_TRUE(chain.forward(choice->grasp()).isApprox(grasp.root_T_tip, 1e-4));
+    EXPECT_TRUE(chain.forward(choice->pregrasp()).isApprox(grasp.root_T_pregrasp, 1e-4));
     // Straight: no point of the tip is off the line, ends and middles looked at, and all of it is free.
-    for (std::size_t i = 1; i < choice->path.size(); ++i) {
-      const JointVector middle = (choice->path[i - 1] + choice->path[i]) / 2;
+    for (std::size_t i = 1; i < choice->paths.approach.size(); ++i) {
+      const JointVector middle = (choice->paths.approach[i - 1] + choice->paths.approach[i]) / 2;
       const Eigen::Vector3d off = chain.forward(middle).translation() - grasp.root_T_tip.translation();
       EXPECT_LT((off - off.dot(grasp.approach) * grasp.approach).norm(), 1e-3);
     }
-    for (const JointVector& point : choice->path) {
+    for (const JointVector& point : choice->paths.approach) {
       JointVector state = arms[0].state;
       state.segment(7 * choice->arm, 7) = point;
       EXPECT_FALSE(scene.checker().contact(state));
@@ -194,7 +194,7 @@ TEST(GraspChoice, TheCallersStraightMotionIsAsked) {
   auto arms = scene.arms();
   arms.resize(1);
   int asked = 0;
-  arms[0].straight = [&](const JointVector&, const Pose&) {
+  arms[0].straight = [&](std::size_t, const GraspCandidate&, const JointVector&) {
     ++asked;
     return std::nullopt;
   };
