@@ -1,6 +1,24 @@
 #include "extperfc/arm/arm_code.hpp"
 
+#include "extperfc/arm/motion_planner.hpp"
+
 namespace extperfc::arm {
+
+namespace {
+
+constexpr bool same(ArmCode code, PlanCode planned) {
+  return static_cast<int>(code) == static_cast<int>(planned);
+}
+static_assert(same(ArmCode::kSuccess, PlanCode::kSuccess));
+static_assert(same(ArmCode::kInvalidRequest, PlanCode::kInvalidRequest));
+static_assert(same(ArmCode::kStartOutsideLimits, PlanCode::kStartOutsideLimits));
+static_assert(same(ArmCode::kStartInCollision, PlanCode::kStartInCollision));
+static_assert(same(ArmCode::kGoalOutsideLimits, PlanCode::kGoalOutsideLimits));
+static_assert(same(ArmCode::kGoalInCollision, PlanCode::kGoalInCollision));
+static_assert(same(ArmCode::kPlanningTimeout, PlanCode::kTimeout));
+static_assert(same(ArmCode::kCancelled, PlanCode::kCancelled));
+
+}  // namespace
 
 const char* to_string(ArmCode code) {
   switch (code) {

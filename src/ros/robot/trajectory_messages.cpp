@@ -4,6 +4,22 @@ namespace extperfc::convert {
 
 namespace {
 
+constexpr bool is(simulate::TrajectoryCode code, int constant) {
+  return static_cast<int>(code) == constant;
+}
+static_assert(is(simulate::TrajectoryCode::kSuccessful,
+                 control_msgs::FollowJointTrajectoryResult::SUCCESSFUL));
+static_assert(is(simulate::TrajectoryCode::kInvalidGoal,
+                 control_msgs::FollowJointTrajectoryResult::INVALID_GOAL));
+static_assert(is(simulate::TrajectoryCode::kInvalidJoints,
+                 control_msgs::FollowJointTrajectoryResult::INVALID_JOINTS));
+static_assert(is(simulate::TrajectoryCode::kOldHeaderTimestamp,
+                 control_msgs::FollowJointTrajectoryResult::OLD_HEADER_TIMESTAMP));
+static_assert(is(simulate::TrajectoryCode::kPathToleranceViolated,
+                 control_msgs::FollowJointTrajectoryResult::PATH_TOLERANCE_VIOLATED));
+static_assert(is(simulate::TrajectoryCode::kGoalToleranceViolated,
+                 control_msgs::FollowJointTrajectoryResult::GOAL_TOLERANCE_VIOLATED));
+
 std::vector<simulate::JointTolerance> from_messages(
     const std::vector<control_msgs::JointTolerance>& messages) {
   std::vector<simulate::JointTolerance> tolerances;
