@@ -379,7 +379,8 @@ class Run {
         *checker_, waypoints, {group_->max_velocity, group_->max_acceleration, {}}, times, corners);
     times_.time_parameterization_s = watch.seconds();
     if (!made)
-      return finish(outcome_of(ArmCode::kInternal, "time parameterization failed: " + made.error().message));
+      return finish(
+          outcome_of(ArmCode::kInternal, "no trajectory along the planned path: " + made.error().message));
     MotionOutcome outcome = outcome_of(ArmCode::kSuccess, "");
     outcome.waypoints = std::move(waypoints);
     outcome.trajectory = std::move(made->trajectory);
