@@ -167,12 +167,14 @@ TEST_F(BoxDepthTest, AFittedCubesCentreIsInBothPlacesAndItsTopOnTheOtherTopic) {
   above.transform.translation.z = 1.0;
   above.transform.rotation.x = 1.0;
   broadcaster.sendTransform(above);
-  ros::param::set("/some_detector/classes", std::vector<std::string>{"cone", "cube"});
+  ros::param::set("/some_detector/classes", std::vector<std::string>{"cone", "dice"});
   auto vision_info = handle_.advertise<vision_msgs::VisionInfo>("vision_info", 1, true);
   vision_msgs::VisionInfo where;
   where.database_location = "/some_detector/classes";
   vision_info.publish(where);
-  load({{"target_frame", "table"}, {"transform_timeout_s", 5.0}, {"fit_objects", true}});
+  XmlRpc::XmlRpcValue shapes;
+  shapes["dice"] = std::string("cube");
+  load({{"target_frame", "table"}, {"transform_timeout_s", 5.0}, {"fit_objects", true}, {"shapes", shapes}});
   send_info(camera_info(ros::Time(1, 0)));
 
   ros::Time stamp(1, 0);

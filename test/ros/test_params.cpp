@@ -1,6 +1,8 @@
 // Parameters of the nodelets: defaults, types, ranges, unknown keys, and that every shipped configuration
 // loads.
 #include <filesystem>
+#include <map>
+#include <string>
 #include <vector>
 
 #include <gtest/gtest.h>
@@ -170,7 +172,9 @@ void set_from_file(const std::string& name) {
     int whole = 0;
     double number = 0.0;
     bool flag = false;
-    if (YAML::convert<int>::decode(value, whole)) {
+    if (value.IsMap()) {
+      ros::param::set(key, value.as<std::map<std::string, std::string>>());
+    } else if (YAML::convert<int>::decode(value, whole)) {
       ros::param::set(key, whole);
     } else if (YAML::convert<double>::decode(value, number)) {
       ros::param::set(key, number);
@@ -212,6 +216,35 @@ TEST_F(ParamsTest, ShippedBoxDepthConfigurationHasTheDefaults) {
   EXPECT_EQ(shipped->depth_queue, defaults->depth_queue);
   EXPECT_EQ(shipped->marker_lifetime_s, defaults->marker_lifetime_s);
   EXPECT_EQ(shipped->timeout_s, defaults->timeout_s);
+  EXPECT_EQ(shipped->fit_objects, defaults->fit_objects);
+  EXPECT_TRUE(defaults->shapes.empty()) << "classes are a matter of the detector, so the code knows none";
+  EXPECT_EQ(shipped->shapes.size(), 3U);
+}
+
+TEST_F(ParamsTest, ShapesBelongToClasses) {
+  set("shapes/dice", std::string("cube"));
+  set("shapes/ball", std::string("sphere"));
+  const auto params = load_box_depth_params(handle());
+  ASSERT_TRUE(params) << params.error().message;
+  EXPECT_EQ(params->shapes, (std::map<std::string, depth::FitShape>{{"ball", depth::FitShape::kSphere},
+                                                                    {"dice", depth::FitShape::kCube}}));
+}
+
+TEST_F(ParamsTest, ShapesThatCannotBeAreReported) {
+  const auto expect = [](const char* problem) {
+    const auto params = load_box_depth_params(handle());
+    ASSERT_FALSE(params);
+    EXPECT_NE(params.error().message.find(problem), std::string::npos) << params.error().message;
+  };
+  set("target_frame", std::string("table"));
+  set("fit_objects", true);
+  expect("fit_objects needs shapes");
+  set("shapes/dice", std::string("dodecahedron"));
+  expect("/nodelet_under_test/shapes/dice: 'dodecahedron' is unknown: use one of cone, cube, sphere");
+  set("shapes/dice", 3);
+  expect("/nodelet_under_test/shapes/dice: ");
+  set("shapes", std::string("cube"));
+  expect("/nodelet_under_test/shapes must be a group of labels and names, e.g. {label: cone}");
 }
 
 TEST_F(ParamsTest, ShippedSourceConfigurationHasTheDefaults) {

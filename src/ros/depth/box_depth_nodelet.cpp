@@ -1,4 +1,3 @@
-#include <algorithm>
 #include <memory>
 #include <mutex>
 #include <optional>
@@ -17,8 +16,7 @@
 #include "extperfc/base/latest_slot.hpp"
 #include "extperfc/base/stamp_matcher.hpp"
 #include "extperfc/base/stopwatch.hpp"
-#include "extperfc/depth/box_depth.hpp"
-#include "extperfc/depth/object_fit.hpp"
+#include "extperfc/depth/locate_boxes.hpp"
 
 #include "ros/convert/detections.hpp"
 #include "ros/convert/geometry.hpp"
@@ -29,20 +27,6 @@
 #include "ros/params/detector_params.hpp"
 
 namespace extperfc {
-
-namespace {
-
-/// The shape of that name; empty for other classes.
-std::optional<depth::FitShape> shape_of(const std::vector<std::string>& names, int class_index) {
-  if (class_index < 0 || class_index >= static_cast<int>(names.size())) return std::nullopt;
-  const std::string& name = names[static_cast<std::size_t>(class_index)];
-  if (name == "cube") return depth::FitShape::kCube;
-  if (name == "sphere") return depth::FitShape::kSphere;
-  if (name == "cone") return depth::FitShape::kCone;
-  return std::nullopt;
-}
-
-}  // namespace
 
 /// Computes a 3D position for every detected box from the depth image of the same stamp.
 ///
@@ -107,8 +91,6 @@ class BoxDepthNodelet : public nodelet::Nodelet {
   struct Objects {
     vision_msgs::Detection3DArray centers;
     vision_msgs::Detection3DArray surface;  ///< in the same order
-    std::uint64_t without_depth{0};
-    std::uint64_t not_fitted{0};  ///< of a known shape, but the depth says otherwise
   };
 
   void onInit() override;
@@ -120,13 +102,8 @@ class BoxDepthNodelet : public nodelet::Nodelet {
   void on_names(const vision_msgs::VisionInfoConstPtr& message);
   void process(const Matcher::Pair& pair);
   Result<Objects> locate_all(const Matcher::Pair& pair);
-  void locate(const Detection& detection, const ImageView& depth, const CameraModel& camera,
-              const Eigen::Isometry3d& target_T_optical, Objects& objects);
-  std::optional<depth::ObjectFit> fit(const Detection& detection, const ImageView& depth,
-                                      const CameraModel& camera, const Eigen::Isometry3d& target_T_optical,
-                                      Objects& objects);
+  [[nodiscard]] depth::ShapesToFit shapes_to_fit(const Eigen::Isometry3d& target_T_optical);
   [[nodiscard]] std::vector<std::string> class_names();
-  [[nodiscard]] depth::ObjectFitParams fit_params() const;
   Result<CameraModel> camera_for(const ImageView& depth);
   Result<Eigen::Isometry3d> transform_at(const std_msgs::Header& header);
   void report(diagnostic_updater::DiagnosticStatusWrapper& status);
@@ -259,11 +236,6 @@ void BoxDepthNodelet::process(const Matcher::Pair& pair) {
     if (work_health_.failed(objects.error().message)) NODELET_ERROR("%s", objects.error().message.c_str());
     return;
   }
-  {
-    const std::lock_guard lock(state_mutex_);
-    without_depth_ += objects->without_depth;
-    not_fitted_ += objects->not_fitted;
-  }
   const double work_ms = watch.milliseconds();
   const auto message = boost::make_shared<vision_msgs::Detection3DArray>(std::move(objects->centers));
   surface_publisher_.publish(boost::make_shared<vision_msgs::Detection3DArray>(std::move(objects->surface)));
@@ -285,59 +257,41 @@ Result<BoxDepthNodelet::Objects> BoxDepthNodelet::locate_all(const Matcher::Pair
   if (!camera) return tl::unexpected(camera.error());
   const auto target_T_optical = transform_at(depth_message->header);
   if (!target_T_optical) return tl::unexpected(target_T_optical.error());
-
+  const auto located = depth::locate_boxes(convert::from_message(*detections), depth->view, *camera,
+                                           params_.estimate, shapes_to_fit(*target_T_optical));
+  {
+    const std::lock_guard lock(state_mutex_);
+    without_depth_ += static_cast<std::uint64_t>(located.without_depth);
+    not_fitted_ += static_cast<std::uint64_t>(located.not_fitted);
+  }
   Objects objects;
-  objects.centers.header = detections->header;
-  if (!params_.target_frame.empty()) objects.centers.header.frame_id = params_.target_frame;
-  objects.surface.header = objects.centers.header;
-  for (const auto& detection : convert::from_message(*detections))
-    locate(detection, depth->view, *camera, *target_T_optical, objects);
+  auto header = detections->header;
+  if (!params_.target_frame.empty()) header.frame_id = params_.target_frame;
+  objects.centers.header = objects.surface.header = header;
+  for (const auto& [detection, object, fit] : located.boxes) {
+    objects.surface.detections.push_back(
+        convert::to_surface_message(detection, object, *target_T_optical, header));
+    objects.centers.detections.push_back(
+        fit ? convert::to_message(detection, *fit, *target_T_optical, header)
+            : convert::to_message(detection, object, *target_T_optical, header));
+  }
   return objects;
 }
 
-void BoxDepthNodelet::locate(const Detection& detection, const ImageView& depth, const CameraModel& camera,
-                             const Eigen::Isometry3d& target_T_optical, Objects& objects) {
-  const auto estimate = depth::estimate_depth(depth, detection.box, params_.estimate);
-  if (!estimate) {
-    ++objects.without_depth;
-    return;
+depth::ShapesToFit BoxDepthNodelet::shapes_to_fit(const Eigen::Isometry3d& target_T_optical) {
+  depth::ShapesToFit shapes;
+  if (!params_.fit_objects) return shapes;
+  shapes.up = target_T_optical.linear().transpose() * Eigen::Vector3d::UnitZ();
+  for (const auto& name : class_names()) {
+    const auto known = params_.shapes.find(name);
+    shapes.of_class.push_back(known == params_.shapes.end() ? std::nullopt : std::optional(known->second));
   }
-  const auto& header = objects.centers.header;
-  const auto object = depth::locate(camera, detection.box, *estimate);
-  const auto fitted = fit(detection, depth, camera, target_T_optical, objects);
-  objects.surface.detections.push_back(
-      convert::to_surface_message(detection, object, target_T_optical, header));
-  objects.centers.detections.push_back(
-      fitted ? convert::to_message(detection, *fitted, target_T_optical, header)
-             : convert::to_message(detection, object, target_T_optical, header));
-}
-
-/// The shape that the depth image shows; empty for other classes, and when the shape does not fit.
-std::optional<depth::ObjectFit> BoxDepthNodelet::fit(const Detection& detection, const ImageView& depth,
-                                                     const CameraModel& camera,
-                                                     const Eigen::Isometry3d& target_T_optical,
-                                                     Objects& objects) {
-  if (!params_.fit_objects) return std::nullopt;
-  const auto shape = shape_of(class_names(), detection.class_index);
-  if (!shape) return std::nullopt;
-  const Eigen::Vector3d up = target_T_optical.linear().transpose() * Eigen::Vector3d::UnitZ();
-  const auto fitted = depth::fit_object(depth, camera, detection.box, *shape, up, fit_params());
-  if (fitted) return *fitted;
-  ++objects.not_fitted;
-  return std::nullopt;
+  return shapes;
 }
 
 std::vector<std::string> BoxDepthNodelet::class_names() {
   const std::lock_guard lock(state_mutex_);
   return class_names_;
-}
-
-depth::ObjectFitParams BoxDepthNodelet::fit_params() const {
-  depth::ObjectFitParams params;
-  params.min_depth_m = std::max(params_.estimate.min_depth_m, 1e-3);
-  params.max_depth_m = params_.estimate.max_depth_m;
-  params.noise = params_.estimate.noise;
-  return params;
 }
 
 Result<CameraModel> BoxDepthNodelet::camera_for(const ImageView& depth) {

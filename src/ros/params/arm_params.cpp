@@ -146,35 +146,16 @@ void read_depth(ParamReader& reader, const ros::NodeHandle& handle, DepthObstacl
     reader.complain(handle.getNamespace() + ": " + fits.error().message);
 }
 
-void read_shapes(ParamReader& reader, const ros::NodeHandle& handle,
-                 std::map<std::string, arm::UprightKind>& shapes) {
-  const NamedValues<arm::UprightKind> kinds{{"box", arm::UprightKind::kBox},
-                                            {"sphere", arm::UprightKind::kSphere},
-                                            {"cylinder", arm::UprightKind::kCylinder},
-                                            {"cone", arm::UprightKind::kCone}};
-  reader.accept("shapes");
-  XmlRpc::XmlRpcValue given;
-  if (!handle.getParam("shapes", given)) return;
-  const auto name = handle.resolveName("shapes");
-  if (given.getType() == XmlRpc::XmlRpcValue::TypeArray && given.size() == 0) return;
-  if (given.getType() != XmlRpc::XmlRpcValue::TypeStruct)
-    return reader.complain(name + " must be shapes by the names of classes, e.g. {cube: box}");
-  for (auto& [label, given_kind] : given) {
-    const bool text = given_kind.getType() == XmlRpc::XmlRpcValue::TypeString;
-    const auto kind = meaning(text ? Entry(given_kind).text() : "", kinds);
-    if (kind)
-      shapes[label] = *kind;
-    else
-      reader.complain(joined({name, "/", label, ": ", kind.error().message}));
-  }
-}
-
 void read_objects(ParamReader& reader, const ros::NodeHandle& handle, ObjectMonitorParams& params) {
   reader.read("enabled", params.enabled);
   reader.read("min_score", params.min_score, {0.0, 1.0});
   reader.read("largest_m", params.largest_m, {0.001, 100.0});
   reader.read("timeout_s", params.timeout_s, {0.1, 3600.0});
-  read_shapes(reader, handle, params.shapes);
+  read_named_by_label(reader, handle, "shapes", params.shapes,
+                      {{"box", arm::UprightKind::kBox},
+                       {"sphere", arm::UprightKind::kSphere},
+                       {"cylinder", arm::UprightKind::kCylinder},
+                       {"cone", arm::UprightKind::kCone}});
   reader.read("confirm", params.list.confirm, {1, 100});
   reader.read("max_age_s", params.list.max_age_s, {0.0, 1e6});
   reader.read("match_m", params.list.match_m, {0.001, 10.0});

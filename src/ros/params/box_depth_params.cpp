@@ -1,6 +1,6 @@
 #include "ros/params/box_depth_params.hpp"
 
-#include "ros/params/param_reader.hpp"
+#include "ros/params/list_reader.hpp"
 
 namespace extperfc::ros_params {
 
@@ -21,6 +21,10 @@ Result<BoxDepthNodeletParams> load_box_depth_params(const ros::NodeHandle& priva
   reader.read("noise_subpixel_px", estimate.noise.subpixel_px, {0.001, 2.0});
   reader.read("target_frame", params.target_frame);
   reader.read("fit_objects", params.fit_objects);
+  read_named_by_label(reader, private_handle, "shapes", params.shapes,
+                      {{"cube", depth::FitShape::kCube},
+                       {"sphere", depth::FitShape::kSphere},
+                       {"cone", depth::FitShape::kCone}});
   reader.read("stamp_tolerance_s", params.stamp_tolerance_s, {0.0, 1.0});
   reader.read("transform_timeout_s", params.transform_timeout_s, {0.0, 5.0});
   reader.read("marker_lifetime_s", params.marker_lifetime_s, {0.0, 60.0});
@@ -34,6 +38,8 @@ Result<BoxDepthNodeletParams> load_box_depth_params(const ros::NodeHandle& priva
   }
   if (params.fit_objects && params.target_frame.empty())
     reader.complain("fit_objects needs a target_frame whose z points up, e.g. base_footprint");
+  if (params.fit_objects && params.shapes.empty())
+    reader.complain("fit_objects needs shapes: which shape has each class, e.g. {box: cube}");
   if (auto fits = depth::validate(estimate); !fits) reader.complain(fits.error().message);
   if (auto finished = reader.finish(); !finished) return tl::unexpected(finished.error());
   return params;

@@ -1,18 +1,21 @@
 #pragma once
 
+#include <map>
 #include <string>
 
 #include <ros/node_handle.h>
 
 #include "extperfc/base/error.hpp"
 #include "extperfc/depth/box_depth.hpp"
+#include "extperfc/depth/object_fit.hpp"
 
 namespace extperfc::ros_params {
 
 struct BoxDepthNodeletParams {
   depth::BoxDepthParams estimate;
   std::string target_frame;  ///< empty = the camera's optical frame
-  bool fit_objects{false};   ///< fit standing cubes, spheres and cones; needs a target frame whose z is up
+  bool fit_objects{false};   ///< fit `shapes` to standing objects; needs a target frame whose z is up
+  std::map<std::string, depth::FitShape> shapes;  ///< by class; objects of other classes are not fitted
   double stamp_tolerance_s{
       0.02};  ///< largest difference between a detection's and its depth image's stamp [s]
   double transform_timeout_s{0.1};  ///< how long to wait for a transform at the image's stamp [s]

@@ -88,6 +88,27 @@ class Entry {
   XmlRpc::XmlRpcValue& value_;
 };
 
+/// Reads values by free labels, each given by its name, e.g. {cup: cylinder}.
+template <typename T>
+void read_named_by_label(ParamReader& reader, const ros::NodeHandle& handle, const std::string& key,
+                         std::map<std::string, T>& values, const NamedValues<T>& names) {
+  reader.accept(key);
+  XmlRpc::XmlRpcValue given;
+  if (!handle.getParam(key, given)) return;
+  const auto place = handle.resolveName(key);
+  if (given.getType() == XmlRpc::XmlRpcValue::TypeArray && given.size() == 0) return;
+  if (given.getType() != XmlRpc::XmlRpcValue::TypeStruct)
+    return reader.complain(
+        joined({place, " must be a group of labels and names, e.g. {label: ", names.begin()->first, "}"}));
+  for (auto& [label, name] : given) {
+    const bool text = name.getType() == XmlRpc::XmlRpcValue::TypeString;
+    if (const auto value = meaning(text ? Entry(name).text() : "", names))
+      values[label] = *value;
+    else
+      reader.complain(joined({place, "/", label, ": ", value.error().message}));
+  }
+}
+
 /// Reads a list of groups; `set(item, key, entry)` takes one key. Every problem is reported with its place.
 template <typename T, typename Set>
 std::vector<T> read_list(ParamReader& reader, const ros::NodeHandle& handle, const std::string& key,
