@@ -16,9 +16,8 @@ namespace extperfc::arm_node {
 
 namespace {
 
-constexpr double kPatience = 0.5;    ///< see arm::VoxelChangeDetector [s]
-constexpr double kWorldRetry = 5.0;  ///< until a frame that tf lacks is looked up again [s of wall time]
-constexpr double kEarly = 0.9;       ///< of the period, because stamps of cameras jitter
+constexpr double kPatience = 0.5;  ///< see arm::VoxelChangeDetector [s]
+constexpr double kEarly = 0.9;     ///< of the period, because stamps of cameras jitter
 
 /// Largest displacement of a corner of the observed box.
 double farthest(const Pose& motion, const arm::DepthObstaclesParams& box) {
@@ -67,23 +66,25 @@ visualization_msgs::Marker voxel_marker(const std::vector<Eigen::Vector3d>& midd
 }  // namespace
 
 Result<std::unique_ptr<DepthObstacleMonitor>> DepthObstacleMonitor::make(
-    Uses uses, const ros_params::DepthObstacleMonitorParams& params) {
-  auto joints = StampedJoints::make(uses.arms);
+    SceneMonitorContext context, const ros_params::DepthObstacleMonitorParams& params) {
+  auto joints = StampedJoints::make(context.arms);
   if (!joints) return fail(joints.error().code, "depth: " + joints.error().message);
   auto own = params;
   own.obstacles.name = PlanningScene::kSeenName;
   auto obstacles = arm::DepthObstacles::make((*joints)->model(), own.obstacles);
   if (!obstacles) return fail(obstacles.error().code, "depth: " + obstacles.error().message);
   return std::unique_ptr<DepthObstacleMonitor>(
-      new DepthObstacleMonitor(std::move(uses), own, std::move(*joints), std::move(*obstacles)));
+      new DepthObstacleMonitor(std::move(context), own, std::move(*joints), std::move(*obstacles)));
 }
 
-DepthObstacleMonitor::DepthObstacleMonitor(Uses uses, const ros_params::DepthObstacleMonitorParams& params,
+DepthObstacleMonitor::DepthObstacleMonitor(SceneMonitorContext context,
+                                           const ros_params::DepthObstacleMonitorParams& params,
                                            std::unique_ptr<StampedJoints> joints,
                                            arm::DepthObstacles obstacles)
-    : uses_(std::move(uses)),
+    : context_(std::move(context)),
       params_(params),
       joints_(std::move(joints)),
+      world_frame_(context_.transforms, context_.world_frame),
       obstacles_(std::move(obstacles)),
       change_detector_(params.obstacles.low_m, params.obstacles.voxel_m, kPatience) {}
 
@@ -145,13 +146,13 @@ void DepthObstacleMonitor::process(const sensor_msgs::ImageConstPtr& message) {
   }
   if (!changed) return fail_with(changed.error().message);
   work_health_.done(watch.milliseconds(), health::age_ms(message->header.stamp));
-  if (*changed) uses_.changed();
+  if (*changed) context_.changed();
   publish_voxels();
 }
 
 Result<DepthObstacleMonitor::View> DepthObstacleMonitor::view_of(const std_msgs::Header& header) {
-  if (header.frame_id.empty() || header.stamp.isZero())
-    return fail(ErrorCode::kInvalidArgument, "the depth image has no frame_id or no stamp in its header");
+  const auto root_T_camera = root_T_header(context_.transforms, header, kImageTopic);
+  if (!root_T_camera) return tl::unexpected(root_T_camera.error());
   sensor_msgs::CameraInfoConstPtr info;
   {
     const std::lock_guard lock(input_mutex_);
@@ -162,19 +163,10 @@ Result<DepthObstacleMonitor::View> DepthObstacleMonitor::view_of(const std_msgs:
                 std::string("no camera info received on ") + kInfoTopic + " yet: is it published?");
   const auto camera = convert::to_camera_model(*info);
   if (!camera) return tl::unexpected(camera.error());
-  const auto root_T_camera = uses_.transforms.root_T_frame(header.frame_id, header.stamp);
-  if (!root_T_camera) return fail(ErrorCode::kNotFound, root_T_camera.error().message);
   auto positions = joints_->at(header.stamp);
   if (!positions) return tl::unexpected(positions.error());
-  return View{*camera, *root_T_camera, *positions, world_T_root(header.stamp)};
-}
-
-std::optional<Pose> DepthObstacleMonitor::world_T_root(const ros::Time& stamp) {
-  if (!no_world_.isZero() && (ros::WallTime::now() - no_world_).toSec() < kWorldRetry) return std::nullopt;
-  const auto root_T_world = uses_.transforms.root_T_frame(uses_.world_frame, stamp);
-  no_world_ = root_T_world ? ros::WallTime() : ros::WallTime::now();
-  if (!root_T_world) return std::nullopt;
-  return root_T_world->inverse();
+  const auto world_T_root = world_frame_.world_T_root(header.stamp);
+  return View{*camera, *root_T_camera, *positions, world_T_root ? *world_T_root : std::nullopt};
 }
 
 void DepthObstacleMonitor::begin(const View& view, double time_s) {
@@ -192,13 +184,13 @@ void DepthObstacleMonitor::begin(const View& view, double time_s) {
 
 Result<bool> DepthObstacleMonitor::update(const ImageView& image, const View& view, double time_s) {
   begin(view, time_s);
-  const auto known = uses_.scene.world();
+  const auto known = context_.scene.world();
   if (!known) return fail(ErrorCode::kNotFound, known.error().message);
   const auto done = obstacles_.update(image, view.camera, view.root_T_camera, view.positions, *known, time_s);
   if (!done) return tl::unexpected(done.error());
   latest_ = *done;
   const bool noticeable = change_detector_.changed(obstacles_.voxels(), time_s);
-  if (auto set = uses_.scene.set_seen(obstacles_.object(), noticeable); !set)
+  if (auto set = context_.scene.set_seen(obstacles_.object(), noticeable); !set)
     return tl::unexpected(set.error());
   return noticeable;
 }
@@ -211,7 +203,7 @@ void DepthObstacleMonitor::publish_voxels() {
     middles = obstacles_.voxels();
   }
   auto marker = voxel_marker(middles, params_.obstacles);
-  marker.header.frame_id = uses_.arms.root_link();
+  marker.header.frame_id = context_.arms.root_link();
   voxels_publisher_.publish(marker);
 }
 
@@ -222,20 +214,20 @@ void DepthObstacleMonitor::clear() {
     latest_ = {};
     if (!change_detector_.changed({}, time_s_.value_or(0.0))) return;
     [[maybe_unused]] const auto set =
-        uses_.scene.set_seen(std::nullopt, true);  // an empty object is always valid
+        context_.scene.set_seen(std::nullopt, true);  // an empty object is always valid
   }
-  uses_.changed();
+  context_.changed();
   publish_voxels();
 }
 
 void DepthObstacleMonitor::scene_changed() {
   {
     const std::lock_guard lock(mutex_);
-    const auto known = uses_.scene.world();  // the next image reports the error
+    const auto known = context_.scene.world();  // the next image reports the error
     if (!known || !time_s_ || !obstacles_.forget(*known)) return;
     const bool noticeable = change_detector_.changed(obstacles_.voxels(), *time_s_);
     [[maybe_unused]] const auto set =
-        uses_.scene.set_seen(obstacles_.object(), noticeable);  // less than before
+        context_.scene.set_seen(obstacles_.object(), noticeable);  // less than before
   }
   publish_voxels();
 }

@@ -2,7 +2,6 @@
 
 #include <atomic>
 #include <cstdint>
-#include <functional>
 #include <memory>
 #include <mutex>
 #include <optional>
@@ -17,13 +16,11 @@
 #include <sensor_msgs/Image.h>
 
 #include "extperfc/arm/depth_obstacles.hpp"
-#include "extperfc/arm/robot_arms.hpp"
 #include "extperfc/arm/voxel_change_detector.hpp"
 #include "extperfc/base/latest_slot.hpp"
 
-#include "ros/arm/planning_scene.hpp"
+#include "ros/arm/scene_monitor.hpp"
 #include "ros/arm/stamped_joints.hpp"
-#include "ros/arm/transform_lookup.hpp"
 #include "ros/health/stream_health.hpp"
 #include "ros/params/arm_params.hpp"
 
@@ -48,18 +45,9 @@ namespace extperfc::arm_node {
 ///   order: this object before the scene.
 class DepthObstacleMonitor {
  public:
-  struct Uses {
-    const arm::RobotArms& arms;
-    const TransformLookup& transforms;
-    PlanningScene& scene;
-    std::string world_frame;
-    std::function<void()>
-        changed;  ///< called by the worker and by clear() when the scene's version increased
-  };
-
   /// Errors: parameters that do not fit each other, a robot without collision shapes that can be read.
   [[nodiscard]] static Result<std::unique_ptr<DepthObstacleMonitor>> make(
-      Uses uses, const ros_params::DepthObstacleMonitorParams& params);
+      SceneMonitorContext context, const ros_params::DepthObstacleMonitorParams& params);
   ~DepthObstacleMonitor();
   DepthObstacleMonitor(const DepthObstacleMonitor&) = delete;
   DepthObstacleMonitor& operator=(const DepthObstacleMonitor&) = delete;
@@ -90,21 +78,20 @@ class DepthObstacleMonitor {
     std::optional<Pose> world_T_root;
   };
 
-  DepthObstacleMonitor(Uses uses, const ros_params::DepthObstacleMonitorParams& params,
+  DepthObstacleMonitor(SceneMonitorContext context, const ros_params::DepthObstacleMonitorParams& params,
                        std::unique_ptr<StampedJoints> joints, arm::DepthObstacles obstacles);
   void on_image(const ImageEvent& event);
   void on_info(const InfoEvent& event);
 
   void process(const sensor_msgs::ImageConstPtr& message);
   [[nodiscard]] Result<View> view_of(const std_msgs::Header& header);
-  [[nodiscard]] std::optional<Pose> world_T_root(const ros::Time& stamp);
   /// Clears voxels of another pose of the robot or an older clock; under mutex_.
   void begin(const View& view, double time_s);
   /// Under mutex_; true when the scene's version increased.
   [[nodiscard]] Result<bool> update(const ImageView& image, const View& view, double time_s);
   void publish_voxels();
 
-  const Uses uses_;
+  const SceneMonitorContext context_;  ///< `changed` is called by the worker and by clear()
   const ros_params::DepthObstacleMonitorParams params_;
   health::InputHealth image_health_{"depth"};
   health::InputHealth info_health_{"camera info"};
@@ -116,7 +103,7 @@ class DepthObstacleMonitor {
   ros::Time taken_;  ///< stamp of the image that was accepted last
   std::uint64_t skipped_{0};
 
-  ros::WallTime no_world_;  ///< last failed lookup of world_frame; used by the worker only
+  WorldFrame world_frame_;  ///< used by the worker only
 
   std::mutex mutex_;  ///< guards what follows
   arm::DepthObstacles obstacles_;

@@ -16,7 +16,6 @@ namespace extperfc::arm_node {
 
 namespace {
 
-constexpr double kWorldRetry = 5.0;  ///< until a frame that tf lacks is looked up again [s of wall time]
 constexpr std::size_t kMaxDetections = 500;  ///< used of one message
 constexpr double kNearRobot = 0.03;          ///< detections nearer to the robot are ambiguous [m]
 
@@ -40,14 +39,14 @@ Result<arm::UprightBox> box_of(const vision_msgs::BoundingBox3D& message, const 
 
 }  // namespace
 
-Result<std::unique_ptr<ObjectMonitor>> ObjectMonitor::make(Uses uses,
+Result<std::unique_ptr<ObjectMonitor>> ObjectMonitor::make(SceneMonitorContext context,
                                                            const ros_params::ObjectMonitorParams& params) {
   auto list = arm::ObjectList::make(params.list);
   if (!list) return fail(list.error().code, "objects: " + list.error().message);
-  auto joints = StampedJoints::make(uses.arms);
+  auto joints = StampedJoints::make(context.arms);
   if (!joints) return fail(joints.error().code, "objects: " + joints.error().message);
   return std::unique_ptr<ObjectMonitor>(
-      new ObjectMonitor(std::move(uses), params, std::move(*joints), std::move(*list)));
+      new ObjectMonitor(std::move(context), params, std::move(*joints), std::move(*list)));
 }
 
 void ObjectMonitor::start(ros::NodeHandle handle) {
@@ -90,7 +89,7 @@ void ObjectMonitor::process(const vision_msgs::Detection3DArray& message) {
     return;
   }
   work_health_.done(watch.milliseconds(), health::age_ms(message.header.stamp));
-  if (*changed) uses_.changed();
+  if (*changed) context_.changed();
 }
 
 Result<bool> ObjectMonitor::update(const vision_msgs::Detection3DArray& message) {
@@ -113,7 +112,7 @@ Result<bool> ObjectMonitor::update(const vision_msgs::Detection3DArray& message)
   ignored_.duplicate += static_cast<std::uint64_t>(done.duplicate);
   ignored_.no_room += static_cast<std::uint64_t>(done.no_room);
   waiting_ = done.waiting;
-  const auto changed = uses_.scene.set_found(items(frame_));
+  const auto changed = context_.scene.set_found(items(frame_));
   if (!changed) return fail(ErrorCode::kInvalidArgument, changed.error().message);
   return *changed;
 }
@@ -129,26 +128,15 @@ Result<std::vector<std::string>> ObjectMonitor::class_names() {
 }
 
 Result<ObjectMonitor::View> ObjectMonitor::view_of(const std_msgs::Header& header) {
-  if (header.frame_id.empty() || header.stamp.isZero())
-    return fail(ErrorCode::kInvalidArgument,
-                std::string(kDetectionsTopic) +
-                    " has no frame_id or no stamp in its header: the detector must set both");
-  const auto root_T_detections = uses_.transforms.root_T_frame(header.frame_id, header.stamp);
-  if (!root_T_detections)
-    return fail(ErrorCode::kNotFound, root_T_detections.error().message +
-                                          "; publish it, or publish the detections in another frame");
+  const auto root_T_detections = root_T_header(context_.transforms, header, kDetectionsTopic);
+  if (!root_T_detections) return tl::unexpected(root_T_detections.error());
+  // Without the world's frame at this stamp the message is skipped, because all objects would be lost.
+  const auto world_T_root = world_frame_.world_T_root(header.stamp);
+  if (!world_T_root) return tl::unexpected(world_T_root.error());
   View view;
-  if (no_world_.isZero() || (ros::WallTime::now() - no_world_).toSec() >= kWorldRetry) {
-    const auto root_T_world = uses_.transforms.root_T_frame(uses_.world_frame, header.stamp);
-    // tf has the frame, but not at this stamp: skip the message, because without the frame all objects would
-    // be lost.
-    if (!root_T_world && uses_.transforms.root_T_frame(uses_.world_frame, ros::Time()))
-      return fail(ErrorCode::kNotFound, root_T_world.error().message);
-    no_world_ = root_T_world ? ros::WallTime() : ros::WallTime::now();
-    if (root_T_world) {
-      view.frame = uses_.world_frame;
-      view.frame_T_root = root_T_world->inverse();
-    }
+  if (*world_T_root) {
+    view.frame = context_.world_frame;
+    view.frame_T_root = **world_T_root;
   }
   view.frame_T_detections = view.frame_T_root * *root_T_detections;
   return view;
@@ -203,22 +191,22 @@ void ObjectMonitor::mark_ambiguous(std::vector<arm::ObjectDetection>& detections
 Result<std::vector<arm::KnownObject>> ObjectMonitor::known_objects(const View& view,
                                                                    const ros::Time& stamp) const {
   std::vector<arm::KnownObject> all;
-  for (auto& item : uses_.scene.items()) {
+  for (auto& item : context_.scene.items()) {
     arm::KnownObject known{
         std::move(item.name), std::move(item.label), item.frame_T_object, item.found, item.still, {}};
     if (item.held) {
       // Its own position and the gripper's, now and at the stamp.
-      const auto now = uses_.transforms.root_T_frame(item.frame, ros::Time());
+      const auto now = context_.transforms.root_T_frame(item.frame, ros::Time());
       if (!now) return fail(ErrorCode::kNotFound, now.error().message);
       const Pose frame_T_link = view.frame_T_root * *now;
       known.world_T_object = frame_T_link * item.frame_T_object;
       known.places.emplace_back(frame_T_link.translation());
-      if (const auto then = uses_.transforms.root_T_frame(item.frame, stamp)) {
+      if (const auto then = context_.transforms.root_T_frame(item.frame, stamp)) {
         known.places.emplace_back((view.frame_T_root * *then).translation());
         known.places.emplace_back((view.frame_T_root * *then * item.frame_T_object).translation());
       }
     } else if (item.frame != view.frame) {
-      const auto root_T_frame = uses_.transforms.root_T_frame(item.frame, ros::Time());
+      const auto root_T_frame = context_.transforms.root_T_frame(item.frame, ros::Time());
       if (!root_T_frame) return fail(ErrorCode::kNotFound, root_T_frame.error().message);
       known.world_T_object = view.frame_T_root * *root_T_frame * item.frame_T_object;
     }

@@ -1,7 +1,6 @@
 #pragma once
 
 #include <cstdint>
-#include <functional>
 #include <map>
 #include <memory>
 #include <mutex>
@@ -16,12 +15,10 @@
 #include <vision_msgs/VisionInfo.h>
 
 #include "extperfc/arm/object_list.hpp"
-#include "extperfc/arm/robot_arms.hpp"
 #include "extperfc/base/latest_slot.hpp"
 
-#include "ros/arm/planning_scene.hpp"
+#include "ros/arm/scene_monitor.hpp"
 #include "ros/arm/stamped_joints.hpp"
-#include "ros/arm/transform_lookup.hpp"
 #include "ros/health/stream_health.hpp"
 #include "ros/params/arm_params.hpp"
 
@@ -48,17 +45,9 @@ namespace extperfc::arm_node {
 ///   order: this object before the scene.
 class ObjectMonitor {
  public:
-  struct Uses {
-    const arm::RobotArms& arms;
-    const TransformLookup& transforms;
-    PlanningScene& scene;
-    std::string world_frame;
-    std::function<void()> changed;  ///< called by the worker when the scene's version increased
-  };
-
   /// Errors: parameters out of their ranges, a robot without collision shapes that can be read.
   [[nodiscard]] static Result<std::unique_ptr<ObjectMonitor>> make(
-      Uses uses, const ros_params::ObjectMonitorParams& params);
+      SceneMonitorContext context, const ros_params::ObjectMonitorParams& params);
   ~ObjectMonitor();
   ObjectMonitor(const ObjectMonitor&) = delete;
   ObjectMonitor& operator=(const ObjectMonitor&) = delete;
@@ -85,9 +74,13 @@ class ObjectMonitor {
         ambiguous{0}, duplicate{0}, no_room{0};
   };
 
-  ObjectMonitor(Uses uses, const ros_params::ObjectMonitorParams& params,
+  ObjectMonitor(SceneMonitorContext context, const ros_params::ObjectMonitorParams& params,
                 std::unique_ptr<StampedJoints> joints, arm::ObjectList list)
-      : uses_(std::move(uses)), params_(params), joints_(std::move(joints)), list_(std::move(list)) {}
+      : context_(std::move(context)),
+        params_(params),
+        joints_(std::move(joints)),
+        world_frame_(context_.transforms, context_.world_frame),
+        list_(std::move(list)) {}
   void on_detections(const DetectionsEvent& event);
   void on_info(const vision_msgs::VisionInfoConstPtr& message);
 
@@ -107,13 +100,13 @@ class ObjectMonitor {
   [[nodiscard]] std::vector<CollisionObject> items(const std::string& frame) const;
   [[nodiscard]] arm::UprightKind kind_of(const std::string& label) const;
 
-  const Uses uses_;
+  const SceneMonitorContext context_;  ///< `changed` is called by the worker
   const ros_params::ObjectMonitorParams params_;
   health::InputHealth detections_health_{"detections"};
   health::WorkHealth work_health_;
   const std::unique_ptr<StampedJoints> joints_;
 
-  ros::WallTime no_world_;  ///< last failed lookup of world_frame; used by the worker only
+  WorldFrame world_frame_;  ///< used by the worker only
 
   std::mutex mutex_;  ///< guards what follows
   arm::ObjectList list_;

@@ -1,11 +1,12 @@
 #include "ros/arm/planning_scene.hpp"
 
 #include <algorithm>
-#include <cmath>
+#include <utility>
 #include <variant>
 
 #include "ros/convert/arm.hpp"
 #include "ros/convert/geometry.hpp"
+#include "ros/convert/shape_marker.hpp"
 
 namespace extperfc::arm_node {
 
@@ -33,41 +34,26 @@ void set_color(visualization_msgs::Marker& marker, float red, float green, float
   marker.color.a = 0.75F;
 }
 
-visualization_msgs::Marker marker_of(const Shape& shape) {
-  visualization_msgs::Marker marker;
-  marker.action = visualization_msgs::Marker::ADD;
-  const auto size = [&](double x, double y, double z) { marker.scale = convert::to_vector({x, y, z}); };
-  if (const auto* box = std::get_if<Box>(&shape.geometry)) {
-    marker.type = visualization_msgs::Marker::CUBE;
-    size(box->size_m.x(), box->size_m.y(), box->size_m.z());
-  } else if (const auto* sphere = std::get_if<Sphere>(&shape.geometry)) {
-    marker.type = visualization_msgs::Marker::SPHERE;
-    size(2 * sphere->radius_m, 2 * sphere->radius_m, 2 * sphere->radius_m);
-  } else if (const auto* cylinder = std::get_if<Cylinder>(&shape.geometry)) {
-    marker.type = visualization_msgs::Marker::CYLINDER;
-    size(2 * cylinder->radius_m, 2 * cylinder->radius_m, cylinder->length_m);
-  } else if (const auto* cone = std::get_if<Cone>(&shape.geometry)) {
-    marker.type = visualization_msgs::Marker::TRIANGLE_LIST;
-    size(1, 1, 1);
-    constexpr int kSides = 24;
-    const auto rim = [&](int i) {
-      const double angle = 2 * M_PI * i / kSides;
-      return convert::to_point(
-          {cone->radius_m * std::cos(angle), cone->radius_m * std::sin(angle), -cone->height_m / 2});
-    };
-    for (int i = 0; i < kSides; ++i) {
-      marker.points.push_back(convert::to_point({0, 0, cone->height_m / 2}));
-      marker.points.push_back(rim(i));
-      marker.points.push_back(rim(i + 1));
-    }
-  } else if (const auto* mesh = std::get_if<TriangleMesh>(&shape.geometry);
-             mesh != nullptr && mesh->triangles) {
-    marker.type = visualization_msgs::Marker::TRIANGLE_LIST;
-    size(mesh->scale.x(), mesh->scale.y(), mesh->scale.z());
-    for (const auto& triangle : *mesh->triangles)
-      for (const auto& corner : triangle) marker.points.push_back(convert::to_point(corner.cast<double>()));
+/// For objects with one upright shape, as set_found() adds them.
+bool same_size(const Geometry& a, const Geometry& b) {
+  if (a.index() != b.index()) return false;
+  if (const auto* box = std::get_if<Box>(&a)) return box->size_m == std::get<Box>(b).size_m;
+  if (const auto* sphere = std::get_if<Sphere>(&a)) return sphere->radius_m == std::get<Sphere>(b).radius_m;
+  if (const auto* tube = std::get_if<Cylinder>(&a)) {
+    const auto& other = std::get<Cylinder>(b);
+    return tube->radius_m == other.radius_m && tube->length_m == other.length_m;
   }
-  return marker;
+  if (const auto* cone = std::get_if<Cone>(&a)) {
+    const auto& other = std::get<Cone>(b);
+    return cone->radius_m == other.radius_m && cone->height_m == other.height_m;
+  }
+  return false;
+}
+
+bool same(const CollisionObject& a, const CollisionObject& b) {
+  return a.label == b.label && a.frame == b.frame && a.frame_T_object.matrix() == b.frame_T_object.matrix() &&
+         a.shapes.size() == 1 && b.shapes.size() == 1 &&
+         same_size(a.shapes.front().geometry, b.shapes.front().geometry);
 }
 
 }  // namespace
@@ -186,6 +172,59 @@ Result<void> PlanningScene::set_seen(std::optional<arm::WorldObject> object, boo
   return {};
 }
 
+/// True when set_found() must not change it; under mutex_.
+bool PlanningScene::stays(const CollisionObject& item) const {
+  return item.held || !item.found || holds_.count(item.name) > 0 || holds_.count(item.label) > 0;
+}
+
+tl::expected<bool, Status> PlanningScene::set_found(const std::vector<CollisionObject>& found) {
+  const std::lock_guard lock(mutex_);
+  Items items = items_;
+  bool changed = false;
+  for (auto item = items.begin(); item != items.end();) {
+    const bool listed = std::any_of(found.begin(), found.end(),
+                                    [&](const CollisionObject& one) { return one.name == item->first; });
+    changed = changed || (!listed && !stays(item->second));
+    item = listed || stays(item->second) ? std::next(item) : items.erase(item);
+  }
+  for (const auto& one : found) {
+    if (transforms_.is_link(one.name))
+      return failure(ArmCode::kInvalidRequest, "a detected object has the name of the link " + one.name +
+                                                   ": give the class another name");
+    const auto previous = items.find(one.name);
+    if (previous != items.end() && (stays(previous->second) || same(previous->second, one))) continue;
+    items[one.name] = one;
+    changed = true;
+  }
+  if (!changed) return false;
+  if (items.size() > kMaxObjects)
+    return failure(ArmCode::kInvalidRequest, "the scene would have more than " + std::to_string(kMaxObjects) +
+                                                 " objects: remove some, or lower objects/max_objects");
+  if (auto world = world_of(items); !world) return tl::unexpected(world.error());
+  items_ = std::move(items);
+  ++version_;
+  return true;
+}
+
+std::vector<CollisionObject> PlanningScene::items() const {
+  const std::lock_guard lock(mutex_);
+  std::vector<CollisionObject> all;
+  for (const auto& [name, item] : items_) {
+    all.push_back(item);
+    all.back().still = stays(item);
+  }
+  return all;
+}
+
+std::shared_ptr<const void> PlanningScene::hold(const std::string& name_or_label) {
+  const std::lock_guard lock(mutex_);
+  const auto entry = holds_.insert(name_or_label);
+  return std::shared_ptr<const void>(&*entry, [this, entry](const void*) {
+    const std::lock_guard own_lock(mutex_);
+    holds_.erase(entry);
+  });
+}
+
 std::uint64_t PlanningScene::version() const {
   const std::lock_guard lock(mutex_);
   return version_;
@@ -271,7 +310,7 @@ visualization_msgs::MarkerArray PlanningScene::markers(const std::string& root_l
   for (const auto& [name, item] : items_) {
     int id = 0;
     for (const auto& shape : item.shapes) {
-      auto marker = marker_of(shape);
+      auto marker = convert::to_marker(shape.geometry);
       marker.ns = name;
       marker.id = id++;
       marker.header.frame_id = item.frame.empty() ? root_link : item.frame;
@@ -286,7 +325,7 @@ visualization_msgs::MarkerArray PlanningScene::markers(const std::string& root_l
   }
   for (const auto& [name, seen] : seen_.objects())
     for (const auto& shape : seen->object.shapes) {
-      auto marker = marker_of(shape);
+      auto marker = convert::to_marker(shape.geometry);
       marker.ns = name;
       marker.id = static_cast<int>(array.markers.size());
       marker.header.frame_id = root_link;

@@ -1,11 +1,9 @@
 #include "ros/simulate/world_markers.hpp"
 
-#include <cmath>
-#include <type_traits>
 #include <utility>
-#include <variant>
 
 #include "ros/convert/geometry.hpp"
+#include "ros/convert/shape_marker.hpp"
 #include "ros/simulate/frames.hpp"
 
 namespace extperfc {
@@ -17,12 +15,6 @@ using visualization_msgs::MarkerArray;
 
 constexpr double kPi = 3.14159265358979323846;
 
-void set_scale(Marker& marker, double x, double y, double z) {
-  marker.scale.x = x;
-  marker.scale.y = y;
-  marker.scale.z = z;
-}
-
 std_msgs::ColorRGBA to_color(const Eigen::Vector3f& rgb) {
   std_msgs::ColorRGBA color;
   color.r = rgb.x();
@@ -32,50 +24,8 @@ std_msgs::ColorRGBA to_color(const Eigen::Vector3f& rgb) {
   return color;
 }
 
-/// rviz has no cone: its side and its bottom as triangles.
-void fill_cone(Marker& marker, const Cone& cone) {
-  constexpr int kSides = 24;
-  const auto rim = [&](int i) {
-    const double angle = 2 * kPi * i / kSides;
-    return Eigen::Vector3d(cone.radius_m * std::cos(angle), cone.radius_m * std::sin(angle),
-                           -0.5 * cone.height_m);
-  };
-  const Eigen::Vector3d tip(0, 0, 0.5 * cone.height_m);
-  const Eigen::Vector3d middle(0, 0, -0.5 * cone.height_m);
-  for (int i = 0; i < kSides; ++i)
-    for (const auto& corner : {rim(i), rim(i + 1), tip, rim(i + 1), rim(i), middle})
-      marker.points.push_back(convert::to_point(corner));
-  marker.type = Marker::TRIANGLE_LIST;
-  set_scale(marker, 1, 1, 1);
-}
-
-void fill_geometry(Marker& marker, const Geometry& geometry) {
-  std::visit(
-      [&](const auto& shape) {
-        using Shape = std::decay_t<decltype(shape)>;
-        if constexpr (std::is_same_v<Shape, Box>) {
-          marker.type = Marker::CUBE;
-          set_scale(marker, shape.size_m.x(), shape.size_m.y(), shape.size_m.z());
-        } else if constexpr (std::is_same_v<Shape, Cylinder>) {
-          marker.type = Marker::CYLINDER;
-          set_scale(marker, 2 * shape.radius_m, 2 * shape.radius_m, shape.length_m);
-        } else if constexpr (std::is_same_v<Shape, Sphere>) {
-          marker.type = Marker::SPHERE;
-          set_scale(marker, 2 * shape.radius_m, 2 * shape.radius_m, 2 * shape.radius_m);
-        } else if constexpr (std::is_same_v<Shape, Cone>) {
-          fill_cone(marker, shape);
-        } else {
-          marker.type = Marker::MESH_RESOURCE;
-          marker.mesh_resource = "file://" + shape.path.string();
-          set_scale(marker, shape.scale.x(), shape.scale.y(), shape.scale.z());
-        }
-      },
-      geometry);
-}
-
 Marker solid(const Geometry& geometry, const Eigen::Vector3f& rgb) {
-  Marker marker;
-  fill_geometry(marker, geometry);
+  Marker marker = convert::to_marker(geometry);
   marker.color = to_color(rgb);
   return marker;
 }
@@ -121,7 +71,6 @@ void WorldMarkers::add_part(Carrier& carrier, Marker marker, const Pose& carrier
   marker.header.frame_id = frames::kMap;
   marker.ns = ns;
   marker.id = next_id_++;
-  marker.action = Marker::ADD;
   carrier.parts.push_back({std::move(marker), carrier_T_part});
 }
 
