@@ -1,9 +1,7 @@
 #pragma once
 
-#include <array>
 #include <cstdint>
 #include <functional>
-#include <vector>
 
 #include <Eigen/Core>
 #include <kdl/frames.hpp>
@@ -12,7 +10,6 @@
 
 #include "extperfc/arm/joint_vector.hpp"
 #include "extperfc/arm/kinematics.hpp"
-#include "extperfc/base/error.hpp"
 #include "extperfc/world/pose.hpp"
 
 namespace extperfc::arm {
@@ -76,35 +73,6 @@ struct IkFailure {
 
 using IkResult = tl::expected<IkSolution, IkFailure>;
 
-/// A piece of the self-motion at one pose of the tip: neighbours are about one step apart at most.
-struct IkBranch {
-  std::vector<JointVector> joints;  ///< a single one where the arm has no redundancy of one degree
-  bool closed{false};               ///< the last one is the first one's neighbour
-};
-
-struct IkSolutionSet {
-  std::vector<IkBranch> branches;  ///< at least one; no two share a configuration
-  bool complete{false};  ///< the search ended because it found nothing new, not by a bound (no proof)
-};
-
-struct IkSearchOptions {
-  IkTolerance tolerance;
-  double timeout_s{0.5};   ///< >= 0, wall time
-  int max_descents{1000};  ///< >= 1
-  int patience{40};        ///< >= 1: solutions in a row on known branches that end the search
-  int max_branches{64};    ///< >= 1
-  double step_rad{0.1};  ///< > 0: spacing of a branch's configurations (Euclidean; [m] for prismatic joints)
-  std::uint64_t rng_seed{1};
-  IkPredicate accept;  ///< configurations that it refuses are left out; empty: none
-};
-
-struct IkSweepOptions {
-  double step_rad{0.05};  ///< > 0: between neighbours, at most 1.3 times this
-  int max_steps{2000};    ///< >= 1, in each direction
-  /// Axes of the tip's frame at the start that may move: x, y, z, and the rotation about them.
-  std::array<bool, 6> free_axes{};
-};
-
 /// Inverse kinematics of one chain. Immutable; every method may be called from several threads at once.
 ///
 /// A damped least-squares descent (Levenberg-Marquardt; Nakamura and Hanafusa 1986, Wampler 1986) on the
@@ -124,22 +92,6 @@ class InverseKinematics {
                                const IkOptions& options = {}) const;
   [[nodiscard]] IkResult solve(const KDL::Frame& target, const KDL::JntArray& seed,
                                const IkOptions& options = {}) const;
-
-  /// Every branch that sampling finds. With one degree of redundancy (seven joints, no free axis) a branch is
-  /// a curve that ends at limits or is closed; without, a single configuration; with more, separate ones
-  /// about a step apart. Some milliseconds.
-  [[nodiscard]] tl::expected<IkSolutionSet, IkFailure> all_solutions(
-      const Pose& target, const IkSearchOptions& options = {}) const;
-
-  /// Of all solutions the one nearest to the seed (Euclidean), refined between a branch's configurations.
-  [[nodiscard]] IkResult nearest_solution(const Pose& target, const JointVector& seed,
-                                          const IkSearchOptions& options = {}) const;
-
-  /// The self-motion through `start`: its tip holds still to 1e-9 m and rad but for the free axes, from limit
-  /// to limit or once round. Errors: `start` of another size, not finite or outside the limits, a bad option
-  /// (kInvalidArgument); joints less held axes are not one (kUnsupported).
-  [[nodiscard]] Result<IkBranch> sweep_redundancy(const JointVector& start,
-                                                  const IkSweepOptions& options = {}) const;
 
  private:
   ArmChain chain_;

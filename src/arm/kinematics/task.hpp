@@ -32,9 +32,6 @@ struct Bounds {
   Joints<N> lower, upper;  ///< +-infinity: none
 
   [[nodiscard]] Joints<N> clamp(const Joints<N>& q) const { return q.cwiseMax(lower).cwiseMin(upper); }
-  [[nodiscard]] bool contain(const Joints<N>& q) const {
-    return (q.array() >= lower.array()).all() && (q.array() <= upper.array()).all();
-  }
 };
 
 /// What the tip is to do: errors are those of target_T_tip, [m] and rotation vector [rad].

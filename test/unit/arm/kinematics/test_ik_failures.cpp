@@ -191,7 +191,6 @@ TEST(IkFailure, RefusesBadInput) {
   seed[4] = kNan;
   EXPECT_EQ(left().solve(good, seed).error().reason, IkReason::kInvalid);
   EXPECT_EQ(left().solve(good, JointVector::Zero(6)).error().reason, IkReason::kInvalid);
-  EXPECT_EQ(left().nearest_solution(good, seed).error().reason, IkReason::kInvalid);
 }
 
 TEST(IkFailure, RefusesBadOptions) {
@@ -204,13 +203,6 @@ TEST(IkFailure, RefusesBadOptions) {
   bad[3].timeout_s = kNan;
   bad[4].max_restarts = -1;
   for (const IkOptions& options : bad) EXPECT_EQ(failure_of(good, options).reason, IkReason::kInvalid);
-  std::vector<IkSearchOptions> searches(4);
-  searches[0].step_rad = 0;
-  searches[1].patience = 0;
-  searches[2].max_branches = 0;
-  searches[3].max_descents = 0;
-  for (const IkSearchOptions& options : searches)
-    EXPECT_EQ(left().all_solutions(good, options).error().reason, IkReason::kInvalid);
 }
 
 }  // namespace
