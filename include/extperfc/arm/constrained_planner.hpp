@@ -1,8 +1,5 @@
 #pragma once
 
-#include <cstdint>
-#include <functional>
-#include <optional>
 #include <string>
 #include <vector>
 
@@ -14,34 +11,19 @@
 
 namespace extperfc::arm {
 
-namespace constrained {
-struct Found;
-}
-
-struct ConstrainedPlannerParams {
-  /// "cbirrt" (our own), or one of OMPL's by constrained_planner_names().
-  std::string planner{"cbirrt"};
+/// Those of PlannerParams with other defaults, and more. `planner` is one of constrained_planner_names().
+struct ConstrainedPlannerParams : PlannerParams {
+  ConstrainedPlannerParams() {
+    planner = "cbirrt";
+    range_rad = 2.0;
+    max_states = 1'000'000;  // those within edges counted
+  }
   /// Largest PathConstraint::error() anywhere on the path, between its waypoints too [m] or [rad]; 1e-6 to
   /// 1e-2. What is left to the error that a motion may have is for its rounded corners: see
   /// corner_deviations().
   double tolerance{5e-5};
-  /// Longest edge of the trees (Euclidean length in joint space), 0.05 to 3 rad.
-  double range_rad{2.0};
   /// Length of the steps along the tangent space within an edge, 0.01 to 0.5 rad.
   double step_rad{0.3};
-  /// Wall time for the search, above 0 s. Simplification comes on top and is bounded by its rounds.
-  double timeout_s{5.0};
-  /// States in both trees together, those within edges counted, 2 to 10,000,000; bounds the memory (some 200
-  /// bytes each).
-  int max_states{1'000'000};
-  /// Rounds of shortcutting after the first path, 0 to 10,000; 0 leaves the path as the trees found it.
-  int shortcut_rounds{40};
-  /// A start this far outside a joint's limits is moved onto them first, when the constraint stays kept; 0 to
-  /// 0.2 rad.
-  double limit_repair_rad{0.05};
-  /// The same seed gives the same path, unless the time runs out; with a planner of OMPL only when the calls
-  /// before it in the process were the same too.
-  std::uint64_t seed{1};
 };
 
 /// What plan() says beyond PlanResult. `waypoints` are dense: straight segments between them follow the
@@ -83,10 +65,6 @@ class ConstrainedPlanner {
   [[nodiscard]] ConstrainedPlanResult plan(const PlanRequest& request);
 
  private:
-  [[nodiscard]] std::optional<constrained::Found> search(const JointVector& start,
-                                                         const std::vector<JointVector>& goals,
-                                                         const std::function<bool()>& stop, int* states);
-
   CollisionChecker& checker_;
   PathConstraint constraint_;
   ConstrainedPlannerParams params_;

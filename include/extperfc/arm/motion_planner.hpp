@@ -2,7 +2,6 @@
 
 #include <cstdint>
 #include <functional>
-#include <optional>
 #include <string>
 #include <vector>
 
@@ -10,10 +9,6 @@
 #include "extperfc/arm/joint_vector.hpp"
 
 namespace extperfc::arm {
-
-namespace planning {
-struct Found;
-}
 
 /// How a planning call ended; stable numbers, they cross action results.
 enum class PlanCode {
@@ -90,10 +85,6 @@ class MotionPlanner {
   [[nodiscard]] PlanResult plan(const PlanRequest& request);
 
  private:
-  [[nodiscard]] std::optional<planning::Found> search(const JointVector& start,
-                                                      const std::vector<JointVector>& goals,
-                                                      const std::function<bool()>& stop, int* states);
-
   CollisionChecker& checker_;
   PlannerParams params_;
   JointLimits limits_;

@@ -11,6 +11,8 @@
 #include "arm/cartesian/arm_in_group.hpp"
 #include "arm/cartesian/follower.hpp"
 #include "arm/cartesian/tool_path.hpp"
+#include "arm/collision/state_fault.hpp"
+#include "arm/kinematics/check.hpp"
 
 namespace extperfc::arm {
 
@@ -23,8 +25,6 @@ using cartesian::Station;
 using cartesian::Stop;
 using cartesian::ToolPath;
 using Route = std::vector<Station>;
-
-constexpr double kRigid = 1e-6;
 
 /// The first is for every arm, the others for redundant ones. Of 600 random lines of Baxter's left arm (0.1
 /// to 0.6 m, half of them with a rotation, half of them among ten obstacles) the first alone completes 240,
@@ -45,13 +45,6 @@ constexpr std::array<double, 4> kBackM{0.1, 0.3, 1.0, 0.03};
 /// What counts as farther [m].
 constexpr double kFartherM = 1e-4;
 
-bool is_rigid(const Pose& pose) {
-  const Eigen::Matrix3d& rotation = pose.linear();
-  return pose.matrix().allFinite() &&
-         (rotation * rotation.transpose() - Eigen::Matrix3d::Identity()).cwiseAbs().maxCoeff() < kRigid &&
-         rotation.determinant() > 0;
-}
-
 CartesianResult failed(CartesianEnd end, std::string message) {
   CartesianResult result;
   result.end = end;
@@ -65,37 +58,28 @@ std::optional<CartesianResult> refuse_shape(const CartesianRequest& request, int
                   "the start needs " + std::to_string(joints) + " finite joint values");
   if (request.poses.empty()) return failed(CartesianEnd::kInvalidRequest, "no pose was given");
   for (std::size_t i = 0; i < request.poses.size(); ++i)
-    if (!is_rigid(request.poses[i]))
+    if (!ik::is_rigid(request.poses[i]))
       return failed(CartesianEnd::kInvalidRequest,
                     "pose " + std::to_string(i) + " is no rigid transform of finite numbers");
   return std::nullopt;
 }
 
-std::string joint_text(const CollisionModel& model, int joint, double position) {
-  std::ostringstream text;
-  text << model.joint_names()[joint] << " is at " << position << " rad, its limits are "
-       << model.limits().lower[joint] << " to " << model.limits().upper[joint];
-  return text.str();
+CartesianResult failed(CartesianEnd end, const CollisionModel& model, const collision::StateFault& fault) {
+  auto result = failed(end, fault.message);
+  result.contact = fault.contact;
+  if (fault.joint >= 0) result.joint = model.joint_names()[static_cast<std::size_t>(fault.joint)];
+  return result;
 }
 
 /// Puts a start that is barely outside onto its limits.
 std::optional<CartesianResult> refuse_start(CollisionChecker& checker, double repair_rad,
                                             JointVector& start) {
-  const auto& [lower, upper] = checker.model().limits();
-  int worst = 0;
-  if ((start - upper).cwiseMax(lower - start).maxCoeff(&worst) > repair_rad) {
-    auto result = failed(CartesianEnd::kStartOutsideLimits,
-                         "start outside the limits: " + joint_text(checker.model(), worst, start[worst]));
-    result.joint = checker.model().joint_names()[worst];
-    return result;
-  }
-  start = start.cwiseMax(lower).cwiseMin(upper);
+  const CollisionModel& model = checker.model();
+  if (const auto fault = collision::outside_limits(model, model.limits(), start, repair_rad, "start"))
+    return failed(CartesianEnd::kStartOutsideLimits, model, *fault);
+  start = start.cwiseMax(model.limits().lower).cwiseMin(model.limits().upper);
   if (checker.is_free(start)) return std::nullopt;
-  auto result = failed(CartesianEnd::kStartInCollision, "start in collision");
-  result.contact = checker.contact(start);
-  if (!result.contact) result.contact = checker.nearest(start);  // a gap too small to prove
-  if (result.contact) result.message += ": " + result.contact->first + " touches " + result.contact->second;
-  return result;
+  return failed(CartesianEnd::kStartInCollision, model, collision::in_collision(checker, start, "start"));
 }
 
 std::string describe(const Stop& stop, const ArmChain& chain, double fraction) {

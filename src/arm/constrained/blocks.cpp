@@ -5,6 +5,8 @@
 
 #include <Eigen/Geometry>
 
+#include "arm/kinematics/rotation.hpp"
+
 namespace extperfc::arm::constrained {
 
 namespace {
@@ -13,39 +15,14 @@ constexpr double kPi = 3.14159265358979323846;
 /// Below this angle series replace quotients of small numbers [rad].
 constexpr double kSmallRad = 1e-4;
 
-Eigen::Matrix3d cross_matrix(const Eigen::Vector3d& v) {
-  Eigen::Matrix3d m;
-  m << 0, -v.z(), v.y(), v.z(), 0, -v.x(), -v.y(), v.x(), 0;
-  return m;
-}
-
-Eigen::Vector3d rotation_vector(const Eigen::Matrix3d& rotation) {
-  const Eigen::Quaterniond q(rotation);
-  const double sine = q.vec().norm();
-  const double angle = 2.0 * std::atan2(sine, std::abs(q.w()));
-  const double factor = sine < kSmallRad ? 2.0 : angle / sine;
-  return std::copysign(factor, q.w()) * q.vec();
-}
-
-/// d(rotation vector) for a rotation of the rotated frame about its own axes: the inverse of the right
-/// Jacobian of SO(3) (Chirikjian, "Stochastic Models, Information Theory, and Lie Groups", volume 2,
-/// section 10.6.4).
-Eigen::Matrix3d inverse_right_jacobian(const Eigen::Vector3d& vector) {
-  const double angle = vector.norm();
-  const double square = angle < 1e-2 ? 1.0 / 12.0 + angle * angle / 720.0
-                                     : (1.0 - 0.5 * angle / std::tan(0.5 * angle)) / (angle * angle);
-  const Eigen::Matrix3d cross = cross_matrix(vector);
-  return Eigen::Matrix3d::Identity() + 0.5 * cross + square * cross * cross;
-}
-
 using Rows = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, 0, 6, kMaxJoints>;
 using RotationRows = Eigen::Matrix<double, 3, Eigen::Dynamic, 0, 3, kMaxJoints>;
 
 void orientation_rows(const Eigen::Matrix3d& target_R_link, const RotationRows& rotation_rows_in_link,
                       Eigen::Ref<Eigen::VectorXd> residual, ConstraintJacobian* jacobian, int row) {
-  const Eigen::Vector3d vector = rotation_vector(target_R_link);
+  const Eigen::Vector3d vector = ik::rotation_vector(target_R_link);
   residual = vector;
-  if (jacobian) jacobian->middleRows(row, 3) = inverse_right_jacobian(vector) * rotation_rows_in_link;
+  if (jacobian) jacobian->middleRows(row, 3) = ik::vector_change(-vector) * rotation_rows_in_link;
 }
 
 // With s the axis across its target and c along it, F = (angle / |s|) s where tan(angle) = |s| / c, so that
@@ -64,7 +41,8 @@ void axis_rows(const Block& block, const Placed& link, Eigen::Ref<Eigen::VectorX
     residual = (small ? 1.0 : angle / length) * s;
   }
   if (!jacobian) return;
-  const RotationRows moves = -cross_matrix(axis) * link.jacobian.bottomRows<3>();  // of the axis per joint
+  const RotationRows moves =
+      -ik::cross_matrix(axis) * link.jacobian.bottomRows<3>();  // of the axis per joint
   const Eigen::Matrix<double, 2, Eigen::Dynamic, 0, 2, kMaxJoints> ds = block.across.transpose() * moves;
   auto rows = jacobian->middleRows(block.first_row, 2);
   if (small) {
@@ -92,7 +70,7 @@ void relative_rows(const Block& block, const Placed& link, const Placed& other,
     rotation_rows = link_R_root * (link.jacobian.bottomRows<3>() - other.jacobian.bottomRows<3>());
     jacobian->middleRows(block.first_row, 3) =
         other_R_root * (link.jacobian.topRows<3>() - other.jacobian.topRows<3>() +
-                        cross_matrix(apart) * other.jacobian.bottomRows<3>());
+                        ik::cross_matrix(apart) * other.jacobian.bottomRows<3>());
   }
   orientation_rows(target_R_link, rotation_rows, residual.tail<3>(), jacobian, block.first_row + 3);
 }

@@ -1,35 +1,74 @@
 #include "extperfc/arm/constrained_planner.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <limits>
+#include <optional>
+#include <sstream>
 #include <stdexcept>
 #include <utility>
-
-#include "extperfc/base/stopwatch.hpp"
 
 #include "arm/constrained/cbirrt.hpp"
 #include "arm/constrained/manifold.hpp"
 #include "arm/constrained/ompl_manifolds.hpp"
-#include "arm/constrained/request_validator.hpp"
 #include "arm/constrained/shortening.hpp"
+#include "arm/planning/search_and_shorten.hpp"
+#include "arm/planning/states.hpp"
 
 namespace extperfc::arm {
 
 namespace {
 
+using constrained::Manifold;
+using constrained::States;
+using planning::Found;
+using planning::Stop;
+
 constexpr const char* kOwnPlanner = "cbirrt";
-constexpr double kPi = 3.14159265358979323846;
+constexpr std::array<const char*, 5> kKinds{"axis", "plane", "line", "orientation", "relative pose"};
+/// Maximum length of a direct path, relative to the distance.
+constexpr double kMaxDetour = 2.0;
 
 void demand(bool holds, const char* what) {
   if (!holds) throw std::invalid_argument(what);
 }
 
-JointLimits bounded(JointLimits limits) {
-  for (Eigen::Index j = 0; j < limits.lower.size(); ++j) {
-    if (!std::isfinite(limits.lower[j])) limits.lower[j] = -kPi;
-    if (!std::isfinite(limits.upper[j])) limits.upper[j] = kPi;
+/// The first constraint that a state breaks.
+std::optional<planning::Violation> find_violation(const PathConstraint& constraint, double tolerance,
+                                                  const JointVector& state) {
+  for (int c = 0; c < static_cast<int>(constraint.constraints().size()); ++c) {
+    const double error = constraint.error(state, c);
+    if (error <= tolerance) continue;
+    const auto& broken = constraint.constraints()[static_cast<std::size_t>(c)];
+    std::ostringstream message;
+    message << "breaks constraint " << c << " (" << kKinds.at(static_cast<std::size_t>(broken.kind)) << " of "
+            << broken.link << ") by " << error << ", " << tolerance << " at most";
+    return planning::Violation{c, message.str()};
   }
-  return limits;
+  return std::nullopt;
+}
+
+/// Straight along the manifold to a goal, the nearest first.
+std::optional<Found> find_direct(Manifold& manifold, const planning::Checked& checked, const Stop& stop) {
+  for (const int goal : planning::by_distance(checked.start, checked.goals)) {
+    const double max_length = kMaxDetour * (checked.goals[goal] - checked.start).norm();
+    auto pieces = manifold.connect(checked.start, checked.goals[goal], max_length, stop);
+    if (!pieces) continue;
+    pieces->insert(pieces->begin(), checked.start);
+    return Found{*std::move(pieces), goal};
+  }
+  return std::nullopt;
+}
+
+std::optional<Found> find_path(Manifold& manifold, const ConstrainedPlannerParams& params,
+                               const planning::Checked& checked, const Stop& stop, int* states) {
+  if (auto direct = find_direct(manifold, checked, stop)) return direct;
+  constrained::Cbirrt trees(manifold, params.range_rad, params.max_states, checked.start, checked.goals);
+  Rng rng(params.seed);
+  auto found = trees.grow(std::numeric_limits<int>::max(), rng, stop);
+  *states = trees.states();
+  return found;
 }
 
 }  // namespace
@@ -49,76 +88,36 @@ ConstrainedPlanner::ConstrainedPlanner(CollisionChecker& checker, PathConstraint
     : checker_(checker),
       constraint_(std::move(constraint)),
       params_(params),
-      limits_(bounded(checker.model().limits())) {
-  const auto& names = constrained_planner_names();
-  if (std::find(names.begin(), names.end(), params.planner) == names.end())
-    throw std::invalid_argument("ConstrainedPlannerParams::planner: '" + params.planner +
-                                "' is not one of constrained_planner_names()");
+      limits_(planning::bounded(checker.model().limits())) {
+  planning::demand_planner(params.planner, constrained_planner_names());
+  planning::demand_ranges(params);
   demand(constraint_.joint_count() == checker.model().joint_count(),
          "the constraint and the collision model are not about the same joints");
   demand(params.tolerance >= 1e-6 && params.tolerance <= 1e-2,
          "ConstrainedPlannerParams::tolerance: 1e-6 to 1e-2");
-  demand(params.range_rad >= 0.05 && params.range_rad <= 3.0,
-         "ConstrainedPlannerParams::range_rad: 0.05 to 3 rad");
   demand(params.step_rad >= 0.01 && params.step_rad <= 0.5,
          "ConstrainedPlannerParams::step_rad: 0.01 to 0.5 rad");
-  demand(params.timeout_s > 0.0, "ConstrainedPlannerParams::timeout_s: more than 0 s");
-  demand(params.max_states >= 2 && params.max_states <= 10'000'000,
-         "ConstrainedPlannerParams::max_states: 2 to 10,000,000");
-  demand(params.shortcut_rounds >= 0 && params.shortcut_rounds <= 10'000,
-         "ConstrainedPlannerParams::shortcut_rounds: 0 to 10,000");
-  demand(params.limit_repair_rad >= 0.0 && params.limit_repair_rad <= 0.2,
-         "ConstrainedPlannerParams::limit_repair_rad: 0 to 0.2 rad");
-}
-
-std::optional<constrained::Found> ConstrainedPlanner::search(const JointVector& start,
-                                                             const std::vector<JointVector>& goals,
-                                                             const std::function<bool()>& stop, int* states) {
-  constrained::Manifold manifold(checker_, constraint_, limits_, {params_.step_rad, params_.tolerance});
-  if (stop()) return std::nullopt;
-  if (params_.planner != kOwnPlanner)
-    return constrained::ompl_search(checker_, manifold, params_, start, goals, stop);
-  if (auto direct = constrained::direct(manifold, start, goals, stop)) return direct;
-  constrained::Cbirrt trees(manifold, params_.range_rad, params_.max_states, start, goals);
-  Rng rng(params_.seed);
-  auto found = trees.grow(rng, stop);
-  *states = trees.states();
-  return found;
 }
 
 ConstrainedPlanResult ConstrainedPlanner::plan(const PlanRequest& request) {
-  const constrained::RequestValidator gate(checker_, constraint_, limits_, params_);
-  constrained::Checked checked;
-  if (auto refusal = gate.shape(request)) return *refusal;
-  if (auto refusal = gate.start(request, &checked)) return *refusal;
-  if (auto refusal = gate.goals(request, &checked)) return *refusal;
-
-  bool cancelled = false;
-  const Stopwatch watch;
-  const auto asked_to_stop = [&] {
-    return cancelled = cancelled || (request.cancelled && request.cancelled());
+  planning::Checked checked;
+  const auto violation = [&](const JointVector& state) {
+    return find_violation(constraint_, params_.tolerance, state);
   };
-  const auto stop = [&] { return asked_to_stop() || watch.seconds() > params_.timeout_s; };
-  ConstrainedPlanResult result;
-  auto found = search(checked.start, checked.goals, stop, &result.states);
-  result.search_s = watch.seconds();
-  if (!found) {
-    result.code = cancelled ? PlanCode::kCancelled : PlanCode::kTimeout;
-    result.message = cancelled
-                         ? "cancelled"
-                         : "no path that keeps the constraint within " + std::to_string(params_.timeout_s) +
-                               " s and " + std::to_string(params_.max_states) + " states";
-    return result;
-  }
-  constrained::Manifold manifold(checker_, constraint_, limits_, {params_.step_rad, params_.tolerance});
-  Rng rng(params_.seed);
-  result.waypoints = constrained::shorten(manifold, std::move(found->waypoints), params_.shortcut_rounds, rng,
-                                          asked_to_stop);
-  result.shortcut_s = watch.seconds() - result.search_s;
-  if (cancelled) return constrained::refused(PlanCode::kCancelled, "cancelled");
-  result.code = PlanCode::kSuccess;
-  result.goal = checked.goal_indices[found->goal];
-  result.length_rad = path_length(result.waypoints);
+  if (auto refusal =
+          planning::check_request(checker_, limits_, params_.limit_repair_rad, request, checked, violation))
+    return {*std::move(refusal), checked.violated, 0.0};
+  Manifold manifold(checker_, constraint_, limits_, {params_.step_rad, params_.tolerance});
+  const auto search = [&](const Stop& stop, int* states) -> std::optional<Found> {
+    if (stop()) return std::nullopt;
+    if (params_.planner != kOwnPlanner)
+      return constrained::ompl_search(checker_, manifold, params_, checked.start, checked.goals, stop);
+    return find_path(manifold, params_, checked, stop, states);
+  };
+  const auto shorten = [&](States waypoints, Rng& rng, const Stop& stop) {
+    return constrained::shorten(manifold, std::move(waypoints), params_.shortcut_rounds, rng, stop);
+  };
+  ConstrainedPlanResult result{planning::search_and_shorten(request, checked, params_, search, shorten)};
   result.error_bound = manifold.error_bound(result.waypoints);
   return result;
 }

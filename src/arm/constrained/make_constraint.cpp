@@ -8,6 +8,7 @@
 #include "extperfc/arm/path_constraint.hpp"
 
 #include "arm/constrained/blocks.hpp"
+#include "arm/kinematics/check.hpp"
 #include "arm/kinematics/geometry.hpp"
 
 namespace extperfc::arm {
@@ -19,13 +20,6 @@ using constrained::Blocks;
 using constrained::Tool;
 
 constexpr double kMinAxis = 1e-9;
-constexpr double kRigid = 1e-6;
-
-bool is_rigid(const Pose& pose) {
-  const Eigen::Matrix3d r = pose.linear();
-  return pose.matrix().allFinite() && (r * r.transpose() - Eigen::Matrix3d::Identity()).norm() < kRigid &&
-         r.determinant() > 0;
-}
 
 int rows_of(ToolConstraintKind kind) {
   switch (kind) {
@@ -167,7 +161,7 @@ class Builder {
 
   Result<void> add_target(Block* block) const {
     auto& target = block->constraint.target;
-    if (target && !is_rigid(*target))
+    if (target && !ik::is_rigid(*target))
       return fail(ErrorCode::kInvalidArgument,
                   "the target of link '" + block->constraint.link + "' is no rigid transform");
     if (target) return {};

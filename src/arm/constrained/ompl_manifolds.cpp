@@ -1,26 +1,21 @@
 #include "arm/constrained/ompl_manifolds.hpp"
 
-#include <cstdint>
-#include <limits>
 #include <map>
 #include <memory>
-#include <mutex>
 #include <utility>
 
 #include <Eigen/Cholesky>
 #include <ompl/base/ConstrainedSpaceInformation.h>
 #include <ompl/base/Constraint.h>
 #include <ompl/base/PlannerTerminationCondition.h>
-#include <ompl/base/ProblemDefinition.h>
-#include <ompl/base/goals/GoalStates.h>
-#include <ompl/base/spaces/RealVectorStateSpace.h>
 #include <ompl/base/spaces/constraint/AtlasStateSpace.h>
 #include <ompl/base/spaces/constraint/ProjectedStateSpace.h>
 #include <ompl/geometric/PathGeometric.h>
 #include <ompl/geometric/planners/rrt/RRTConnect.h>
-#include <ompl/util/Console.h>
 #include <ompl/util/Exception.h>
-#include <ompl/util/RandomNumbers.h>
+
+#include "arm/planning/ompl_common.hpp"
+#include "arm/planning/states.hpp"
 
 namespace extperfc::arm::constrained {
 
@@ -34,10 +29,6 @@ constexpr double kProjected = 1e-6;
 
 JointVector to_joints(const ob::State* state) {
   return *state->as<ob::ConstrainedStateSpace::StateType>();
-}
-
-void write(const JointVector& joints, ob::State* state) {
-  state->as<ob::ConstrainedStateSpace::StateType>()->copy(joints);
 }
 
 class Equations : public ob::Constraint {
@@ -74,21 +65,6 @@ class Equations : public ob::Constraint {
   PathConstraint constraint_;
 };
 
-class FreeState : public ob::StateValidityChecker {
- public:
-  FreeState(const ob::SpaceInformationPtr& space, CollisionChecker& checker, JointLimits limits)
-      : ob::StateValidityChecker(space), checker_(checker), limits_(std::move(limits)) {}
-  bool isValid(const ob::State* state) const override {
-    const JointVector joints = to_joints(state);
-    return (joints.array() >= limits_.lower.array()).all() &&
-           (joints.array() <= limits_.upper.array()).all() && checker_.is_free(joints);
-  }
-
- private:
-  CollisionChecker& checker_;
-  JointLimits limits_;
-};
-
 using SpacePtr = std::shared_ptr<ob::ConstrainedStateSpace>;
 using Maker = SpacePtr (*)(const ob::StateSpacePtr&, const ob::ConstraintPtr&);
 
@@ -103,58 +79,9 @@ const std::map<std::string, Maker>& makers() {
   return all;
 }
 
-void seed_once(std::uint64_t seed) {
-  static std::once_flag once;
-  std::call_once(once, [seed] {
-    ompl::msg::setLogLevel(ompl::msg::LOG_NONE);
-    ompl::RNG::setSeed(static_cast<std::uint_fast32_t>(seed));
-  });
-}
-
-ob::StateSpacePtr ambient_space(const JointLimits& limits) {
-  const auto joints = static_cast<unsigned>(limits.lower.size());
-  auto space = std::make_shared<ob::RealVectorStateSpace>(joints);
-  ob::RealVectorBounds bounds(joints);
-  for (unsigned j = 0; j < joints; ++j) {
-    bounds.setLow(j, limits.lower[j]);
-    bounds.setHigh(j, limits.upper[j]);
-  }
-  space->setBounds(bounds);
-  return space;
-}
-
 // Charts of the atlas have to be anchored at the ends; other spaces have none.
 void anchor(const SpacePtr& space, const ob::State* state) {
   if (auto* atlas = dynamic_cast<ob::AtlasStateSpace*>(space.get())) atlas->anchorChart(state);
-}
-
-ob::ProblemDefinitionPtr make_problem(const ob::SpaceInformationPtr& information, const SpacePtr& space,
-                                      const JointVector& start, const States& goals) {
-  auto problem = std::make_shared<ob::ProblemDefinition>(information);
-  ob::ScopedState<> state(space);
-  write(start, state.get());
-  anchor(space, state.get());
-  problem->addStartState(state);
-  auto all_goals = std::make_shared<ob::GoalStates>(information);
-  for (const auto& goal : goals) {
-    write(goal, state.get());
-    anchor(space, state.get());
-    all_goals->addState(state);
-  }
-  problem->setGoal(all_goals);
-  return problem;
-}
-
-int nearest_goal(const JointVector& end, const States& goals) {
-  int nearest = -1;
-  double smallest = std::numeric_limits<double>::infinity();
-  for (std::size_t g = 0; g < goals.size(); ++g) {
-    const double distance = (goals[g] - end).norm();
-    if (distance >= smallest) continue;
-    smallest = distance;
-    nearest = static_cast<int>(g);
-  }
-  return nearest;
 }
 
 std::optional<Found> proven(Manifold& manifold, og::PathGeometric& path, const JointVector& start,
@@ -164,7 +91,7 @@ std::optional<Found> proven(Manifold& manifold, og::PathGeometric& path, const J
   for (const auto* state : path.getStates()) coarse.push_back(to_joints(state));
   for (auto& state : coarse)
     if (const auto nearer = manifold.constraint().project(state, manifold.limits())) state = *nearer;
-  Found found{{start}, nearest_goal(coarse.back(), goals)};
+  Found found{{start}, planning::nearest(goals, coarse.back())};
   coarse.back() = goals[static_cast<std::size_t>(found.goal)];
   coarse.erase(coarse.begin());
   if (manifold.prove(start, coarse, &found.waypoints, stop) < coarse.size()) return std::nullopt;
@@ -175,11 +102,20 @@ std::optional<Found> search_once(CollisionChecker& checker, Manifold& manifold,
                                  const ob::ConstraintPtr& constraint, const ConstrainedPlannerParams& params,
                                  const JointVector& start, const States& goals,
                                  const std::function<bool()>& stop) {
-  const auto space = makers().at(params.planner)(ambient_space(manifold.limits()), constraint);
+  const auto space = makers().at(params.planner)(planning::bounded_space(manifold.limits()), constraint);
   const auto information = std::make_shared<ob::ConstrainedSpaceInformation>(space);
-  information->setStateValidityChecker(std::make_shared<FreeState>(information, checker, manifold.limits()));
+  const auto& limits = manifold.limits();
+  information->setStateValidityChecker([&](const ob::State* state) {
+    const JointVector joints = to_joints(state);
+    return (joints.array() >= limits.lower.array()).all() && (joints.array() <= limits.upper.array()).all() &&
+           checker.is_free(joints);
+  });
   information->setup();
-  const auto problem = make_problem(information, space, start, goals);
+  const auto problem =
+      planning::make_problem(information, start, goals, [&](const JointVector& joints, ob::State* state) {
+        state->as<ob::ConstrainedStateSpace::StateType>()->copy(joints);
+        anchor(space, state);
+      });
   og::RRTConnect planner(information);
   planner.setRange(params.range_rad);
   planner.setProblemDefinition(problem);
@@ -192,18 +128,14 @@ std::optional<Found> search_once(CollisionChecker& checker, Manifold& manifold,
 }  // namespace
 
 const std::vector<std::string>& ompl_planners() {
-  static const std::vector<std::string> names = [] {
-    std::vector<std::string> result;
-    for (const auto& [name, maker] : makers()) result.push_back(name);
-    return result;
-  }();
+  static const std::vector<std::string> names = planning::names_of(makers());
   return names;
 }
 
 std::optional<Found> ompl_search(CollisionChecker& checker, Manifold& manifold,
                                  const ConstrainedPlannerParams& params, const JointVector& start,
                                  const States& goals, const std::function<bool()>& stop) {
-  seed_once(params.seed);
+  planning::seed_ompl_once(params.seed);
   const auto constraint = std::make_shared<Equations>(manifold.constraint());
   std::optional<Found> found;
   try {

@@ -2,14 +2,14 @@
 
 #include <algorithm>
 #include <cstddef>
-#include <utility>
+
+#include "arm/planning/shortcuts.hpp"
 
 namespace extperfc::arm::constrained {
 
 namespace {
 
-/// A gain below this is not worth a proof.
-constexpr double kMinGainRad = 1e-3;
+using planning::kMinGainRad;
 
 std::vector<double> lengths_along(const States& path) {
   std::vector<double> along{0.0};
@@ -39,11 +39,7 @@ void cut(Manifold& manifold, States* path, std::size_t from, std::size_t to, dou
   States pieces;
   if (manifold.prove(first, walk.states, &pieces, stop) < walk.states.size()) return;
   if (length_of(first, pieces) > old_length - kMinGainRad) return;
-  const auto begin = path->begin();
-  States shorter(begin, begin + static_cast<std::ptrdiff_t>(from) + 1);
-  shorter.insert(shorter.end(), pieces.begin(), pieces.end());
-  shorter.insert(shorter.end(), begin + static_cast<std::ptrdiff_t>(to) + 1, path->end());
-  *path = std::move(shorter);
+  planning::replace(path, from, to, pieces);
 }
 
 States leave_out(Manifold& manifold, const States& path, const std::function<bool()>& stop) {
@@ -62,13 +58,11 @@ States leave_out(Manifold& manifold, const States& path, const std::function<boo
 States shorten(Manifold& manifold, States waypoints, int rounds, Rng& rng,
                const std::function<bool()>& stop) {
   if (waypoints.size() < 3 || rounds <= 0) return waypoints;
-  for (int round = 0; round < rounds && waypoints.size() > 2 && !stop(); ++round) {
-    const auto along = lengths_along(waypoints);
-    std::size_t from = index_at(along, rng.uniform(0, along.back()));
-    std::size_t to = index_at(along, rng.uniform(0, along.back()));
-    if (from > to) std::swap(from, to);
-    if (to > from + 1) cut(manifold, &waypoints, from, to, along[to] - along[from], stop);
-  }
+  planning::cut_at_random(&waypoints, rounds, rng, stop, [&](States* path, double from_rad, double to_rad) {
+    const auto along = lengths_along(*path);
+    const std::size_t from = index_at(along, from_rad), to = index_at(along, to_rad);
+    if (to > from + 1) cut(manifold, path, from, to, along[to] - along[from], stop);
+  });
   return leave_out(manifold, waypoints, stop);
 }
 

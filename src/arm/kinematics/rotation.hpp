@@ -27,6 +27,7 @@ namespace extperfc::arm::ik {
 }
 
 /// Change of the rotation vector per small rotation in front of it: log(exp(d) exp(v)) = v + M d. |v| < 2 pi.
+/// With -v, of one behind it: log(exp(v) exp(d)) = v + M(-v) d.
 [[nodiscard]] inline Eigen::Matrix3d vector_change(const Eigen::Vector3d& v) {
   const double angle = v.norm();
   const double half = 0.5 * angle;

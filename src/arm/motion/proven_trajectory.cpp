@@ -2,11 +2,11 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <optional>
 #include <utility>
 
 #include "arm/motion/spline_proof.hpp"
+#include "arm/planning/states.hpp"
 
 namespace extperfc::arm::motion {
 
@@ -36,15 +36,7 @@ bool corner_free(CollisionChecker& checker, const PathPiece& corner, double tole
 }
 
 std::size_t nearest(const std::vector<JointVector>& waypoints, const JointVector& position) {
-  std::size_t best = 0;
-  double smallest = std::numeric_limits<double>::infinity();
-  for (std::size_t i = 0; i < waypoints.size(); ++i) {
-    const double distance = (waypoints[i] - position).squaredNorm();
-    if (distance >= smallest) continue;
-    smallest = distance;
-    best = i;
-  }
-  return best;
+  return static_cast<std::size_t>(planning::nearest(waypoints, position));
 }
 
 /// Makes a corner rounder by half as little, or a stop.

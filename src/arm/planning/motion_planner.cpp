@@ -1,14 +1,11 @@
 #include "extperfc/arm/motion_planner.hpp"
 
-#include <algorithm>
 #include <optional>
-#include <stdexcept>
-
-#include "extperfc/base/stopwatch.hpp"
+#include <utility>
 
 #include "arm/planning/ompl_search.hpp"
-#include "arm/planning/request_validator.hpp"
 #include "arm/planning/search.hpp"
+#include "arm/planning/search_and_shorten.hpp"
 #include "arm/planning/shortcuts.hpp"
 
 namespace extperfc::arm {
@@ -59,53 +56,26 @@ double path_length(const std::vector<JointVector>& waypoints) {
 
 MotionPlanner::MotionPlanner(CollisionChecker& checker, const PlannerParams& params)
     : checker_(checker), params_(params), limits_(planning::bounded(checker.model().limits())) {
-  const auto& names = planner_names();
-  if (std::find(names.begin(), names.end(), params.planner) == names.end())
-    throw std::invalid_argument("PlannerParams::planner: '" + params.planner +
-                                "' is not one of planner_names()");
+  planning::demand_planner(params.planner, planner_names());
   planning::demand_ranges(params);
-}
-
-std::optional<planning::Found> MotionPlanner::search(const JointVector& start,
-                                                     const std::vector<JointVector>& goals,
-                                                     const std::function<bool()>& stop, int* states) {
-  if (params_.planner != kOwnPlanner)
-    return planning::ompl_search(checker_, limits_, params_, start, goals, false, stop);
-  planning::Search own(checker_, limits_, params_);
-  auto found = own.run(start, goals, stop);
-  *states = own.states();
-  return found;
 }
 
 PlanResult MotionPlanner::plan(const PlanRequest& request) {
   planning::Checked checked;
-  if (auto refusal = planning::check_request(checker_, limits_, params_, request, checked)) return *refusal;
-
-  bool cancelled = false;
-  const Stopwatch watch;
-  const auto asked_to_stop = [&] {
-    return cancelled = cancelled || (request.cancelled && request.cancelled());
+  if (auto refusal = planning::check_request(checker_, limits_, params_.limit_repair_rad, request, checked))
+    return *refusal;
+  const auto search = [&](const planning::Stop& stop, int* states) -> std::optional<planning::Found> {
+    if (params_.planner != kOwnPlanner)
+      return planning::ompl_search(checker_, limits_, params_, checked.start, checked.goals, false, stop);
+    planning::Search own(checker_, limits_, params_);
+    auto found = own.run(checked.start, checked.goals, stop);
+    *states = own.states();
+    return found;
   };
-  const auto stop = [&] { return asked_to_stop() || watch.seconds() > params_.timeout_s; };
-  PlanResult result;
-  auto found = search(checked.start, checked.goals, stop, &result.states);
-  result.search_s = watch.seconds();
-  if (!found) {
-    result.code = cancelled ? PlanCode::kCancelled : PlanCode::kTimeout;
-    result.message = cancelled ? "cancelled"
-                               : "no path within " + std::to_string(params_.timeout_s) + " s and " +
-                                     std::to_string(params_.max_states) + " states";
-    return result;
-  }
-  Rng rng(params_.seed);
-  result.waypoints =
-      planning::shorten(checker_, std::move(found->waypoints), params_.shortcut_rounds, rng, asked_to_stop);
-  result.shortcut_s = watch.seconds() - result.search_s;
-  if (cancelled) return planning::failed(PlanCode::kCancelled, "cancelled");
-  result.code = PlanCode::kSuccess;
-  result.goal = checked.goal_indices[found->goal];
-  result.length_rad = path_length(result.waypoints);
-  return result;
+  const auto shorten = [&](std::vector<JointVector> waypoints, Rng& rng, const planning::Stop& stop) {
+    return planning::shorten(checker_, std::move(waypoints), params_.shortcut_rounds, rng, stop);
+  };
+  return planning::search_and_shorten(request, checked, params_, search, shorten);
 }
 
 }  // namespace extperfc::arm

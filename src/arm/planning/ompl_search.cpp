@@ -1,20 +1,13 @@
 #include "arm/planning/ompl_search.hpp"
 
-#include <cstdint>
-#include <limits>
 #include <map>
 #include <memory>
-#include <mutex>
 #include <set>
 #include <utility>
 
 #include <ompl/base/MotionValidator.h>
 #include <ompl/base/PlannerTerminationCondition.h>
-#include <ompl/base/ProblemDefinition.h>
-#include <ompl/base/SpaceInformation.h>
-#include <ompl/base/goals/GoalStates.h>
 #include <ompl/base/objectives/PathLengthOptimizationObjective.h>
-#include <ompl/base/spaces/RealVectorStateSpace.h>
 #include <ompl/geometric/PathGeometric.h>
 #include <ompl/geometric/planners/informedtrees/ABITstar.h>
 #include <ompl/geometric/planners/informedtrees/AITstar.h>
@@ -22,8 +15,9 @@
 #include <ompl/geometric/planners/kpiece/LBKPIECE1.h>
 #include <ompl/geometric/planners/prm/PRMstar.h>
 #include <ompl/geometric/planners/rrt/RRTConnect.h>
-#include <ompl/util/Console.h>
-#include <ompl/util/RandomNumbers.h>
+
+#include "arm/planning/ompl_common.hpp"
+#include "arm/planning/states.hpp"
 
 namespace extperfc::arm::planning {
 
@@ -41,17 +35,6 @@ JointVector to_joints(const ob::State* state, unsigned joints) {
 void write(const JointVector& joints, ob::State* state) {
   Eigen::Map<Eigen::VectorXd>(state->as<Space::StateType>()->values, joints.size()) = joints;
 }
-
-class FreeState : public ob::StateValidityChecker {
- public:
-  FreeState(const ob::SpaceInformationPtr& space, CollisionChecker& checker)
-      : ob::StateValidityChecker(space), checker_(checker), joints_(space->getStateDimension()) {}
-  bool isValid(const ob::State* state) const override { return checker_.is_free(to_joints(state, joints_)); }
-
- private:
-  CollisionChecker& checker_;
-  unsigned joints_;
-};
 
 class FreeMotion : public ob::MotionValidator {
  public:
@@ -95,56 +78,20 @@ const std::map<std::string, Maker>& makers() {
   return all;
 }
 
-void seed_once(std::uint64_t seed) {
-  static std::once_flag once;
-  std::call_once(once, [seed] {
-    ompl::msg::setLogLevel(ompl::msg::LOG_ERROR);
-    ompl::RNG::setSeed(static_cast<std::uint_fast32_t>(seed));
-  });
-}
-
 ob::SpaceInformationPtr make_space(CollisionChecker& checker, const JointLimits& limits) {
-  const auto joints = static_cast<unsigned>(limits.lower.size());
-  auto space = std::make_shared<Space>(joints);
-  ob::RealVectorBounds bounds(joints);
-  for (unsigned j = 0; j < joints; ++j) {
-    bounds.setLow(j, limits.lower[j]);
-    bounds.setHigh(j, limits.upper[j]);
-  }
-  space->setBounds(bounds);
-  auto information = std::make_shared<ob::SpaceInformation>(space);
-  information->setStateValidityChecker(std::make_shared<FreeState>(information, checker));
+  auto information = std::make_shared<ob::SpaceInformation>(bounded_space(limits));
+  const unsigned joints = information->getStateDimension();
+  information->setStateValidityChecker(
+      [&checker, joints](const ob::State* state) { return checker.is_free(to_joints(state, joints)); });
   information->setMotionValidator(std::make_shared<FreeMotion>(information, checker));
   information->setup();
   return information;
 }
 
-ob::ProblemDefinitionPtr make_problem(const ob::SpaceInformationPtr& space, const JointVector& start,
-                                      const std::vector<JointVector>& goals, bool improve) {
-  auto problem = std::make_shared<ob::ProblemDefinition>(space);
-  ob::ScopedState<> state(space->getStateSpace());
-  write(start, state.get());
-  problem->addStartState(state);
-  auto all_goals = std::make_shared<ob::GoalStates>(space);
-  for (const auto& goal : goals) {
-    write(goal, state.get());
-    all_goals->addState(state);
-  }
-  problem->setGoal(all_goals);
-  auto shortest = std::make_shared<ob::PathLengthOptimizationObjective>(space);
-  if (!improve) shortest->setCostThreshold(shortest->infiniteCost());  // the first path will do
-  problem->setOptimizationObjective(shortest);
-  return problem;
-}
-
 }  // namespace
 
 const std::vector<std::string>& ompl_planners() {
-  static const std::vector<std::string> names = [] {
-    std::vector<std::string> result;
-    for (const auto& [name, maker] : makers()) result.push_back(name);
-    return result;
-  }();
+  static const std::vector<std::string> names = names_of(makers());
   return names;
 }
 
@@ -157,9 +104,12 @@ std::optional<Found> ompl_search(CollisionChecker& checker, const JointLimits& l
                                  const PlannerParams& params, const JointVector& start,
                                  const std::vector<JointVector>& goals, bool improve,
                                  const std::function<bool()>& stop) {
-  seed_once(params.seed);
+  seed_ompl_once(params.seed);
   const auto space = make_space(checker, limits);
-  const auto problem = make_problem(space, start, goals, improve);
+  const auto problem = make_problem(space, start, goals, write);
+  auto shortest = std::make_shared<ob::PathLengthOptimizationObjective>(space);
+  if (!improve) shortest->setCostThreshold(shortest->infiniteCost());  // the first path will do
+  problem->setOptimizationObjective(shortest);
   const auto planner = makers().at(params.planner)(space, params.range_rad);
   planner->setProblemDefinition(problem);
   planner->setup();
@@ -169,13 +119,7 @@ std::optional<Found> ompl_search(CollisionChecker& checker, const JointLimits& l
   Found found;
   for (const auto* state : path->getStates())
     found.waypoints.push_back(to_joints(state, space->getStateDimension()));
-  double smallest = std::numeric_limits<double>::infinity();
-  for (std::size_t g = 0; g < goals.size(); ++g) {
-    const double distance = (goals[g] - found.waypoints.back()).norm();
-    if (distance >= smallest) continue;
-    smallest = distance;
-    found.goal = static_cast<int>(g);
-  }
+  found.goal = nearest(goals, found.waypoints.back());
   return found;
 }
 

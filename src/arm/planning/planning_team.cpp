@@ -1,15 +1,13 @@
 #include "extperfc/arm/planning_team.hpp"
 
-#include <algorithm>
 #include <stdexcept>
 #include <string>
 #include <utility>
 
-#include "extperfc/base/stopwatch.hpp"
-
 #include "arm/planning/request_validator.hpp"
 #include "arm/planning/shortcuts.hpp"
 #include "arm/planning/team_work.hpp"
+#include "arm/planning/termination.hpp"
 
 namespace extperfc::arm {
 
@@ -17,6 +15,7 @@ namespace {
 
 using planning::Checked;
 using planning::TeamProblem;
+using planning::Termination;
 
 void demand(bool holds, const std::string& what) {
   if (!holds) throw std::invalid_argument(what);
@@ -28,9 +27,7 @@ void demand_good(const PlanningTeamParams& params) {
   demand(params.threads >= 1 && params.threads <= 8, "PlanningTeamParams::threads: 1 to 8");
   int others = 0;
   for (const auto& member : params.members) {
-    const auto& names = planner_names();
-    demand(std::find(names.begin(), names.end(), member.planner) != names.end(),
-           "TeamMember::planner: '" + member.planner + "' is not one of planner_names()");
+    planning::demand_planner(member.planner, planner_names());
     others += planning::is_ours(member) ? 0 : 1;
   }
   const int needed = others + (others < static_cast<int>(params.members.size()) ? 1 : 0);
@@ -48,25 +45,6 @@ TeamResult ended(PlanCode code, const std::string& message) {
   return result;
 }
 
-/// What ends a call: its caller, or its time. Asked by the calling thread alone.
-class Patience {
- public:
-  Patience(const PlanRequest& request, double timeout_s) : request_(request), timeout_s_(timeout_s) {}
-
-  [[nodiscard]] bool over() {
-    cancelled_ = cancelled_ || (request_.cancelled && request_.cancelled());
-    return cancelled_ || watch_.seconds() > timeout_s_;
-  }
-  [[nodiscard]] bool cancelled() const { return cancelled_; }
-  [[nodiscard]] double seconds() const { return watch_.seconds(); }
-
- private:
-  const PlanRequest& request_;
-  double timeout_s_;
-  bool cancelled_{false};
-  Stopwatch watch_;
-};
-
 void succeed(TeamResult& result, const Checked& checked, int goal, std::vector<JointVector> waypoints) {
   result.plan.code = PlanCode::kSuccess;
   result.plan.message.clear();
@@ -75,29 +53,29 @@ void succeed(TeamResult& result, const Checked& checked, int goal, std::vector<J
   result.plan.waypoints = std::move(waypoints);
 }
 
-TeamResult first_path(const TeamProblem& problem, CollisionChecker& checker, Patience& patience) {
+TeamResult first_path(const TeamProblem& problem, CollisionChecker& checker, Termination& termination) {
   TeamResult result;
   planning::FirstPath search(problem);
-  auto winner = search.run([&] { return patience.over(); });
-  result.plan.search_s = patience.seconds();
+  auto winner = search.run([&] { return termination.over(); });
+  result.plan.search_s = termination.seconds();
   result.plan.states = search.states();
   if (!winner) return result;
   const PlanningTeamParams& params = problem.params;
   Rng rng(params.members[static_cast<std::size_t>(winner->member)].seed);
   auto waypoints = planning::shorten(checker, std::move(winner->found.waypoints),
-                                     params.planner.shortcut_rounds, rng, [&] { return patience.over(); });
-  result.plan.shortcut_s = patience.seconds() - result.plan.search_s;
+                                     params.planner.shortcut_rounds, rng, [&] { return termination.over(); });
+  result.plan.shortcut_s = termination.seconds() - result.plan.search_s;
   result.member = winner->member;
   result.cost = cost_of(params, waypoints);
   succeed(result, problem.request, winner->found.goal, std::move(waypoints));
   return result;
 }
 
-TeamResult best_path(const TeamProblem& problem, int max_attempts, Patience& patience) {
+TeamResult best_path(const TeamProblem& problem, int max_attempts, Termination& termination) {
   TeamResult result;
   planning::BestPath search(problem, max_attempts);
-  auto winner = search.run([&] { return patience.over(); });
-  result.plan.search_s = patience.seconds();
+  auto winner = search.run([&] { return termination.over(); });
+  result.plan.search_s = termination.seconds();
   result.attempts = search.attempts();
   result.found = search.found();
   if (!winner) return result;
@@ -118,15 +96,16 @@ TeamResult PlanningTeam::plan(const PlanRequest& request, const TeamEffort& effo
   demand(effort.timeout_s > 0, "TeamEffort::timeout_s: more than 0 s");
   demand(effort.max_attempts >= 1 && effort.max_attempts <= 1'000'000,
          "TeamEffort::max_attempts: 1 to 1,000,000");
-  Patience patience(request, effort.timeout_s);
+  Termination termination(request, effort.timeout_s);
   CollisionChecker checker = checker_.clone();
   Checked checked;
-  if (auto refusal = planning::check_request(checker, limits_, params_.planner, request, checked)) {
+  if (auto refusal =
+          planning::check_request(checker, limits_, params_.planner.limit_repair_rad, request, checked)) {
     TeamResult result;
     result.plan = std::move(*refusal);
     return result;
   }
-  if (patience.over() && patience.cancelled()) return ended(PlanCode::kCancelled, "cancelled");
+  if (termination.cancelled()) return ended(PlanCode::kCancelled, "cancelled");
   const TeamProblem problem{checker_, limits_, params_, checked};
   TeamResult result;
   // Nothing is shorter than the straight path; a cost of the caller's may think otherwise.
@@ -138,13 +117,12 @@ TeamResult PlanningTeam::plan(const PlanRequest& request, const TeamEffort& effo
     succeed(result, checked, found->goal, std::move(found->waypoints));
     return result;
   }
-  result = effort.improve ? best_path(problem, effort.max_attempts, patience)
-                          : first_path(problem, checker, patience);
-  if (patience.cancelled()) return ended(PlanCode::kCancelled, "cancelled");
+  result = effort.improve ? best_path(problem, effort.max_attempts, termination)
+                          : first_path(problem, checker, termination);
+  if (termination.code() == PlanCode::kCancelled) return ended(PlanCode::kCancelled, "cancelled");
   if (result.plan.code == PlanCode::kSuccess) return result;
   result.plan.code = PlanCode::kTimeout;
-  result.plan.message = "no path within " + std::to_string(effort.timeout_s) + " s and " +
-                        std::to_string(params_.planner.max_states) + " states of each member";
+  result.plan.message = termination.message(params_.planner.max_states) + " of each member";
   return result;
 }
 

@@ -1,9 +1,11 @@
 #include "arm/planning/request_validator.hpp"
 
+#include <algorithm>
 #include <cmath>
-#include <sstream>
 #include <stdexcept>
 #include <utility>
+
+#include "arm/collision/state_fault.hpp"
 
 namespace extperfc::arm::planning {
 
@@ -15,87 +17,80 @@ void demand(bool holds, const char* what) {
   if (!holds) throw std::invalid_argument(what);
 }
 
-/// The joint farthest outside, by at least `slack_rad`.
-std::optional<Eigen::Index> outside(const JointLimits& limits, const JointVector& state, double slack_rad) {
-  Eigen::Index worst = 0;
-  const double excess = (state - limits.upper).cwiseMax(limits.lower - state).maxCoeff(&worst);
-  if (excess > slack_rad) return worst;
-  return std::nullopt;
-}
-
-std::string text(const char* what, const CollisionModel& model, const JointLimits& limits,
-                 const JointVector& state, Eigen::Index joint) {
-  std::ostringstream message;
-  message << what << ": " << model.joint_names()[joint] << " is at " << state[joint]
-          << " rad, its limits are " << limits.lower[joint] << " to " << limits.upper[joint];
-  return message.str();
-}
-
-std::string text(const char* what, const Contact& contact) {
-  return std::string(what) + ": " + contact.first + " touches " + contact.second;
-}
-
 /// Looks at the states of a request; says what is wrong with them.
 class RequestValidator {
  public:
-  RequestValidator(CollisionChecker& checker, const JointLimits& limits, const PlannerParams& params)
-      : checker_(checker), limits_(limits), params_(params) {}
+  RequestValidator(CollisionChecker& checker, const JointLimits& limits, double limit_repair_rad,
+                   const FindViolation& violation, Checked& checked)
+      : checker_(checker),
+        limits_(limits),
+        limit_repair_rad_(limit_repair_rad),
+        violation_(violation),
+        checked_(checked) {}
 
-  std::optional<PlanResult> shape(const PlanRequest& request) const {
+  std::optional<PlanResult> check_shape(const PlanRequest& request) const {
     const auto fits = [this](const JointVector& state) {
       return state.size() == limits_.lower.size() && state.allFinite();
     };
-    if (!fits(request.start))
-      return failed(PlanCode::kInvalidRequest, "the start needs " + joints() + " finite joint values");
+    const std::string needs = " needs " + std::to_string(limits_.lower.size()) + " finite joint values";
+    if (!fits(request.start)) return failed(PlanCode::kInvalidRequest, "the start" + needs);
     if (request.goals.empty()) return failed(PlanCode::kInvalidRequest, "no goal was given");
     for (std::size_t g = 0; g < request.goals.size(); ++g)
       if (!fits(request.goals[g]))
-        return failed(PlanCode::kInvalidRequest,
-                      "goal " + std::to_string(g) + " needs " + joints() + " finite joint values");
+        return failed(PlanCode::kInvalidRequest, "goal " + std::to_string(g) + needs);
     return std::nullopt;
   }
 
-  std::optional<PlanResult> start(const PlanRequest& request, Checked* checked) const {
-    if (const auto joint = outside(limits_, request.start, params_.limit_repair_rad))
-      return failed(PlanCode::kStartOutsideLimits,
-                    text("start outside the limits", checker_.model(), limits_, request.start, *joint));
-    checked->start = request.start.cwiseMax(limits_.lower).cwiseMin(limits_.upper);
-    if (!checker_.is_free(checked->start))
-      return failed(PlanCode::kStartInCollision, text("start in collision", collision(checked->start)));
-    return std::nullopt;
+  std::optional<PlanResult> check_start(const JointVector& start) {
+    if (const auto fault =
+            collision::outside_limits(checker_.model(), limits_, start, limit_repair_rad_, "start"))
+      return failed(PlanCode::kStartOutsideLimits, fault->message);
+    checked_.start = start.cwiseMax(limits_.lower).cwiseMin(limits_.upper);
+    if (const auto violation = find_violation(checked_.start)) return refuse("start", *violation);
+    if (checker_.is_free(checked_.start)) return std::nullopt;
+    return failed(PlanCode::kStartInCollision,
+                  collision::in_collision(checker_, checked_.start, "start").message);
   }
 
-  std::optional<PlanResult> goals(const PlanRequest& request, Checked* checked) const {
-    auto refusal = failed(PlanCode::kGoalOutsideLimits, "");
-    const std::vector<bool> free = checker_.are_free(request.goals);
-    for (std::size_t g = 0; g < request.goals.size(); ++g) {
-      const auto& goal = request.goals[g];
-      if (const auto joint = outside(limits_, goal, 0.0)) {
-        if (refusal.message.empty())
-          refusal.message = text("goal outside the limits", checker_.model(), limits_, goal, *joint);
+  std::optional<PlanResult> check_goals(const std::vector<JointVector>& goals) {
+    std::optional<std::string> outside;
+    std::optional<Violation> violated;
+    const JointVector* touching = nullptr;
+    const std::vector<bool> free = checker_.are_free(goals);
+    for (std::size_t g = 0; g < goals.size(); ++g) {
+      if (const auto fault = collision::outside_limits(checker_.model(), limits_, goals[g], 0.0, "goal")) {
+        if (!outside) outside = fault->message;
+      } else if (auto violation = find_violation(goals[g])) {
+        if (!violated) violated = std::move(violation);
       } else if (!free[g]) {
-        const auto contact = collision(goal);
-        refusal = failed(PlanCode::kGoalInCollision, text("goal in collision", contact));
+        if (touching == nullptr) touching = &goals[g];
       } else {
-        checked->goals.push_back(goal);
-        checked->goal_indices.push_back(static_cast<int>(g));
+        checked_.goals.push_back(goals[g]);
+        checked_.goal_indices.push_back(static_cast<int>(g));
       }
     }
-    if (checked->goals.empty()) return refusal;
-    return std::nullopt;
+    if (!checked_.goals.empty()) return std::nullopt;
+    if (touching != nullptr)
+      return failed(PlanCode::kGoalInCollision, collision::in_collision(checker_, *touching, "goal").message);
+    if (violated) return refuse("goal", *violated);
+    return failed(PlanCode::kGoalOutsideLimits, *outside);
   }
 
  private:
-  [[nodiscard]] std::string joints() const { return std::to_string(limits_.lower.size()); }
+  [[nodiscard]] std::optional<Violation> find_violation(const JointVector& state) const {
+    return violation_ ? violation_(state) : std::nullopt;
+  }
 
-  [[nodiscard]] Contact collision(const JointVector& state) const {
-    if (auto contact = checker_.contact(state)) return *contact;
-    return checker_.nearest(state).value();  // not in contact, but too near to be proven free
+  PlanResult refuse(const std::string& what, const Violation& violation) {
+    checked_.violated = violation.constraint;
+    return failed(PlanCode::kInvalidRequest, what + " " + violation.message);
   }
 
   CollisionChecker& checker_;
   const JointLimits& limits_;
-  const PlannerParams& params_;
+  double limit_repair_rad_;
+  const FindViolation& violation_;
+  Checked& checked_;
 };
 
 }  // namespace
@@ -126,13 +121,20 @@ void demand_ranges(const PlannerParams& params) {
          "PlannerParams::limit_repair_rad: 0 to 0.2 rad");
 }
 
+void demand_planner(const std::string& planner, const std::vector<std::string>& names) {
+  if (std::find(names.begin(), names.end(), planner) != names.end()) return;
+  std::string known;
+  for (const auto& name : names) known += (known.empty() ? "" : ", ") + name;
+  throw std::invalid_argument("there is no planner '" + planner + "': use one of " + known);
+}
+
 std::optional<PlanResult> check_request(CollisionChecker& checker, const JointLimits& limits,
-                                        const PlannerParams& params, const PlanRequest& request,
-                                        Checked& checked) {
-  const RequestValidator gate(checker, limits, params);
-  if (auto refusal = gate.shape(request)) return refusal;
-  if (auto refusal = gate.start(request, &checked)) return refusal;
-  return gate.goals(request, &checked);
+                                        double limit_repair_rad, const PlanRequest& request, Checked& checked,
+                                        const FindViolation& violation) {
+  RequestValidator validator(checker, limits, limit_repair_rad, violation, checked);
+  if (auto refusal = validator.check_shape(request)) return refusal;
+  if (auto refusal = validator.check_start(request.start)) return refusal;
+  return validator.check_goals(request.goals);
 }
 
 }  // namespace extperfc::arm::planning

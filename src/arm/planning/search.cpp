@@ -5,22 +5,13 @@
 #include <numeric>
 
 #include "arm/collision/bodies.hpp"
+#include "arm/planning/states.hpp"
 
 namespace extperfc::arm::planning {
 
 namespace {
 
 constexpr int kMaxSamples = 1'000'000;
-
-/// Indices of the goals, nearest first.
-std::vector<int> by_distance(const JointVector& start, const std::vector<JointVector>& goals) {
-  std::vector<int> order(goals.size());
-  std::iota(order.begin(), order.end(), 0);
-  std::sort(order.begin(), order.end(), [&](int a, int b) {
-    return (goals[a] - start).squaredNorm() < (goals[b] - start).squaredNorm();
-  });
-  return order;
-}
 
 }  // namespace
 
@@ -85,7 +76,7 @@ void Search::begin(const JointVector& start, const std::vector<JointVector>& goa
   std::iota(all.begin(), all.end(), 0);
   whole_.emplace(checker_, limits_, params_, all, start, goals);
   start_ = start;
-  nearest_ = by_distance(start, goals).front();
+  nearest_ = nearest(goals, start);
   nearest_goal_ = goals[nearest_];
 }
 

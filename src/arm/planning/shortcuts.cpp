@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cstddef>
-#include <utility>
 
 #include "extperfc/arm/motion_planner.hpp"
 
@@ -11,9 +10,6 @@ namespace extperfc::arm::planning {
 namespace {
 
 using Path = std::vector<JointVector>;
-
-/// A gain below this is not worth a segment more.
-constexpr double kMinGainRad = 1e-3;
 
 /// A place on a path: behind waypoint `segment`, `fraction` of the distance to the next.
 struct Place {
@@ -52,36 +48,41 @@ Path leave_out(CollisionChecker& checker, const Path& path, const std::function<
 }
 
 // Replaces what lies between two places by the straight segment, when that is free and shorter.
-bool cut(CollisionChecker& checker, Path* path, const Place& from, const Place& to) {
+void cut(CollisionChecker& checker, Path* path, const Place& from, const Place& to) {
+  if (from.segment == to.segment) return;
   double old_length =
       (path->at(from.segment + 1) - from.state).norm() + (to.state - path->at(to.segment)).norm();
   for (std::size_t i = from.segment + 1; i < to.segment; ++i)
     old_length += (path->at(i + 1) - path->at(i)).norm();
-  if ((to.state - from.state).norm() > old_length - kMinGainRad) return false;
-  if (!checker.motion_free(from.state, to.state)) return false;
-  Path shorter(path->begin(), path->begin() + static_cast<std::ptrdiff_t>(from.segment) + 1);
-  shorter.push_back(from.state);
-  shorter.push_back(to.state);
-  shorter.insert(shorter.end(), path->begin() + static_cast<std::ptrdiff_t>(to.segment) + 1, path->end());
-  *path = std::move(shorter);
-  return true;
+  if ((to.state - from.state).norm() > old_length - kMinGainRad) return;
+  if (checker.motion_free(from.state, to.state))
+    replace(path, from.segment, to.segment, {from.state, to.state});
 }
 
 }  // namespace
+
+void cut_at_random(Path* path, int rounds, Rng& rng, const std::function<bool()>& stop, const Cut& cut) {
+  for (int round = 0; round < rounds && path->size() > 2 && !stop(); ++round) {
+    const double length = path_length(*path);
+    const double a = rng.uniform(0, length);
+    const double b = rng.uniform(0, length);
+    cut(path, std::min(a, b), std::max(a, b));
+  }
+}
+
+void replace(Path* path, std::size_t from, std::size_t to, const Path& between) {
+  const auto behind = path->begin() + static_cast<std::ptrdiff_t>(from) + 1;
+  const auto at = path->erase(behind, path->begin() + static_cast<std::ptrdiff_t>(to) + 1);
+  path->insert(at, between.begin(), between.end());
+}
 
 Path shorten(CollisionChecker& checker, Path waypoints, int rounds, Rng& rng,
              const std::function<bool()>& stop) {
   if (waypoints.size() < 3 || rounds <= 0) return waypoints;
   waypoints = leave_out(checker, waypoints, stop);
-  for (int round = 0; round < rounds && waypoints.size() > 2 && !stop(); ++round) {
-    const double length = path_length(waypoints);
-    double a = rng.uniform(0, length);
-    double b = rng.uniform(0, length);
-    if (a > b) std::swap(a, b);
-    const Place from = place_at(waypoints, a);
-    const Place to = place_at(waypoints, b);
-    if (from.segment != to.segment) cut(checker, &waypoints, from, to);
-  }
+  cut_at_random(&waypoints, rounds, rng, stop, [&](Path* path, double from_rad, double to_rad) {
+    cut(checker, path, place_at(*path, from_rad), place_at(*path, to_rad));
+  });
   return leave_out(checker, waypoints, stop);
 }
 

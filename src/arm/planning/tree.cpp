@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <utility>
 
 namespace extperfc::arm::planning {
 
@@ -18,7 +19,7 @@ constexpr double kDomainStep = 1e-4;
 
 Tree::Tree(int joints) : columns_(kFirstRoom, joints), squares_(kFirstRoom) {}
 
-int Tree::add(const JointVector& state, int parent) {
+int Tree::add(const JointVector& state, int parent, std::vector<JointVector> edge) {
   const Eigen::Index row = size();
   if (row == columns_.rows()) {
     columns_.conservativeResize(2 * columns_.rows(), Eigen::NoChange);
@@ -27,6 +28,8 @@ int Tree::add(const JointVector& state, int parent) {
   columns_.row(row) = state.cast<float>().transpose().array();
   states_.push_back(state);
   parents_.push_back(parent);
+  on_edges_ += static_cast<int>(edge.size());
+  edges_.push_back(std::move(edge));
   domains_.push_back(std::numeric_limits<double>::infinity());
   return static_cast<int>(row);
 }
@@ -45,7 +48,10 @@ Tree::Nearest Tree::nearest(const JointVector& state) {
 
 std::vector<JointVector> Tree::branch(int index) const {
   std::vector<JointVector> result;
-  for (; index >= 0; index = parents_[index]) result.push_back(states_[index]);
+  for (; index >= 0; index = parents_[index]) {
+    result.push_back(states_[index]);
+    result.insert(result.end(), edges_[index].rbegin(), edges_[index].rend());
+  }
   std::reverse(result.begin(), result.end());
   return result;
 }

@@ -13,10 +13,13 @@ class Tree {
  public:
   explicit Tree(int joints);
 
-  /// `parent` is -1 for a root. Returns the index of the new state. Amortised O(joints).
-  int add(const JointVector& state, int parent);
+  /// `parent` is -1 for a root; `edge`: states on the edge from it, both ends left out. Returns the index of
+  /// the new state. Amortised O(joints).
+  int add(const JointVector& state, int parent, std::vector<JointVector> edge = {});
 
   [[nodiscard]] int size() const { return static_cast<int>(states_.size()); }
+  /// Those on edges counted.
+  [[nodiscard]] int states() const { return size() + on_edges_; }
   [[nodiscard]] const JointVector& state(int index) const { return states_[index]; }
   [[nodiscard]] int parent(int index) const { return parents_[index]; }
 
@@ -27,7 +30,7 @@ class Tree {
   /// By Euclidean distance, in single precision; the tree must not be empty. O(size).
   [[nodiscard]] Nearest nearest(const JointVector& state);
 
-  /// States from the root of `index` to `index`.
+  /// States from the root of `index` to `index`, those on edges included.
   [[nodiscard]] std::vector<JointVector> branch(int index) const;
 
   /// Samples farther than this from a state are not drawn towards it [rad].
@@ -38,6 +41,8 @@ class Tree {
  private:
   std::vector<JointVector> states_;
   std::vector<int> parents_;
+  std::vector<std::vector<JointVector>> edges_;
+  int on_edges_{0};
   std::vector<double> domains_;
   Eigen::ArrayXXf columns_;  ///< one row per state (with room for more), one column per joint
   Eigen::ArrayXf squares_;   ///< scratch of nearest()

@@ -36,6 +36,18 @@ TEST(Tree, BranchRunsFromTheRoot) {
   EXPECT_EQ(tree.branch(b), (std::vector<JointVector>{at(0), at(1), at(2)}));
 }
 
+TEST(Tree, BranchHasTheStatesOnItsEdges) {
+  Tree tree(1);
+  const auto at = [](double x) { return JointVector(JointVector::Constant(1, x)); };
+  const int root = tree.add(at(0), -1);
+  const int a = tree.add(at(3), root, {at(1), at(2)});
+  tree.add(at(-2), root, {at(-1)});
+  const int b = tree.add(at(5), a, {at(4)});
+  EXPECT_EQ(tree.branch(b), (std::vector<JointVector>{at(0), at(1), at(2), at(3), at(4), at(5)}));
+  EXPECT_EQ(tree.size(), 4);
+  EXPECT_EQ(tree.states(), 8);
+}
+
 TEST(Tree, DomainsNarrowAndWiden) {
   Tree tree(1);
   tree.add(JointVector::Zero(1), -1);
