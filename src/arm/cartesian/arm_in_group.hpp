@@ -18,6 +18,8 @@ class ArmInGroup {
 
   [[nodiscard]] const ArmChain& chain() const { return chain_; }
   [[nodiscard]] int joint_count() const { return chain_.joint_count(); }
+  /// Of the chain's joints in the group.
+  [[nodiscard]] const std::vector<int>& places() const { return places_; }
   /// The arm's part of a vector of the group.
   [[nodiscard]] JointVector take(const JointVector& group) const;
   /// `group` with the arm's part replaced.
@@ -28,7 +30,7 @@ class ArmInGroup {
       : chain_(std::move(chain)), places_(std::move(places)) {}
 
   ArmChain chain_;
-  std::vector<int> places_;  ///< of the chain's joints in the group
+  std::vector<int> places_;
 };
 
 }  // namespace extperfc::arm::cartesian

@@ -30,15 +30,10 @@ Follower::Follower(CollisionChecker& checker, const ArmInGroup& arm, const Carte
 JointVector Follower::urge(const Course& course, const JointVector& joints) {
   const ArmChain& chain = arm_.chain();
   JointVector result = JointVector::Zero(joints.size());
-  if (course.centring > 0) {
-    const auto& [lower, upper] = chain.limits();
-    for (int j = 0; j < joints.size(); ++j) {
-      const double half = 0.5 * (upper[j] - lower[j]);
-      if (!std::isfinite(half) || half <= 0) continue;
-      const double x = (joints[j] - lower[j]) / half - 1;
-      result[j] = -course.centring * (x + std::pow(x, 5));
-    }
-  }
+  if (course.centring > 0)
+    result = from_mid_range(chain.limits(), joints).unaryExpr([&](double x) {
+      return -course.centring * (x + std::pow(x, 5));
+    });
   if (course.swing_rad_per_m != 0) {
     side_ = self_motion(chain, joints, side_);
     result += course.swing_rad_per_m * side_;

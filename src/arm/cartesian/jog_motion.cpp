@@ -5,6 +5,7 @@
 
 #include <Eigen/Eigenvalues>
 
+#include "arm/cartesian/newton.hpp"
 #include "arm/kinematics/normal_equations.hpp"
 
 namespace extperfc::arm::cartesian {
@@ -24,14 +25,9 @@ double min_singular_value(const Jacobian& columns) {
 
 // Grows steeply near the limits; at most about one.
 JointVector away_from_limits(const JointLimits& limits, const JointVector& positions) {
-  JointVector pull = JointVector::Zero(positions.size());
-  for (int j = 0; j < positions.size(); ++j) {
-    const double half = 0.5 * (limits.upper[j] - limits.lower[j]);
-    if (!std::isfinite(half) || half <= 0) continue;
-    const double x = std::clamp((positions[j] - limits.lower[j]) / half - 1, -1.0, 1.0);
-    pull[j] = -std::pow(x, 5);
-  }
-  return pull;
+  return from_mid_range(limits, positions).unaryExpr([](double x) {
+    return -std::pow(std::clamp(x, -1.0, 1.0), 5);
+  });
 }
 
 void slow(JogWish& wish, double scale, JogHindrance hindrance, int joint = -1) {

@@ -1,6 +1,7 @@
 #include "arm/cartesian/newton.hpp"
 
 #include <array>
+#include <cmath>
 
 #include "arm/kinematics/normal_equations.hpp"
 
@@ -84,6 +85,15 @@ JointVector self_motion(const ArmChain& chain, const JointVector& joints, const 
   const JointVector rest = near - ik::min_norm_change(columns, moved, kDamping);
   const double norm = rest.norm();
   return norm > 1e-6 ? JointVector(rest / norm) : JointVector::Zero(near.size());
+}
+
+JointVector from_mid_range(const JointLimits& limits, const JointVector& joints) {
+  JointVector result = JointVector::Zero(joints.size());
+  for (int j = 0; j < joints.size(); ++j) {
+    const double half = 0.5 * (limits.upper[j] - limits.lower[j]);
+    if (std::isfinite(half) && half > 0) result[j] = (joints[j] - limits.lower[j]) / half - 1;
+  }
+  return result;
 }
 
 }  // namespace extperfc::arm::cartesian

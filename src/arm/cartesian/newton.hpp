@@ -21,4 +21,7 @@ namespace extperfc::arm::cartesian {
 [[nodiscard]] JointVector self_motion(const ArmChain& chain, const JointVector& joints,
                                       const JointVector& near);
 
+/// Distance of each joint from the middle of its range, in halves of the range; 0 for joints without end.
+[[nodiscard]] JointVector from_mid_range(const JointLimits& limits, const JointVector& joints);
+
 }  // namespace extperfc::arm::cartesian

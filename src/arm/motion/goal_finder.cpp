@@ -9,9 +9,13 @@
 #include "extperfc/base/rng.hpp"
 #include "extperfc/base/stopwatch.hpp"
 
+#include "arm/collision/state_fault.hpp"
+
 namespace extperfc::arm::motion {
 
 namespace {
+
+using cartesian::ArmInGroup;
 
 std::string where(const ToolTarget& target) {
   const auto& p = target.root_T_tool.translation();
@@ -20,13 +24,13 @@ std::string where(const ToolTarget& target) {
   return text;
 }
 
-Status explain(const IkFailure& failure, const GroupChain& arm, const ToolTarget& target,
+Status explain(const IkFailure& failure, const ArmInGroup& arm, const ToolTarget& target,
                const std::string& touching) {
-  const std::string what = "no joint values bring " + arm.chain.tip_link() + " to " + where(target);
+  const std::string what = "no joint values bring " + arm.chain().tip_link() + " to " + where(target);
   switch (failure.reason) {
     case IkReason::kInvalid:
       return {ArmCode::kInvalidRequest,
-              "the pose or its tolerance for " + arm.chain.tip_link() + " is not valid"};
+              "the pose or its tolerance for " + arm.chain().tip_link() + " is not valid"};
     case IkReason::kOutOfReach: {
       char text[80];
       std::snprintf(text, sizeof text, ": out of reach by %.3f m and %.2f rad", failure.position_error_m,
@@ -45,7 +49,7 @@ Status explain(const IkFailure& failure, const GroupChain& arm, const ToolTarget
 
 /// One target and what was found for it: values of its chain.
 struct Part {
-  GroupChain arm;
+  ArmInGroup arm;
   const ToolTarget* target;
   std::vector<JointVector> solutions;
 };
@@ -61,12 +65,12 @@ class Finder {
 
   /// `alone`: nothing else moves, so a solution that collides is none.
   tl::expected<void, Status> solve(Part* part, bool alone) {
-    const InverseKinematics solver(part->arm.chain);
+    const InverseKinematics solver(part->arm.chain());
     const JointVector from = part->arm.take(start_);
     for (int i = 0; i < search_.samples; ++i) {
       if (cancelled()) return failure(ArmCode::kCancelled, "cancelled");
       if (i > 0 && !part->solutions.empty() && out_of_time()) break;
-      const auto found = solver.solve(part->target->root_T_tool, i == 0 ? from : anywhere(part->arm.chain),
+      const auto found = solver.solve(part->target->root_T_tool, i == 0 ? from : anywhere(part->arm.chain()),
                                       options(*part, alone, i));
       if (found)
         add(part, found->joints);
@@ -86,20 +90,16 @@ class Finder {
     options.objective = round == 0 ? IkObjective::kNearSeed : IkObjective::kNone;
     if (alone)
       options.accept = [this, &part](const JointVector& joints) {
-        JointVector all = start_;
-        part.arm.put(joints, &all);
-        return checker_.is_free(all);
+        return checker_.is_free(part.arm.put(joints, start_));
       };
     return options;
   }
 
   /// What blocks the solution that came last.
-  std::string touching(const GroupChain& arm, const JointVector& joints) {
-    if (joints.size() != static_cast<Eigen::Index>(arm.in_group.size())) return {};
-    JointVector all = start_;
-    arm.put(joints, &all);
-    const auto contact = checker_.contact(all);
-    return contact ? ": " + contact->first + " touches " + contact->second : std::string();
+  std::string touching(const ArmInGroup& arm, const JointVector& joints) {
+    if (joints.size() != arm.joint_count()) return {};
+    const auto contact = checker_.contact(arm.put(joints, start_));
+    return contact ? ": " + collision::text_of(*contact) : std::string();
   }
 
   JointVector anywhere(const ArmChain& chain) {
@@ -127,13 +127,14 @@ class Finder {
 tl::expected<std::vector<Part>, Status> make_parts(const RobotArms& arms, const ArmGroup& group,
                                                    const std::vector<ToolTarget>& targets) {
   std::vector<Part> parts;
-  std::set<Eigen::Index> used;
+  std::set<int> used;
   for (const auto& target : targets) {
     auto arm = chain_to(arms, group, target.link);
     if (!arm) return tl::unexpected(arm.error());
-    for (const auto joint : arm->in_group)
+    for (const auto joint : arm->places())
       if (!used.insert(joint).second)
-        return failure(ArmCode::kInvalidRequest, "two goals need the same joints (" + arm->chain.tip_link() +
+        return failure(ArmCode::kInvalidRequest, "two goals need the same joints (" +
+                                                     arm->chain().tip_link() +
                                                      "): several poses of one tool are for LINEAR motions");
     parts.push_back({std::move(*arm), &target, {}});
   }
@@ -146,10 +147,7 @@ std::vector<JointVector> combine(const std::vector<Part>& parts, const JointVect
   for (const auto& part : parts) {
     std::vector<JointVector> next;
     for (const auto& base : all)
-      for (const auto& solution : part.solutions) {
-        next.push_back(base);
-        part.arm.put(solution, &next.back());
-      }
+      for (const auto& solution : part.solutions) next.push_back(part.arm.put(solution, base));
     all = std::move(next);
   }
   return all;
@@ -157,19 +155,7 @@ std::vector<JointVector> combine(const std::vector<Part>& parts, const JointVect
 
 }  // namespace
 
-JointVector GroupChain::take(const JointVector& group_values) const {
-  JointVector values(static_cast<Eigen::Index>(in_group.size()));
-  for (std::size_t i = 0; i < in_group.size(); ++i)
-    values[static_cast<Eigen::Index>(i)] = group_values[in_group[i]];
-  return values;
-}
-
-void GroupChain::put(const JointVector& chain_values, JointVector* group_values) const {
-  for (std::size_t i = 0; i < in_group.size(); ++i)
-    (*group_values)[in_group[i]] = chain_values[static_cast<Eigen::Index>(i)];
-}
-
-tl::expected<GroupChain, Status> chain_to(const RobotArms& arms, const ArmGroup& group,
+tl::expected<ArmInGroup, Status> chain_to(const RobotArms& arms, const ArmGroup& group,
                                           const std::string& link) {
   if (link.empty() && group.tips.size() != 1)
     return failure(ArmCode::kInvalidRequest, "group " + group.name + " has " +
@@ -178,16 +164,9 @@ tl::expected<GroupChain, Status> chain_to(const RobotArms& arms, const ArmGroup&
   const std::string& tip = link.empty() ? group.tips.front() : link;
   auto chain = ArmChain::make(arms.robot(), arms.root_link(), tip);
   if (!chain) return failure(ArmCode::kInvalidRequest, "the goal's link: " + chain.error().message);
-  const auto foreign = [&](const std::string& joint) {
-    return "link " + tip + " is moved by " + joint + ", which is not in the group " + group.name;
-  };
-  std::vector<Eigen::Index> in_group;
-  for (const auto& joint : chain->joint_names()) {
-    const auto found = std::find(group.joints.begin(), group.joints.end(), joint);
-    if (found == group.joints.end()) return failure(ArmCode::kInvalidRequest, foreign(joint));
-    in_group.push_back(found - group.joints.begin());
-  }
-  return GroupChain{std::move(*chain), std::move(in_group)};
+  auto arm = ArmInGroup::make(*chain, group.joints);
+  if (!arm) return failure(ArmCode::kInvalidRequest, arm.error().message + " " + group.name);
+  return *std::move(arm);
 }
 
 tl::expected<std::vector<JointVector>, Status> find_goals(const RobotArms& arms, const ArmGroup& group,
@@ -213,10 +192,9 @@ tl::expected<std::vector<JointVector>, Status> find_goals(const RobotArms& arms,
   }
   if (!free.empty()) return free;
   const auto contact = checker.contact(goals.front());
-  return failure(
-      ArmCode::kGoalInCollision,
-      "every solution found for the goal collides" +
-          (contact ? ", the nearest: " + contact->first + " touches " + contact->second : std::string()));
+  return failure(ArmCode::kGoalInCollision,
+                 "every solution found for the goal collides" +
+                     (contact ? ", the nearest: " + collision::text_of(*contact) : std::string()));
 }
 
 }  // namespace extperfc::arm::motion

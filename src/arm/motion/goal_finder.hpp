@@ -9,6 +9,8 @@
 #include "extperfc/arm/robot_arms.hpp"
 #include "extperfc/arm/status.hpp"
 
+#include "arm/cartesian/arm_in_group.hpp"
+
 namespace extperfc::arm::motion {
 
 struct GoalSearch {
@@ -27,16 +29,10 @@ struct GoalSearch {
     const RobotArms& arms, const ArmGroup& group, const std::vector<ToolTarget>& targets,
     const JointVector& start, CollisionChecker& checker, const GoalSearch& search);
 
-/// The chain from the robot's root to the link, with the index in the group of each of its moving joints.
-struct GroupChain {
-  ArmChain chain;
-  std::vector<Eigen::Index> in_group;
-  /// The chain's values out of the group's, and back.
-  [[nodiscard]] JointVector take(const JointVector& group_values) const;
-  void put(const JointVector& chain_values, JointVector* group_values) const;
-};
-/// An empty link means the group's only tip. Error: kInvalidRequest.
-[[nodiscard]] tl::expected<GroupChain, Status> chain_to(const RobotArms& arms, const ArmGroup& group,
-                                                        const std::string& link);
+/// The chain from the robot's root to the link, in the group. An empty link means the group's only tip.
+/// Error: kInvalidRequest.
+[[nodiscard]] tl::expected<cartesian::ArmInGroup, Status> chain_to(const RobotArms& arms,
+                                                                   const ArmGroup& group,
+                                                                   const std::string& link);
 
 }  // namespace extperfc::arm::motion

@@ -303,11 +303,11 @@ class Run {
     }
     const auto arm = motion::chain_to(pipeline_.arms(), *group_, targets->front().link);
     if (!arm) return finish(outcome_of(arm.error().code, arm.error().message));
-    auto found = follow(arm->chain, poses);
+    auto found = follow(arm->chain(), poses);
     if (found.end == CartesianEnd::kCollision || found.end == CartesianEnd::kStartInCollision) {
       if (auto made = make_checker(false); !made)
         return outcome_of(ArmCode::kInvalidRequest, made.error().message);
-      found = follow(arm->chain, poses);
+      found = follow(arm->chain(), poses);
     }
     const bool enough = found.fraction >= request_.minimum_fraction && found.fraction > 0.0;
     if (found.end != CartesianEnd::kComplete && !(enough && code_of(found.end) == ArmCode::kPathIncomplete)) {
