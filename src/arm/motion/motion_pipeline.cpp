@@ -14,6 +14,7 @@
 
 #include "arm/motion/goal_finder.hpp"
 #include "arm/motion/proven_trajectory.hpp"
+#include "arm/motion/second_attempt.hpp"
 
 namespace extperfc::arm {
 
@@ -154,7 +155,13 @@ class Run {
       goals = find_goals();
     }
     if (!goals) return finish(outcome_of(goals.error().code, goals.error().message));
-    return request_.constraints.empty() ? plan(*goals) : plan_constrained(*goals);
+    const auto attempt = [&](std::uint64_t seed) {
+      params_.seed = seed;
+      unproven_ = false;
+      auto outcome = request_.constraints.empty() ? plan(*goals) : plan_constrained(*goals);
+      return motion::Attempt{std::move(outcome), unproven_};
+    };
+    return finish(motion::plan_up_to_twice(params_.seed, attempt, [this] { return time_left_s() > 0; }));
   }
 
   MotionPipeline::Solved solve(bool avoid_collisions) {
@@ -237,15 +244,15 @@ class Run {
   }
 
   MotionOutcome plan(const std::vector<JointVector>& goals) {
-    params_.timeout_s = std::max(1e-3, request_.planning_time_s - times_.sum_s());
+    params_.timeout_s = std::max(1e-3, time_left_s());
     PlanResult found;
     try {
       found = search({start_, goals, request_.cancelled});
     } catch (const std::invalid_argument& error) {
       return finish(outcome_of(ArmCode::kInvalidRequest, error.what()));
     }
-    times_.search_s = found.search_s;
-    times_.shortcut_s = found.shortcut_s;
+    times_.search_s += found.search_s;
+    times_.shortcut_s += found.shortcut_s;
     if (found.code != PlanCode::kSuccess)
       return finish(outcome_of(static_cast<ArmCode>(found.code), found.message));
     std::vector<double> deviations(found.waypoints.size(),
@@ -322,7 +329,7 @@ class Run {
   CartesianResult follow(const ArmChain& chain, const std::vector<Pose>& poses) {
     const Stopwatch watch;
     CartesianParams params;
-    params.timeout_s = std::max(1e-3, request_.planning_time_s - times_.sum_s());
+    params.timeout_s = std::max(1e-3, time_left_s());
     params.limit_repair_rad = params_.limit_repair_rad;
     CartesianResult found;
     if (auto planner = CartesianPlanner::make(*checker_, chain, params))
@@ -339,7 +346,7 @@ class Run {
     if (!constraint)
       return finish(outcome_of(ArmCode::kInvalidRequest, "constraint: " + constraint.error().message));
     ConstrainedPlannerParams params;
-    params.timeout_s = std::max(1e-3, request_.planning_time_s - times_.sum_s());
+    params.timeout_s = std::max(1e-3, time_left_s());
     params.seed = params_.seed;
     params.limit_repair_rad = params_.limit_repair_rad;
     if (!request_.planner.empty()) params.planner = request_.planner;
@@ -349,8 +356,8 @@ class Run {
     } catch (const std::invalid_argument& error) {
       return finish(outcome_of(ArmCode::kInvalidRequest, error.what()));
     }
-    times_.search_s = found.search_s;
-    times_.shortcut_s = found.shortcut_s;
+    times_.search_s += found.search_s;
+    times_.shortcut_s += found.shortcut_s;
     if (found.code != PlanCode::kSuccess)
       return finish(
           outcome_of(found.violated >= 0 ? ArmCode::kConstraintViolated : static_cast<ArmCode>(found.code),
@@ -377,7 +384,8 @@ class Run {
     times.acceleration_scale = request_.acceleration_scale;
     auto made = motion::prove_trajectory(
         *checker_, waypoints, {group_->max_velocity, group_->max_acceleration, {}}, times, corners);
-    times_.time_parameterization_s = watch.seconds();
+    times_.time_parameterization_s += watch.seconds();
+    unproven_ = !made && made.error().code == ErrorCode::kFailed;
     if (!made)
       return finish(
           outcome_of(ArmCode::kInternal, "no trajectory along the planned path: " + made.error().message));
@@ -394,6 +402,8 @@ class Run {
     return finish(std::move(outcome));
   }
 
+  [[nodiscard]] double time_left_s() const { return request_.planning_time_s - times_.sum_s(); }
+
   MotionOutcome finish(MotionOutcome outcome) const {
     outcome.joints = group_->joints;
     outcome.times = times_;
@@ -409,6 +419,7 @@ class Run {
   std::optional<CollisionChecker> checker_;
   bool padded_{true};
   bool collisions_{true};
+  bool unproven_{false};
   MotionTimes times_;
 };
 

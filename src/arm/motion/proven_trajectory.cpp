@@ -67,7 +67,7 @@ class Prover {
       const auto blocked = first_unproven(*points);
       if (!blocked) return ProvenTrajectory{std::move(*trajectory), std::move(*points), 0};
       if (!try_harder(*blocked))
-        return fail(ErrorCode::kInvalidArgument, "clearance too small to prove the trajectory free");
+        return fail(ErrorCode::kFailed, "clearance too small to prove the trajectory free");
     }
   }
 
