@@ -23,7 +23,8 @@ struct CornerParams {
 /// The fastest motion along `waypoints`, whose straight segments were proven free. What is proven in the end
 /// is the spline through the points, as the controller follows it. Where that does not succeed, corners are
 /// rounded less or stopped at, then the points are brought nearer to the path; with no rounding at all
-/// everything is on the straight segments. kFailed: something is so near that not even that can be proven.
+/// everything is on the straight segments. Errors: something is so near that not even that can be proven
+/// (kFailed); those of parameterize().
 [[nodiscard]] Result<ProvenTrajectory> prove_trajectory(CollisionChecker& checker,
                                                         const std::vector<JointVector>& waypoints,
                                                         const TrajectoryLimits& limits,

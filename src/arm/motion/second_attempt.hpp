@@ -10,7 +10,7 @@ namespace extperfc::arm::motion {
 
 struct Attempt {
   MotionOutcome outcome;
-  bool unproven{false};  ///< there is a path, but its trajectory cannot be proven free
+  bool unproven{false};  ///< there is a path, but no trajectory along it that is proven free
 };
 
 /// Plans; where the trajectory cannot be proven free, plans once more with another seed if time is left. When
