@@ -30,6 +30,7 @@ void seed_ompl_once(std::uint64_t seed);
 template <typename Makers>
 [[nodiscard]] std::vector<std::string> names_of(const Makers& makers) {
   std::vector<std::string> names;
+  names.reserve(makers.size());
   for (const auto& [name, maker] : makers) names.push_back(name);
   return names;
 }
