@@ -15,7 +15,7 @@
 
 namespace extperfc::simulate {
 
-/// Depth errors of an active stereo camera (D435i): see docs/depth.md for the model of the noise.
+/// Depth errors of an active stereo camera (D435i): see docs/library/depth.md for the model of the noise.
 struct DepthNoiseParams {
   double min_depth_m{0.175};   ///< nearer gives no measurement [m]
   double max_depth_m{10.0};    ///< farther gives none [m]

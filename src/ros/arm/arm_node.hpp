@@ -27,42 +27,41 @@
 
 namespace extperfc::arm_node {
 
-/// Plans and executes motions of the robot's arms.
+/// Plans and executes motions of the robot's arms, grasps and places objects.
 ///
-/// Actions (result codes: extperfc/ArmCode):
-///   plan        extperfc/PlanAction: plans a trajectory without moving
-///   move_arm    extperfc/MoveArmAction: plans and executes, or executes a trajectory. A newer goal, also of
-///               another of the actions that move, stops the older one, which ends preempted
-///   pick        extperfc/PickAction: grasps an object of the scene and lifts it
-///   place       extperfc/PlaceAction: places the held object
-/// Services:
-///   arm/apply_scene   extperfc/ApplyScene: changes collision objects and attached objects
-///   arm/get_scene     extperfc/GetScene
-///   arm/check_state   extperfc/CheckArmState
-///   arm/solve_ik      extperfc/SolveArmIk
-///   arm/stop          std_srvs/Trigger: stops all motions; their goals end as cancelled
-///   arm/clear_depth   std_srvs/Empty: clears what the depth camera saw, as does arm/apply_scene with
-///                     REMOVE of all objects
 /// Subscribes:
-///   robot/joint_states   sensor_msgs/JointState
-///   robot/state          baxter_core_msgs/AssemblyState, with execution/robot_state
-///   /tf, /tf_static      for poses in frames that are not links of the robot
-///   a depth camera's images, with depth/enabled: see DepthObstacleMonitor
-///   a detector's objects, with objects/enabled: see ObjectMonitor
+///   robot/joint_states  sensor_msgs/JointState
+///   robot/state         baxter_core_msgs/AssemblyState, with execution/robot_state
+///   /tf, /tf_static     tf2_msgs/TFMessage, for poses in frames that are not links of the robot
 /// Publishes:
-///   arm/display_trajectory   trajectory_msgs/JointTrajectory, latched: the last plan
-///   arm/markers              visualization_msgs/MarkerArray, latched: the scene, after every change
-///   diagnostics              diagnostic_msgs/DiagnosticArray
-/// Jogging: topics arm/<gripper>/jog_joints, jog_twist and jog_status, see JogServer
-/// Uses the actions robot/limb/<side>/follow_joint_trajectory (control_msgs/FollowJointTrajectory) and
-///   robot/end_effector/<side>_gripper/gripper_action (control_msgs/GripperCommand).
-/// Parameters (private; unknown keys are errors): config/arm.yaml lists them with units and ranges. The robot
-///   is the parameter robot_description, its groups are those of an SRDF file.
+///   arm/display_trajectory  trajectory_msgs/JointTrajectory, latched: the last plan
+///   arm/markers             visualization_msgs/MarkerArray, latched: the scene, after every change
+///   diagnostics             diagnostic_msgs/DiagnosticArray
+/// Services:
+///   arm/apply_scene  extperfc/ApplyScene: changes collision objects and attached objects
+///   arm/get_scene    extperfc/GetScene
+///   arm/check_state  extperfc/CheckArmState
+///   arm/solve_ik     extperfc/SolveArmIk
+///   arm/stop         std_srvs/Trigger: stops all motions; their goals end as cancelled
+///   arm/clear_depth  std_srvs/Empty: clears what the depth camera saw, as does arm/apply_scene with REMOVE
+///                    of all objects
+/// Actions (result codes: extperfc/ArmCode):
+///   plan      extperfc/PlanAction: plans a trajectory without moving
+///   move_arm  extperfc/MoveArmAction: plans and executes, or executes a trajectory. A newer goal, also of
+///             another of the actions that move, stops the older one, which ends preempted
+///   pick      extperfc/PickAction: grasps an object of the scene and lifts it
+///   place     extperfc/PlaceAction: places the held object
+/// Calls:
+///   robot/limb/<side>/follow_joint_trajectory         control_msgs/FollowJointTrajectory (action)
+///   robot/end_effector/<side>_gripper/gripper_action  control_msgs/GripperCommand (action)
+/// Parts: JogServer, DepthObstacleMonitor, ObjectMonitor
+/// Parameters: config/arm.yaml. The robot is the parameter robot_description, its groups are those of an SRDF
+///   file.
 /// Frames: poses may be in any frame that tf connects to the robot's root link. Objects of the scene stand
 ///   still in world_frame.
 /// Diagnostics: WARN without joint states and while the robot is not enabled; result of the last request.
-/// Threads: one for each action, services and callbacks in the node handle's queue, which needs more than
-///   one thread.
+/// Threads: one for each action, services and callbacks in the node handle's queue, which needs more than one
+///   thread.
 class ArmNode {
  public:
   /// Errors: all invalid parameters at once, a robot or SRDF that cannot be read or does not match.

@@ -28,15 +28,15 @@ namespace extperfc::arm_node {
 
 /// Adds what a depth camera sees to the planning scene, as the object PlanningScene::kSeenName.
 ///
-/// Subscribes:
+/// Subscribes (with depth/enabled):
 ///   camera/aligned_depth_to_color/image_raw     sensor_msgs/Image 16UC1 [mm] or 32FC1 [m]
 ///   camera/aligned_depth_to_color/camera_info   sensor_msgs/CameraInfo of the same image size
 ///   robot/joint_states                          sensor_msgs/JointState: removes the robot from an image, in
 ///                                               its posture at the image's stamp
-/// Publishes while there are subscribers:
-///   arm/depth_voxels                            visualization_msgs/Marker: the voxels in the frame of the
+/// Publishes:
+///   arm/depth_voxels                            visualization_msgs/Marker, while it has subscribers: the voxels in the frame of the
 ///                                               robot's root, coloured by height, after every image
-/// Parameters: ros_params::DepthObstacleMonitorParams
+/// Parameters: the group depth of config/arm.yaml
 /// Frames: the image's frame and world_frame to the root link at the image's stamp. When the root moves in
 ///   world_frame by more than a voxel, all voxels are cleared. Without world_frame in tf the robot is assumed
 ///   to stand still.

@@ -20,17 +20,16 @@
 
 namespace extperfc::arm_node {
 
-/// Moves one arm by velocity commands and keeps it free of collisions.
+/// Moves one arm by velocity commands and keeps it free of collisions. The first command preempts any other
+/// motion of the arms; the lease ends with the commands.
 ///
 /// Subscribes:
-///   arm/<gripper>/jog_joints   control_msgs/JointJog: velocities [rad/s]; displacements are ignored
-///   arm/<gripper>/jog_twist    geometry_msgs/TwistStamped: of the tip, along the present axes of frame_id
-///                              (empty: the tip)
+///   arm/<gripper>/jog_joints  control_msgs/JointJog: velocities [rad/s]; displacements are ignored
+///   arm/<gripper>/jog_twist   geometry_msgs/TwistStamped: of the tip, along the present axes of frame_id
+///                             (empty: the tip)
 /// Publishes:
-///   robot/limb/<gripper>/joint_command   baxter_core_msgs/JointCommand, velocities, while it moves
-///   arm/<gripper>/jog_status             std_msgs/String, when it changes: moving, or why the arm is held
-///                                        back
-/// The first command preempts any other motion of the arms; the lease ends with the commands.
+///   robot/limb/<side>/joint_command  baxter_core_msgs/JointCommand, velocities, while it moves
+///   arm/<gripper>/jog_status         std_msgs/String, when it changes: moving, or why the arm is held back
 class JogServer {
  public:
   JogServer(ros::NodeHandle handle, const Shared& shared, ArmsLease& lease,

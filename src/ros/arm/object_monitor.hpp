@@ -27,12 +27,12 @@ namespace extperfc::arm_node {
 /// Adds the objects that a detector finds to the planning scene, each as <class>_<n> with its class as the
 /// label.
 ///
-/// Subscribes:
+/// Subscribes (with objects/enabled):
 ///   detections_3d   vision_msgs/Detection3DArray: uses bbox.center, bbox.size and the hypothesis with
 ///                   the highest score
 ///   vision_info     vision_msgs/VisionInfo: database_location names the parameter with the class names
 ///   robot/joint_states   sensor_msgs/JointState: posture of the robot at the detections' stamp
-/// Parameters: ros_params::ObjectMonitorParams
+/// Parameters: the group objects of config/arm.yaml
 /// Frames: the detections' frame and world_frame to the root link at the detections' stamp. A robot whose tf
 ///   has no world_frame is assumed to stand still. Objects stand upright: see arm::make_upright().
 /// A detection within 30 mm of the robot is ambiguous: it may show the robot itself or a partly hidden

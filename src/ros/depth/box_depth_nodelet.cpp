@@ -28,7 +28,8 @@
 
 namespace extperfc {
 
-/// Computes a 3D position for every detected box from the depth image of the same stamp.
+/// Computes a 3D position for every detected box from the depth image of the same stamp. Boxes without a
+/// valid depth are left out and counted in diagnostics.
 ///
 /// Subscribes (only while one of the outputs has subscribers):
 ///   detections                               vision_msgs/Detection2DArray
@@ -36,29 +37,16 @@ namespace extperfc {
 ///   camera/color/camera_info                 sensor_msgs/CameraInfo of the colour camera
 ///   vision_info                              vision_msgs/VisionInfo: class names for the markers
 /// Publishes:
-///   detections_3d     vision_msgs/Detection3DArray   stamp of the detections
-///                     results[0].pose and bbox.center are both the object's estimated centre, the first
-///                     with its covariance; bbox.size is the estimated extent. Boxes without a valid depth
-///                     are left out and counted.
-///   detections_3d/surface   vision_msgs/Detection3DArray   the same objects in the same order, same header
-///                     results[0].pose and bbox.center are both the measured point of the visible surface
-///                     behind the box's middle (the paper's result), the first with its covariance;
-///                     bbox.size is 0.
-///   objects/markers   visualization_msgs/MarkerArray
-///   diagnostics       diagnostic_msgs/DiagnosticArray
-/// Parameters (private; unknown keys are refused):
-///   estimator           nearest_mode | median | trimmed_mean | mean (the paper's)   default: nearest_mode
-///   window_px           side of the window of mean, median, trimmed_mean [px]       20, [1, 1000]
-///   central_fraction    part of the box that nearest_mode looks at                  0.4, [0.01, 1]
-///   min_depth_m, max_depth_m   values outside are no measurement [m]                0.105, 10; [0, 100]
-///   min_valid_px        fewer valid pixels give no estimate                         5, >= 1
-///   noise_focal_px, noise_baseline_m, noise_subpixel_px   depth noise (D435i)       424, 0.05, 0.08
-///   target_frame        frame of the results                                        "": the image's
-///   stamp_tolerance_s   largest stamp difference of detection and depth [s]         0.02, [0, 1]
-///   transform_timeout_s wait for the transform at the image's stamp [s]           0.1, [0, 5]
-///   depth_queue         depth images remembered while the detector works          30, [1, 300]
-///   marker_lifetime_s   [s]                                                         1, [0, 60]
-///   timeout_s           silence after which diagnostics warn [s]                    5, [0.1, 3600]
+///   detections_3d          vision_msgs/Detection3DArray, stamp of the detections: results[0].pose and
+///                          bbox.center are both the estimated centre of the object, the first with its
+///                          covariance; bbox.size is the estimated extent
+///   detections_3d/surface  vision_msgs/Detection3DArray, the same objects in the same order with the same
+///                          header: results[0].pose and bbox.center are both the measured point of the
+///                          visible surface behind the middle of the box (the paper's result), the first with
+///                          its covariance; bbox.size is 0
+///   objects/markers        visualization_msgs/MarkerArray
+///   diagnostics            diagnostic_msgs/DiagnosticArray
+/// Parameters: config/box_depth.yaml.
 /// Frames: needs optical frame -> target_frame at the image's stamp when target_frame is set.
 /// Diagnostics: rates, latency, how images arrive, boxes without depth, results without a matching image;
 ///   ERROR while inputs do not fit together (sizes, encodings, stamps, transforms).

@@ -27,32 +27,23 @@
 
 namespace extperfc {
 
-/// Finds objects in a colour image with a neural network.
+/// Finds objects in a colour image with a neural network. The newest image replaces one that waits for the
+/// network.
 ///
 /// Subscribes (only while one of the outputs has subscribers):
-///   camera/color/image_raw   sensor_msgs/Image: rgb8, bgr8, rgba8, bgra8, mono8, mono16, bayer_*8, yuv422
+///   camera/color/image_raw  sensor_msgs/Image: rgb8, bgr8, rgba8, bgra8, mono8, mono16, bayer_*8, yuv422,
+///                           yuv422_yuy2
 /// Publishes:
-///   detections        vision_msgs/Detection2DArray: stamp and frame of the image; id = index of the class
+///   detections        vision_msgs/Detection2DArray: stamp and frame of the image; id is the index of the
+///                     class
 ///   detections/image  sensor_msgs/Image, bgr8: image with boxes, drawn only while it has subscribers
 ///   vision_info       vision_msgs/VisionInfo, latched: names the parameter that holds the class names
 ///   diagnostics       diagnostic_msgs/DiagnosticArray
-/// Parameters (private; unknown keys are refused):
-///   model            path of a model folder, see models/README.md   default: models/shapes of this package
-///   backend          auto | openvino | opencv                       auto: the fastest that loads the model
-///   device           CPU | GPU | NPU | AUTO                         CPU
-///   threads          [0, 256]                                       0: the library's choice
-///   precision        f32 | f16 | bf16                               f32
-///   mode             latency | throughput                           latency
-///   cache_dir        folder for compiled models                     "": none
-///   score_threshold  [-1, 1]                                        -1: the model's own
-///   image_transport  transport hint                                 raw
-///   timeout_s        silence after which diagnostics warn [s]       5, [0.1, 3600]
-///   classes          WRITTEN by the nodelet: list of class names
+/// Parameters: config/detector.yaml. The nodelet writes the class names to the parameter `classes`.
 /// Frames: none; boxes are in pixels.
-/// Diagnostics: model, what executes, rates, work and latency percentiles, drops, how images arrive; WARN
-///   when the topic is silent, ERROR while images are refused.
-/// Threads: the callback only stores the image; one worker per back-end slot. The newest image replaces a
-/// waiting one.
+/// Diagnostics: model, back end, rates, percentiles of work and latency, drops, how images arrive; WARN when
+///   the topic is silent, ERROR while images are refused.
+/// Threads: the callback only stores the image; one worker per back-end slot.
 class DetectorNodelet : public nodelet::Nodelet {
  public:
   ~DetectorNodelet() override {

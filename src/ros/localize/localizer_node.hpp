@@ -25,36 +25,37 @@
 namespace extperfc::localizer {
 
 /// Monte Carlo localization in a known map, with amcl's topics, services and parameters: a launch file for
-/// amcl works after a change of package, type and name.
+/// amcl works after a change of package, type and name. Also a program: rosrun extperfc localizer.
 ///
 /// Subscribes:
-///   scan           sensor_msgs/LaserScan; several scanners may share the topic
-///   initialpose    geometry_msgs/PoseWithCovarianceStamped in global_frame_id
-///   map            nav_msgs/OccupancyGrid, when use_map_topic is true and map_file empty
-///   /tf, /tf_static
+///   scan             sensor_msgs/LaserScan; several scanners may share the topic, upside down is recognised
+///   initialpose      geometry_msgs/PoseWithCovarianceStamped in global_frame_id; an old one is moved by
+///                    odometry
+///   map              nav_msgs/OccupancyGrid, when use_map_topic is true and map_file empty
+///   /tf, /tf_static  tf2_msgs/TFMessage
 /// Publishes:
-///   amcl_pose      geometry_msgs/PoseWithCovarianceStamped, latched, after every update
+///   amcl_pose      geometry_msgs/PoseWithCovarianceStamped, latched, after every update, with the scan's
+///                  stamp
 ///   particlecloud  geometry_msgs/PoseArray, latched, only while it has subscribers
-///   /tf            global_frame_id -> odom_frame_id with every scan, dated transform_tolerance ahead of it
+///   /tf            tf2_msgs/TFMessage: global_frame_id -> odom_frame_id with every scan, dated
+///                  transform_tolerance ahead of it
 ///   diagnostics    diagnostic_msgs/DiagnosticArray
 /// Services:
-///   global_localization     std_srvs/Empty: particles on the whole map
-///   request_nomotion_update std_srvs/Empty: update with the next scan, without motion
-///   set_map                 nav_msgs/SetMap: another map and the pose in it
-/// Calls: static_map (nav_msgs/GetMap) until it answers, when use_map_topic is false and map_file empty
-/// Parameters (private; unknown keys are refused): amcl's, with units and ranges in config/localizer.yaml.
-///   Defaults that differ: min_particles 500, laser_max_beams 60, update_min_a 0.2 rad, odom_model_type
-///   diff-corrected. Not in amcl:
-///   map_file               YAML file of map_server's format, or MRPT's .gridmap or
-///                          .gridmap.gz, loaded at the start                         "": none
-///   tf_timeout_s           wait for a transform at the scan's stamp [s]             0.5, [0, 5]
-///   idle_update_period_s   longest time between updates while standing; 0: none [s] 1, [0, 3600]
-///   lost_fit               fraction of fitting beams below which the robot is lost     0.4, [0, 1]
-///   timeout_s              silence of the lidar after which diagnostics warn [s]    5, [0.1, 3600]
-///   seed                   of the random numbers                                    1
+///   global_localization      std_srvs/Empty: particles on the whole map
+///   request_nomotion_update  std_srvs/Empty: update with the next scan, without motion
+///   set_map                  nav_msgs/SetMap: another map and the pose in it; an invalid map or pose changes
+///                            nothing
+/// Calls:
+///   static_map  nav_msgs/GetMap, until it answers, when use_map_topic is false and map_file empty
+/// Parameters: amcl's, in config/localizer.yaml, and a given initial pose in config/initial_pose.yaml. The
+///   node stores its pose in initial_pose_* and initial_cov_*, where the next start finds it. amcl's other
+///   parameters are accepted without effect, and a warning names them. Without the YAML file min_particles is
+///   500, laser_max_beams 60, update_min_a 0.2 rad, odom_model_type diff-corrected with alphas of 0.2, and
+///   idle_update_period_s 1 s.
 /// Frames: needs scan frame -> base_frame_id -> odom_frame_id at the scan's stamp.
-/// Diagnostics: particles, pose, its standard deviations, weight of its cluster, fit, rates, latency, drops.
-///   WARN without a map or scans, while lost, ambiguous or uncertain; ERROR while scans cannot be used.
+/// Diagnostics: particles, pose, its standard deviations, weight of its cluster, fit, rates, latency, drops;
+///   WARN without a map or scans, while lost, ambiguous (its cluster holds less than half of the weight) or
+///   uncertain; ERROR while scans cannot be used.
 /// Threads: callbacks store; one worker waits for transforms and computes. The newest scan replaces one that
 ///   waits.
 class LocalizerNode {

@@ -33,54 +33,36 @@ namespace extperfc {
 /// Rao-Blackwellised particle filter). Names as in gmapping's slam_gmapping where the meaning is the same.
 ///
 /// Subscribes:
-///   scan   sensor_msgs/LaserScan, or sensor_msgs/MultiEchoLaserScan with multi_echo (its strongest echoes)
-///   imu    sensor_msgs/Imu, with use_imu
+///   scan             sensor_msgs/LaserScan, or sensor_msgs/MultiEchoLaserScan with multi_echo (its strongest
+///                    echoes)
+///   imu              sensor_msgs/Imu, with use_imu
+///   /tf, /tf_static  tf2_msgs/TFMessage
 /// Publishes:
-///   map, map_metadata   nav_msgs/OccupancyGrid, MapMetaData: latched, when changed, at most every
-///                       map_update_interval
-///   pose                geometry_msgs/PoseWithCovarianceStamped of base_frame in map_frame, for every
-///                       used scan
-///   particlecloud       geometry_msgs/PoseArray, after key frames, while it has subscribers
-///   trajectory          nav_msgs/Path of at most 10,000 poses, while it has subscribers
-///   ~entropy            std_msgs/Float64 of the particles' weights [nat], after key frames
-///   diagnostics         diagnostic_msgs/DiagnosticArray
+///   map            nav_msgs/OccupancyGrid, latched, when changed, at most every map_update_interval
+///   map_metadata   nav_msgs/MapMetaData, latched, with the map
+///   pose           geometry_msgs/PoseWithCovarianceStamped of base_frame in map_frame, for every used scan
+///   particlecloud  geometry_msgs/PoseArray, after key frames, while it has subscribers
+///   trajectory     nav_msgs/Path of at most 10,000 poses, while it has subscribers
+///   ~entropy       std_msgs/Float64 of the particles' weights [nat], after key frames
+///   /tf            tf2_msgs/TFMessage: map_frame -> odom_frame
+///   diagnostics    diagnostic_msgs/DiagnosticArray
 /// Services:
-///   dynamic_map         nav_msgs/GetMap
-///   ~save_map           extperfc/SaveMap: PGM and YAML as map_server has them, and a session to resume
-///                       from; with the suffix .gridmap or .gridmap.gz MRPT's grid map alone
-///   ~load_session       extperfc/LoadSession
-///   ~pause, ~resume     std_srvs/Trigger: scans are skipped meanwhile, tf continues
-///   ~reset              std_srvs/Trigger: a new map
-/// Parameters (private; unknown keys are refused; those of GMapping's own matcher are accepted without
-/// effect, and a warning names them):
-///   base_frame, odom_frame, map_frame                                             base_link, odom, map
-///   odometry                  auto | tf | none, see ros_params::OdometrySource     auto
-///   use_imu                   rotation by the IMU instead of odometry              false
-///   multi_echo                the scan's type                                      false
-///   throttle_scans            use every n-th scan                                  1, [1, 1000]
-///   queue_size                waiting scans; when full the oldest is dropped       10, [1, 1000]
-///   map_update_interval       from map to map, at least [s of wall time]           5, [0, 3600]
-///   trajectory_interval_s     from trajectory to trajectory [s of wall time]       1, [0.05, 3600]
-///   transform_publish_period  of tf; 0: none [s]                                   0.05, [0, 60]
-///   tf_delay                  how far ahead tf is stamped [s]          transform_publish_period, [0, 60]
-///   transform_timeout_s       wait for transforms at the scan's stamp [s of wall]  0.5, [0, 60]
-///   max_tilt_rad              of the scanner against the floor [rad]               0.1, [0, 0.8]
-///   odometry_max_speed_m_s    faster odometry has jumped [m/s]                     5, [0.1, 100]
-///   odometry_max_yaw_rate_rad_s   faster odometry has jumped [rad/s]               10, [0.1, 100]
-///   session                   file of ~save_map to resume from                     "": a new map
-///   timeout_s                 silence after which diagnostics warn [s]             5, [0.1, 3600]
-///   diagnostic_period         [s of wall time]                                     1, [0.01, 60]
-///   particles, delta, maxRange, maxUrange, linearUpdate, angularUpdate, temporalUpdate, resampleThreshold,
-///   minimumScore, srr, srt, str, stt, occ_thresh, seed: see extperfc/mapping/mapper.hpp and
-///   config/mapper.yaml
-/// Frames: needs base_frame -> the scan's frame, and odom_frame -> base_frame unless odometry is none, at the
-///   scan's stamp. Publishes map_frame -> odom_frame periodically from the first used scan on; without any
+///   dynamic_map      nav_msgs/GetMap
+///   ~save_map        extperfc/SaveMap: PGM and YAML as map_server has them, and a session to resume from;
+///                    with the suffix .gridmap or .gridmap.gz MRPT's grid map alone
+///   ~load_session    extperfc/LoadSession: resumes a session; a file that cannot be read changes nothing
+///   ~pause, ~resume  std_srvs/Trigger: scans are skipped meanwhile, tf continues
+///   ~reset           std_srvs/Trigger: a new map
+/// Parameters: config/mapper.yaml. Those of GMapping's own matcher are accepted without effect, and a warning
+///   names them.
+/// Frames: needs base_frame -> the scan's frame, and odom_frame -> base_frame (not with `odometry: none`), at
+///   the scan's stamp. Publishes map_frame -> odom_frame periodically from the first used scan on; without any
 ///   odometry map_frame -> base_frame.
 /// Diagnostics: rates, latency, scan counts by status, effective particles and entropy; WARN while paused,
 ///   without scans, without odometry, after jumps and contradictions of odometry, after time ran back, while
 ///   scans are dropped; ERROR while scans cannot be used, with the missing transform.
-/// Threads: callbacks only store; one worker adds scans; one thread builds and sends maps, one sends
-///   tf, one serves services, which hold the worker up only while the mapper itself saves.
+/// Threads: callbacks only store; one worker adds scans; one thread builds and sends maps, one sends tf, one
+///   serves services, which hold the worker up only while the mapper itself saves.
 class MapperNodelet : public nodelet::Nodelet {
  public:
   ~MapperNodelet() override;

@@ -12,10 +12,12 @@ namespace extperfc {
 
 /// The robot as a whole: switched on, off, stopped in an emergency and reset after it.
 ///
-/// Publishes:  robot/state             baxter_core_msgs/AssemblyState
-/// Subscribes: robot/set_super_enable  std_msgs/Bool; refused while stopped
-///             robot/set_super_stop    std_msgs/Empty: e-stop
-///             robot/set_super_reset   std_msgs/Empty: takes the e-stop back; the robot stays disabled
+/// Subscribes:
+///   robot/set_super_enable  std_msgs/Bool; refused while stopped
+///   robot/set_super_stop    std_msgs/Empty: emergency stop
+///   robot/set_super_reset   std_msgs/Empty: takes the emergency stop back; the robot stays disabled
+/// Publishes:
+///   robot/state  baxter_core_msgs/AssemblyState
 class AssemblyInterface {
  public:
   AssemblyInterface(ros::NodeHandle handle, SimHost& host, double rate_hz);

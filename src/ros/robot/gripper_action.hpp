@@ -18,13 +18,16 @@ struct GripperActionParams {
   double feedback_rate_hz{100};
 };
 
-/// Action robot/end_effector/<side>_gripper/gripper_action (control_msgs/GripperCommand), as Baxter's gripper
-/// action server has it: position is the opening in per cent (0 closed, 100 open), max_effort the force in
-/// per cent; 0 or less leaves the force as it is configured.
+/// A gripper's action as Baxter's gripper action server has it. A gripper that is not calibrated is
+/// calibrated first. Succeeds when the opening is reached or an object is held between the fingers (stalled);
+/// aborts when neither happens in time. A newer goal replaces an older one, a cancelled goal stops the
+/// fingers.
 ///
-/// A gripper that is not calibrated is calibrated first. Succeeds when the opening is reached or something is
-/// held between the fingers (stalled); aborts when neither happens in time. A newer goal replaces an older
-/// one, a cancelled goal stops the fingers.
+/// Actions:
+///   robot/end_effector/<side>_gripper/gripper_action  control_msgs/GripperCommand: position is the opening
+///                                                     in per cent (0 closed, 100 open), max_effort the force
+///                                                     in per cent; 0 or less leaves the force as it is
+///                                                     configured
 class GripperAction {
  public:
   GripperAction(const ros::NodeHandle& handle, SimHost& host, simulate::Side side,

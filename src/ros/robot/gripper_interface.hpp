@@ -10,16 +10,17 @@
 
 namespace extperfc {
 
-/// One electric gripper's topics; <gripper> is robot/end_effector/<side>_gripper.
+/// One electric gripper's topics.
 ///
-/// Publishes:
-///   <gripper>/state                baxter_core_msgs/EndEffectorState; command, command_sender and
-///                                  command_sequence are those of the last command that was taken
-///   <gripper>/properties           baxter_core_msgs/EndEffectorProperties, latched
 /// Subscribes:
-///   <gripper>/command              baxter_core_msgs/EndEffectorCommand, see convert::from_message()
-///   <gripper>/rsdk/set_properties  baxter_core_msgs/EndEffectorProperties: what `properties` says from now
-///   on
+///   robot/end_effector/<side>_gripper/command              baxter_core_msgs/EndEffectorCommand
+///   robot/end_effector/<side>_gripper/rsdk/set_properties  baxter_core_msgs/EndEffectorProperties: what
+///                                                          `properties` says from now on
+/// Publishes:
+///   robot/end_effector/<side>_gripper/state       baxter_core_msgs/EndEffectorState; command, command_sender
+///                                                 and command_sequence are those of the last accepted
+///                                                 command
+///   robot/end_effector/<side>_gripper/properties  baxter_core_msgs/EndEffectorProperties, latched
 class GripperInterface {
  public:
   GripperInterface(ros::NodeHandle handle, SimHost& host, simulate::Side side, double rate_hz);

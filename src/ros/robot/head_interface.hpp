@@ -10,12 +10,14 @@
 
 namespace extperfc {
 
-/// The head turns about the vertical axis, and nods.
+/// The head rotates about the vertical axis, and nods.
 ///
-/// Publishes:  robot/head/head_state        baxter_core_msgs/HeadState
-/// Subscribes: robot/head/command_head_pan  baxter_core_msgs/HeadPanCommand; enable_pan_request switches the
-///                                          pan motor: while it is off, targets are ignored
-///             robot/head/command_head_nod  std_msgs/Bool; true: nod once
+/// Subscribes:
+///   robot/head/command_head_pan  baxter_core_msgs/HeadPanCommand; enable_pan_request switches the pan motor:
+///                                while it is off, targets are ignored
+///   robot/head/command_head_nod  std_msgs/Bool; true: nod once
+/// Publishes:
+///   robot/head/head_state  baxter_core_msgs/HeadState
 class HeadInterface {
  public:
   HeadInterface(ros::NodeHandle handle, SimHost& host, double rate_hz);

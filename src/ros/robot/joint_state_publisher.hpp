@@ -11,8 +11,10 @@ namespace extperfc {
 
 /// Every joint that moves, wheels and fingers included.
 ///
-/// Publishes:  robot/joint_states              sensor_msgs/JointState
-/// Subscribes: robot/joint_state_publish_rate  std_msgs/UInt16 [Hz], 1 to 1000
+/// Subscribes:
+///   robot/joint_state_publish_rate  std_msgs/UInt16 [Hz], 1 to 1000
+/// Publishes:
+///   robot/joint_states  sensor_msgs/JointState
 class JointStatePublisher {
  public:
   JointStatePublisher(ros::NodeHandle handle, SimHost& host, double rate_hz);

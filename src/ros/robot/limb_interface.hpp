@@ -15,19 +15,18 @@
 
 namespace extperfc {
 
-/// One arm's topics; <limb> is robot/limb/<side>.
+/// One arm's topics.
 ///
-/// Publishes:
-///   <limb>/endpoint_state                baxter_core_msgs/EndpointState, in the frame `base`
-///   <limb>/gravity_compensation_torques  baxter_core_msgs/SEAJointState
 /// Subscribes:
-///   <limb>/joint_command                 baxter_core_msgs/JointCommand, of any of the arm's joints. It ends
-///   a
-///                                        active trajectory
-///   <limb>/set_speed_ratio               std_msgs/Float64, [0, 1]
-///   <limb>/joint_command_timeout         std_msgs/Float64 [s], (0, 1]
-///   <limb>/inverse_dynamics_command      trajectory_msgs/JointTrajectoryPoint: taken as on Baxter, without
-///                                        effect: the simulated drives know their own dynamics
+///   robot/limb/<side>/joint_command             baxter_core_msgs/JointCommand, of any of the arm's joints;
+///                                               it ends an active trajectory
+///   robot/limb/<side>/set_speed_ratio           std_msgs/Float64, [0, 1]
+///   robot/limb/<side>/joint_command_timeout     std_msgs/Float64 [s], (0, 1]
+///   robot/limb/<side>/inverse_dynamics_command  trajectory_msgs/JointTrajectoryPoint: accepted as on Baxter,
+///                                               without effect: the simulated drives know their own dynamics
+/// Publishes:
+///   robot/limb/<side>/endpoint_state                baxter_core_msgs/EndpointState, in the frame `base`
+///   robot/limb/<side>/gravity_compensation_torques  baxter_core_msgs/SEAJointState
 class LimbInterface {
  public:
   LimbInterface(ros::NodeHandle handle, SimHost& host, simulate::Side side, ArmMotion& motion,

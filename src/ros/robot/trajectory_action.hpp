@@ -12,14 +12,15 @@
 
 namespace extperfc {
 
-/// Action robot/limb/<side>/follow_joint_trajectory (control_msgs/FollowJointTrajectory).
+/// Follows trajectories. Goals that cannot be followed are rejected, with error_code and error_string in the
+/// result. A newer goal takes the arm from an older one, which ends preempted; a cancelled goal slows down
+/// and ends preempted at rest. Any other end of the motion (a tolerance, a joint command, a disabled or
+/// stopped robot) aborts it. A preempted goal's error_code is GOAL_TOLERANCE_VIOLATED: the goal was not
+/// reached.
 ///
-/// Goals that cannot be followed are rejected, with error_code and error_string in the result. A newer goal
-/// takes the arm from an older one, which ends preempted; a cancelled goal slows down and ends preempted at
-/// rest. Any other end of the motion (a tolerance, a joint command, a disabled or stopped robot)
-/// aborts it. A preempted goal's error_code is GOAL_TOLERANCE_VIOLATED: the goal was not reached.
-///
-/// Goals are handed to the simulation thread, which has all of the state.
+/// Actions:
+///   robot/limb/<side>/follow_joint_trajectory  control_msgs/FollowJointTrajectory
+/// Threads: goals are handed to the simulation thread, which has all of the state.
 class TrajectoryAction {
  public:
   TrajectoryAction(const ros::NodeHandle& handle, SimHost& host, simulate::Side side, ArmMotion& motion,

@@ -14,11 +14,13 @@
 
 namespace extperfc {
 
-/// Service robot/tuck_arms (std_srvs/SetBool): true tucks both arms, false untucks them. Answers when they
-/// are there, or with the reason why not: a disabled robot, a tolerance, another command to an arm. It takes
-/// about 10 s of simulated time. A second call waits for the first.
+/// Tucks and untucks both arms. Answers when they are there, or with the reason why not: a disabled robot, a
+/// tolerance, another command to an arm. It takes about 10 s of simulated time. A second call waits for the
+/// first.
 ///
-/// A separate thread waits, so that the robot's topics stay alive meanwhile.
+/// Services:
+///   robot/tuck_arms  std_srvs/SetBool: true tucks both arms, false untucks them
+/// Threads: a separate thread waits, so that the robot's topics stay alive meanwhile.
 class TuckService {
  public:
   TuckService(ros::NodeHandle handle, SimHost& host, const ArmMotions& motions, const TuckSpeed& speed);

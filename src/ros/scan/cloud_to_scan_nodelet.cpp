@@ -25,56 +25,28 @@
 namespace extperfc {
 
 /// Converts a lidar's point cloud to planar scans: compensates the robot's motion and tilt, and removes the
-/// floor and the robot itself.
+/// floor and the robot itself. Both scans have the cloud's stamp and the frame target_frame. NaN is an
+/// unknown ray (no return, or hidden by the robot), infinity a ray that a beam passed through, up to
+/// range_max and beyond.
 ///
 /// Subscribes (only while one of the scans has subscribers):
-///   velodyne_points   sensor_msgs/PointCloud2 with x, y, z; intensity, ring and time, t or timestamp
-///                     are used if present; any number type, byte order and padding, organised or not
-///   imu/data          sensor_msgs/Imu with an orientation; with level: imu only
-/// Publishes (stamp of the cloud, frame target_frame):
-///   scan              sensor_msgs/LaserScan for maps: per ray the nearest surface that two rings agree on
-///   scan_nearest      sensor_msgs/LaserScan for cost maps: per ray the nearest point
-///   diagnostics       diagnostic_msgs/DiagnosticArray
-///   In both, NaN is an unknown ray (no return, or hidden by the robot), and infinity one that a beam passed
-///   through, up to range_max and beyond.
-/// Parameters (private; unknown keys are refused; names as in pointcloud_to_laserscan):
-///   target_frame           frame of the scan, of heights and of ranges          "": the cloud's
-///   fixed_frame            points are deskewed by the motion in it, e.g. odom   "": no deskewing
-///   deskew                 false: fixed_frame serves for the vertical only      true
-///   azimuth_times          none | end | start: times of a VLP-16's points from their azimuth, if the cloud
-///                          has no times; the stamp is that of the end or the start of the revolution   none
-///   level                  none | tf (upwards in fixed_frame) | imu: removes roll and pitch of
-///                          target_frame                                         tf
-///   transform_tolerance    wait for transforms at the cloud's stamp [s]         0.1, [0, 5]
-///   min_height, max_height points outside do not count [m]                      0.1, 1.5
-///   angle_min, angle_max   first and last ray [rad]                             -pi, pi; [-2 pi, 2 pi]
-///   angle_increment        from ray to ray [rad]                                0.5 degrees, [0.0001, 1]
-///   scan_time              from scan to scan [s]                                0.1, [0, 60]
-///   range_min, range_max   points outside do not count [m]                      0.6, 30; >= 0
-///   use_inf, inf_epsilon   a ray that is seen to be free: infinity, or range_max + inf_epsilon [m]   true, 1
-///   no_return_range        a beam without a return counts as free up to here [m]; organised clouds
-///                          only; 0: it stays unknown                            0
-///   support_m              points this near to each other are one surface [m]   0.15, [0.001, 2]
-///   intensity              none | nearest | maximum of the points of a ray      nearest
-///   rings                  lasers that count: "7", "4-11", "1,3,8-15"           "": all
-///   self_volumes           list of capsules {frame, from, to, radius} and boxes {frame, size, xyz, rpy} that
-///                          are the robot; texts of three numbers [m], [rad]     none
-///   self_padding           added to every side of them [m]                      0.03, [0, 1]
-///   ground_method          none | height (level floor) | plane (RANSAC) | slope (along each ray)     height
-///   ground_z_m             where the floor is in the target frame [m]           0, [-10, 10]
-///   ground_clearance_m     lower points above the floor belong to it [m]        0.05, [0, 1]
-///   ground_max_slope_rad   of plane and slope: what is steeper is no floor      0.1, [0.001, 0.7]
-///   ground_band_m, ground_inlier_m, ground_max_iterations, ground_min_points, ground_seed
-///                          of the plane, see extperfc/scan/ground.hpp           0.3, 0.03, 100, 100, 1
-///   timeout_s              silence after which diagnostics warn [s]             5, [0.1, 3600]
-/// Frames: needs cloud frame -> target_frame at the cloud's stamp when target_frame is set. Uses
-///   target_frame -> fixed_frame over the sweep, the IMU's frame and the frames of self_volumes; without them
-///   the scan is published all the same, and diagnostics warn.
-/// Diagnostics: rates, latency, how clouds arrive, what became of points and rays; WARN while clouds are not
-///   deskewed or not levelled although they should be, a frame of the robot is missing, or no ground plane is
-///   found; ERROR while clouds cannot be used (fields, layout, transforms).
+///   velodyne_points  sensor_msgs/PointCloud2 with x, y, z; intensity, ring and time, t or timestamp are used
+///                    if present; any number type, byte order and padding, organised or not
+///   imu/data         sensor_msgs/Imu with an orientation; with level: imu only
+///   /tf, /tf_static  tf2_msgs/TFMessage
+/// Publishes:
+///   scan          sensor_msgs/LaserScan for maps: per ray the nearest surface that two rings agree on
+///   scan_nearest  sensor_msgs/LaserScan for cost maps: per ray the nearest point
+///   diagnostics   diagnostic_msgs/DiagnosticArray
+/// Parameters: config/cloud_to_scan.yaml; names as in pointcloud_to_laserscan.
+/// Frames: needs cloud frame -> target_frame at the cloud's stamp when target_frame is set. Uses target_frame
+///   -> fixed_frame over the sweep, the IMU's frame and the frames of self_volumes; without them the scan is
+///   published all the same, and diagnostics warn.
+/// Diagnostics: rates, latency, how clouds arrive, numbers of used and ignored points and rays; WARN while
+///   clouds are not deskewed or not levelled although they should be, a frame of the robot is missing, or no
+///   ground plane is found; ERROR while clouds cannot be used (fields, layout, transforms).
 /// Threads: the callbacks only store; one worker waits for transforms and computes. The newest cloud replaces
-/// a waiting one.
+///   a waiting one.
 class CloudToScanNodelet : public nodelet::Nodelet {
  public:
   ~CloudToScanNodelet() override {

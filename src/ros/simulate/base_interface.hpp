@@ -25,9 +25,12 @@ struct OdometryVariance {
 
 /// The mobile base as its driver shows it.
 ///
-/// Subscribes: cmd_vel (geometry_msgs/Twist: linear.x, linear.y, angular.z).
-/// Publishes: odom (nav_msgs/Odometry, odom -> base_footprint, with covariance), imu/data (sensor_msgs/Imu in
-/// imu_link), tf odom -> base_footprint and, when wanted, map -> odom.
+/// Subscribes:
+///   cmd_vel  geometry_msgs/Twist: linear.x, linear.y, angular.z
+/// Publishes:
+///   odom      nav_msgs/Odometry, odom -> base_footprint, with covariance
+///   imu/data  sensor_msgs/Imu in imu_link
+///   /tf       tf2_msgs/TFMessage: odom -> base_footprint and, when wanted, map -> odom
 class BaseInterface {
  public:
   BaseInterface(ros::NodeHandle handle, SimHost& host, const ros_params::BaseInterfaceParams& params,

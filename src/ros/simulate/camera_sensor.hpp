@@ -15,16 +15,18 @@
 
 namespace extperfc {
 
-/// The RGB-D camera, as the RealSense's driver with depth aligned to colour shows it.
+/// The RGB-D camera, as the RealSense's driver with depth aligned to colour shows it. Faults spoil the
+/// images, not the truth, and while the camera is frozen the truth is that of its image.
 ///
-/// Publishes, all with one stamp and in camera_color_optical_frame:
-///   camera/color/image_raw (rgb8), camera/color/camera_info
-///   camera/aligned_depth_to_color/image_raw (16UC1 [mm] or 32FC1 [m]),
-///   camera/aligned_depth_to_color/camera_info
-///   sim/truth/labels (16UC1: what each pixel shows, an index into ~instances)
-///   sim/truth/detections (vision_msgs/Detection2DArray: visible boxes of what has a class)
-/// Faults spoil the images, not the truth, and while the camera is frozen the truth is that of its image.
-/// Renders only while an image or the detections have subscribers.
+/// Publishes (one stamp, in camera_color_optical_frame; while there are subscribers):
+///   camera/color/image_raw                     sensor_msgs/Image, rgb8
+///   camera/color/camera_info                   sensor_msgs/CameraInfo
+///   camera/aligned_depth_to_color/image_raw    sensor_msgs/Image, 16UC1 [mm] or 32FC1 [m]
+///   camera/aligned_depth_to_color/camera_info  sensor_msgs/CameraInfo
+///   sim/truth/labels                           sensor_msgs/Image, 16UC1: index of what each pixel shows into
+///                                              ~instances
+///   sim/truth/detections                       vision_msgs/Detection2DArray: visible boxes of objects that
+///                                              have a class
 class CameraSensor : public Sensor {
  public:
   /// Errors: the robot has no camera frame.

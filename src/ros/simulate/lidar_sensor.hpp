@@ -11,12 +11,14 @@
 
 namespace extperfc {
 
-/// The VLP-16, as velodyne_pointcloud shows it.
+/// The VLP-16, as velodyne_pointcloud shows it. The first sweep comes one revolution after the first
+/// subscriber.
 ///
-/// Publishes: velodyne_points (sensor_msgs/PointCloud2: x y z intensity float32, ring uint16, time float32;
-/// 22 bytes a point, unordered) in the frame `velodyne`. The stamp is that of the end of the sweep, and
-/// stamp + time is when a point was measured: times lie in (-0.1, 0] s at 10 Hz. Points are in the sensor's
-/// frame at their own time. The first sweep comes one revolution after the first subscriber.
+/// Publishes:
+///   velodyne_points  sensor_msgs/PointCloud2 in the frame `velodyne`: x y z intensity float32, ring uint16,
+///                    time float32; 22 bytes a point, unordered. The stamp is that of the end of the sweep,
+///                    and stamp + time is when a point was measured: times lie in (-0.1, 0] s at 10 Hz.
+///                    Points are in the sensor's frame at their own time
 class LidarSensor : public Sensor {
  public:
   /// Errors: the robot has no lidar frame.

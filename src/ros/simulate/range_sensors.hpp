@@ -14,8 +14,9 @@ namespace extperfc {
 
 /// The infrared sensors in Baxter's hands.
 ///
-/// Publishes: robot/range/<side>_hand_range/state (sensor_msgs/Range, 0.004 to 0.4 m, frame
-/// <side>_hand_range). As the robot does, 65.535 m when nothing is in range.
+/// Publishes:
+///   robot/range/<side>_hand_range/state  sensor_msgs/Range, 0.004 to 0.4 m, frame <side>_hand_range; as the
+///                                        robot does, 65.535 m when no object is in range
 class HandRangeSensor : public Sensor {
  public:
   /// Errors: the robot has no such frame.
@@ -39,8 +40,10 @@ class HandRangeSensor : public Sensor {
 
 /// The twelve sonars around Baxter's head.
 ///
-/// Publishes: robot/sonar/head_sonar/state (sensor_msgs/PointCloud in the frame sonar_ring: where the echoes
-/// come from; channels SensorId and Distance [m]; sensors without an echo are left out).
+/// Publishes:
+///   robot/sonar/head_sonar/state  sensor_msgs/PointCloud in the frame sonar_ring: where the echoes come
+///                                 from; channels SensorId and Distance [m]; sensors without an echo are left
+///                                 out
 class SonarSensor : public Sensor {
  public:
   /// Errors: the robot has no such frame.

@@ -17,8 +17,15 @@
 
 namespace extperfc {
 
-/// Services of the simulation: sim/pause, sim/step, sim/reset, sim/set_real_time_factor, sim/set_fault,
-/// sim/move_body. They answer in separate threads, so that a long sim/step blocks no other call.
+/// Services of the simulation. They answer in separate threads, so that a long sim/step blocks no other call.
+///
+/// Services:
+///   sim/pause                 std_srvs/SetBool
+///   sim/step                  extperfc/StepSimulation, while paused
+///   sim/reset                 std_srvs/Trigger
+///   sim/set_real_time_factor  extperfc/SetRealTimeFactor
+///   sim/set_fault             extperfc/SetFault
+///   sim/move_body             extperfc/MoveBody
 class SimServices {
  public:
   SimServices(const ros::NodeHandle& handle, SimThread& thread, FaultControl& faults);

@@ -24,10 +24,11 @@
 namespace extperfc {
 
 /// Steps the simulator in a separate thread, at the wanted real-time factor, and publishes its clock.
-///
-/// Publishes: /clock (rosgraph_msgs/Clock, latched), sim/real_time_factor (std_msgs/Float32, once a second of
-/// real time; 0 while paused).
 /// Published time = start_time_s + the simulator's time + what clock jumps added.
+///
+/// Publishes:
+///   /clock                rosgraph_msgs/Clock, latched
+///   sim/real_time_factor  std_msgs/Float32, once a second of real time; 0 while paused
 class SimThread : public SimHost {
  public:
   SimThread(ros::NodeHandle handle, const ros_params::SimTimeParams& params,

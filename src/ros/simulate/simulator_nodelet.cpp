@@ -14,26 +14,17 @@ namespace extperfc {
 
 /// A mobile Baxter in a simulated world, with the topics, services, actions and frames of the real one.
 ///
-/// Subscribes: cmd_vel (see BaseInterface), Baxter's commands (see RobotInterface).
 /// Publishes:
-///   /clock, sim/real_time_factor                       see SimThread
-///   odom, imu/data, tf                                 see BaseInterface
-///   robot/...                                          see RobotInterface
-///   camera/color/..., camera/aligned_depth_to_color/...   see CameraSensor
-///   velodyne_points                                    see LidarSensor
-///   robot/range/..., robot/sonar/head_sonar/state      see HandRangeSensor, SonarSensor
-///   sim/truth/..., sim/world_markers                   see TruthPublisher, CameraSensor
-///   diagnostics
-/// Services: sim/pause (std_srvs/SetBool), sim/step (StepSimulation), sim/reset (std_srvs/Trigger),
-///   sim/set_real_time_factor (SetRealTimeFactor), sim/set_fault (SetFault), sim/move_body (MoveBody);
-///   robot/... see RobotInterface.
-/// Parameters (private; unknown keys are refused): config/simulator.yaml lists all of them with unit, range
-///   and default. `classes` and `instances` are WRITTEN: names of class ids and of the label image's
-///   numbers.
+///   diagnostics  diagnostic_msgs/DiagnosticArray
+/// Parts: SimThread, SimServices, BaseInterface, CameraSensor, LidarSensor, HandRangeSensor, SonarSensor,
+///   TruthPublisher, RobotInterface
+/// Parameters: config/simulator.yaml, and the group `robot` in config/robot_interface.yaml. The nodelet
+///   writes the names of class ids and of the numbers in the label image to the parameters `classes` and
+///   `instances`.
 /// Frames: odom -> base_footprint, and map -> odom when base/publish_map_frame is set; the robot's own frames
 ///   come from robot_state_publisher. The world's frame is map.
 /// Diagnostics: one status for the simulation (real-time factor, steps), the base and each sensor (rate, work
-///   and CPU time of a frame, what was replaced or lost).
+///   and CPU time of a frame, replaced and lost frames).
 /// Threads: one steps the simulation and publishes what the robot's controllers would; one measures for the
 ///   sensors; two answer the services of the simulation.
 class SimulatorNodelet : public nodelet::Nodelet {

@@ -15,9 +15,9 @@
 
 namespace extperfc {
 
-/// The ground truth, for evaluation and for people; a robot has none of it.
+/// The ground truth, for evaluation and for people; a robot does not publish it.
 ///
-/// Publishes, in the frame `map`:
+/// Publishes (in the frame map):
 ///   sim/truth/odom         nav_msgs/Odometry: where the robot is, map -> base_footprint
 ///   sim/truth/objects      vision_msgs/Detection3DArray of the bodies that have a class and of the people:
 ///                          results[0].id is the class; bbox encloses the body and has its axes;
@@ -25,7 +25,8 @@ namespace extperfc {
 ///                          quarter of its height lower
 ///   sim/truth/map          nav_msgs/OccupancyGrid, latched: the floor plan at the start
 ///   sim/truth/vision_info  vision_msgs/VisionInfo, latched: where the class names are
-///   sim/world_markers      visualization_msgs/MarkerArray: everything to each new listener, then what moves
+///   sim/world_markers      visualization_msgs/MarkerArray: everything to each new subscriber, then what
+///                          moves
 class TruthPublisher {
  public:
   TruthPublisher(ros::NodeHandle handle, const ros::NodeHandle& private_handle, SimHost& host,

@@ -8,9 +8,11 @@ namespace extperfc {
 
 /// Plays the RGB-D observations of an MRPT rawlog.
 ///
-/// Publishes: see RecordingPlayer; diagnostics.
-/// Parameters: those of extperfc/image_pair_source; `path` is the rawlog file, `depth_scale` is not used, and
-/// the rawlog's own intrinsics count unless others are given.
+/// Publishes:
+///   diagnostics  diagnostic_msgs/DiagnosticArray
+/// Parts: RecordingPlayer
+/// Parameters: those of extperfc/image_pair_source. `path` is the rawlog file, `depth_scale` is not used, and
+///   the rawlog's own intrinsics are used unless others are given.
 class RawlogSourceNodelet : public SourceNodelet {
   Result<std::unique_ptr<sources::Recording>> open(const ros_params::SourceParams& params) override {
     return sources::open_rawlog(params.path);

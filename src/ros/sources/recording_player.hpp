@@ -21,15 +21,17 @@
 namespace extperfc {
 
 /// Plays a recording as an RGB-D camera would publish it; shared by the nodelets that differ only in what
-/// they open.
+/// they open. Images travel as pointers inside one manager; `color last` and `depth last` in diagnostics are
+/// stamp and address of what was published, which every subscriber in the manager reports too.
 ///
-/// Publishes:
-///   camera/color/image_raw, camera/color/camera_info
-///   camera/aligned_depth_to_color/image_raw (16UC1 [mm]), camera/aligned_depth_to_color/camera_info
-///   tf: world_frame -> frame_id at the same stamp, when the recording knows where the camera was
-/// All of them carry one stamp. Images travel as pointers inside one manager; `color last` and `depth last`
-/// in diagnostics are stamp and address of what was published, which every subscriber in the manager reports
-/// too. Threads: one that reads ahead by one frame and keeps the rate.
+/// Publishes (all with one stamp):
+///   camera/color/image_raw                     sensor_msgs/Image
+///   camera/color/camera_info                   sensor_msgs/CameraInfo
+///   camera/aligned_depth_to_color/image_raw    sensor_msgs/Image, 16UC1 [mm]
+///   camera/aligned_depth_to_color/camera_info  sensor_msgs/CameraInfo
+///   /tf                                        tf2_msgs/TFMessage: world_frame -> frame_id, when the
+///                                              recording has its camera's poses
+/// Threads: one that reads ahead by one frame and keeps the rate.
 class RecordingPlayer {
  public:
   RecordingPlayer(ros::NodeHandle handle, ros_params::SourceParams params,

@@ -19,22 +19,20 @@
 
 namespace extperfc::translator {
 
-/// The ROS node around a bridge, with parameters, log, diagnostics and two services. Bridged messages do not
-/// pass through roscpp: the bridge has separate nodes at both masters (parameters robot/name and
-/// workstation/name).
+/// Bridges the ROS 1 masters of a robot and of a workstation, and converts messages, services and actions
+/// whose definitions differ. Bridged messages do not pass through roscpp: the bridge has separate nodes at
+/// both masters (parameters robot/name and workstation/name).
 ///
-/// Publishes: diagnostics (diagnostic_msgs/DiagnosticArray).
-/// Services (private, std_srvs/Trigger):
-///   ~status         the content of the diagnostics, as text
-///   ~reload_rules   reads the rule files again and compiles every plan again; if a rule is invalid,
-///   nothing changes
-/// Parameters (private; unknown keys are refused): config/translator.yaml lists all of them with unit, range
-/// and
-///   default.
+/// Publishes:
+///   diagnostics  diagnostic_msgs/DiagnosticArray
+/// Services:
+///   ~status        std_srvs/Trigger: the content of the diagnostics, as text
+///   ~reload_rules  std_srvs/Trigger: reads the rule files again and compiles every plan again; an invalid
+///                  rule changes nothing
+/// Parameters: config/translator.yaml. A robot's settings are loaded after it, see config/robots.
 /// Frames: none; with clocks/shift_stamps the stamps of bridged messages are shifted.
 /// Diagnostics: "link" (both masters, restarts, clock offset): ERROR while a master is away; one status for
-/// each
-///   topic and direction, and each service: WARN when it cannot be converted.
+///   each topic and direction, and each service: WARN when it cannot be converted.
 /// Threads: the bridge's event loop has one; reports and services run in the caller's spinner and ask it.
 class TranslatorNode {
  public:

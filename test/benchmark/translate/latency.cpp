@@ -30,7 +30,7 @@ struct SizeClass {
   std::uint32_t bytes;
   int divisor;  ///< of the number of samples
   double
-      known_relay_us;  ///< measured before on another day (docs/translator_performance.md), for orientation
+      known_relay_us;  ///< measured before on another day (docs/performance/translator.md), for orientation
 };
 constexpr std::array<SizeClass, 5> kSizes{{{"200 B", 200, 1, 114},
                                            {"2 kB", 2'000, 1, 144},
