@@ -7,6 +7,7 @@ imagemagick, and a built workspace.
 
 import argparse
 import contextlib
+import math
 import os
 import pathlib
 import re
@@ -17,16 +18,23 @@ import time
 import types
 
 import cv2
+import geometry_msgs.msg
 import numpy
+import rospy
+import tf2_ros
+from extperfc.srv import MoveBody, StepSimulation
+from std_srvs.srv import SetBool
 
 from demo_drive import PERIOD_S, Swing
 from demo_frames import TruthWatcher
+from grasp_scene import PlacePose, body_position
 from ros_session import RosSession
 
 REPO = pathlib.Path(__file__).resolve().parents[2]
 IMAGES = REPO / "docs" / "images"
 STEP_HZ = 240  # of the physics, config/simulator.yaml
 WIDTH, HEIGHT = 1200, 800  # of rviz
+LIGHT_YAW = -0.8  # of the frame `light` in map [rad]
 
 
 @contextlib.contextmanager
@@ -78,16 +86,29 @@ class Simulation:
     """A launch file with the simulator, whose time passes in steps only."""
 
     def __init__(self, session, launch_file, **arguments):
-        import rospy
         session.launch("extperfc", launch_file, rviz="false", **arguments)
         while session.alive() and subprocess.run(["rosparam", "get", "/use_sim_time"], capture_output=True).returncode:
             time.sleep(0.2)
         rospy.init_node("take_screenshots", disable_signals=True)
+        self.broadcaster = self._publish_light()
         rospy.wait_for_service("sim/step", 60)
-        from extperfc.srv import StepSimulation
-        from std_srvs.srv import SetBool
         rospy.ServiceProxy("sim/pause", SetBool)(True)
+        self.move_service = rospy.ServiceProxy("sim/move_body", MoveBody)
         self.step_service = rospy.ServiceProxy("sim/step", StepSimulation)
+
+    @staticmethod
+    def _publish_light():
+        """map -> light."""
+        transform = geometry_msgs.msg.TransformStamped(child_frame_id="light")
+        transform.header.frame_id = "map"
+        transform.transform.rotation.z, transform.transform.rotation.w = math.sin(LIGHT_YAW / 2), math.cos(LIGHT_YAW / 2)
+        broadcaster = tf2_ros.StaticTransformBroadcaster()
+        broadcaster.sendTransform(transform)
+        return broadcaster
+
+    def move_body(self, name, position):
+        pose = geometry_msgs.msg.Pose(geometry_msgs.msg.Point(*position), geometry_msgs.msg.Quaternion(0, 0, 0, 1))
+        self.move_service(name=name, pose=pose)
 
     def step(self, seconds):
         self.step_service(steps=round(seconds * STEP_HZ))
@@ -116,31 +137,97 @@ def animate(folder, files, target):
                     "webp:method=6", str(target)], check=True, cwd=folder)
 
 
+def view(distance, focal_point, yaw, pitch):
+    """Edits of an rviz configuration: where its camera stands, in the frame map. rviz has one light, which shines along -x of
+    its fixed frame; in the frame `light` it falls on the two sides of walls that a camera at this yaw sees."""
+    cos, sin = math.cos(LIGHT_YAW), math.sin(LIGHT_YAW)
+    x, y, z = focal_point
+    placed = (cos * x + sin * y, -sin * x + cos * y, z)
+    return ((r"(Current:(?:\n      .*)*?\n      Distance:).*", rf"\1 {distance}"),
+            (r"(Current:(?:\n      .*)*?\n      Focal Point:).*", r"\1 {X: %.3f, Y: %.3f, Z: %.3f}" % placed),
+            (r"(Current:(?:\n      .*)*?\n      Pitch:).*", rf"\1 {pitch}"),
+            (r"(Current:(?:\n      .*)*?\n      Yaw:).*", rf"\1 {(yaw - LIGHT_YAW) % (2 * math.pi)}"),
+            (r"(Current:(?:\n      .*)*?\n      Target Frame:).*", r"\1 <Fixed Frame>"), (r"Fixed Frame: .*", "Fixed Frame: light"))
+
+
+WITHOUT_FRAMES = (r"(Name: Frames\n      Enabled:) true", r"\1 false")
+
+
+def start(folder, session, launch_file, config, edits, **arguments):
+    """The simulation with rviz after some steps, and a watcher of the camera."""
+    simulation = Simulation(session, launch_file, **arguments)
+    watcher = Latest(types.SimpleNamespace(out=folder), types.SimpleNamespace(header=lambda: None))
+    stack = contextlib.ExitStack()
+    stack.enter_context(rviz(folder, config, edits))
+    for _ in range(12):
+        simulation.step(0.2)
+        time.sleep(2)  # rviz starts, loads meshes and draws
+    return simulation, watcher, stack
+
+
+def side_by_side(camera, scene, height, titles):
+    """Both images at one height, with their titles."""
+    images = [cv2.resize(image, (round(image.shape[1] * height / image.shape[0]), height), interpolation=cv2.INTER_AREA)
+              for image in (camera, scene)]
+    return numpy.hstack([write_label(image, title) for image, title in zip(images, titles)])
+
+
 def demo(folder, session):
     """demo.webp: one swing of tools/demo: the camera's image with what was detected, and the robot in its laboratory."""
-    simulation = Simulation(session, "sim_demo.launch")
-    quiet = types.SimpleNamespace(header=lambda: None)
-    watcher = Latest(types.SimpleNamespace(out=folder), quiet)
+    edits = (*view(3.3, (0.45, 0.1, 0.75), -0.7, 0.58), WITHOUT_FRAMES)
+    simulation, watcher, windows = start(folder, session, "sim_demo.launch", "simulation.rviz", edits)
     swing, files, step_s = Swing(), [], 0.2
-    view = ((r"Distance: 3.5", "Distance: 3.3"), (r"Focal Point: \{X: 0.6", "Focal Point: {X: 0.45"),
-            (r"(Name: Frames\n      Enabled:) true", r"\1 false"), (r"(?<!Saved:\n)Target Frame: base_footprint", "Target Frame: map"))
-    with rviz(folder, "simulation.rviz", view):
-        for index in range(-10, round(PERIOD_S / step_s)):
+    with windows:
+        for index in range(-5, round(PERIOD_S / step_s)):
             simulation.step(step_s)
             settle(watcher)
-            if index < 0 or watcher.image is None:
-                time.sleep(2)  # rviz starts
-                continue
-            files.append(folder / f"frame{index:03d}.png")
-            right = cv2.resize(screen(), (640, 427), interpolation=cv2.INTER_AREA)
-            left = cv2.resize(watcher.image, (569, 427), interpolation=cv2.INTER_AREA)
-            cv2.imwrite(str(files[-1]), numpy.hstack([write_label(left, "camera image, detected objects and their distances"),
-                                                      write_label(right, "rviz: robot, lidar and estimated positions")]))
+            if index >= 0:
+                files.append(folder / f"frame{index:03d}.png")
+                cv2.imwrite(str(files[-1]), side_by_side(watcher.image, screen(), 427, (
+                    "camera image, detected objects and their distances", "rviz: robot, lidar and estimated positions")))
     swing.stop()
     animate(folder, files, IMAGES / "demo.webp")
 
 
-IMAGES_BY_NAME = {"demo": demo}
+def grasp(folder, session):
+    """arm_grasp.png: detected objects and the rest of the camera's view as obstacles of the arms."""
+    simulation, watcher, windows = start(folder, session, "sim_grasp.launch", "grasp.rviz",
+                                         view(1.9, (0.35, 0, 0.95), -0.6, 0.5), objects="true", depth="true")
+    with windows:
+        for shape, x, y in (("cube", 0.55, -0.07), ("sphere", 0.6, 0.05), ("cone", 0.5, 0.03)):
+            simulation.move_body(shape, body_position(shape, PlacePose(x, y, 1.2, 0)))
+        for _ in range(6):
+            simulation.step(0.5)
+            time.sleep(2)
+        settle(watcher)
+        save(side_by_side(watcher.image, screen(), 540, (
+            "camera image with detections", "rviz: objects and voxels (yellow-green) that the arms avoid")), "arm_grasp.png")
+
+
+def lab(folder, session):
+    """simulation_rviz.png: the laboratory."""
+    _, _, windows = start(folder, session, "sim_demo.launch", "simulation.rviz",
+                          (*view(3.5, (0.5, 0.05, 0.75), -0.6, 0.5), WITHOUT_FRAMES))
+    with windows:
+        save(screen(), "simulation_rviz.png")
+
+
+def office(folder, session):
+    """simulation_office.png: the office floor from above."""
+    _, _, windows = start(folder, session, "sim.launch", "simulation.rviz",
+                          (*view(19, (-3, -0.5, 0), -0.9, 0.85), WITHOUT_FRAMES), world="office")
+    with windows:
+        save(screen(), "simulation_office.png")
+
+
+def save(image, name):
+    """As a PNG of 256 colours, which is a third of the size."""
+    file = IMAGES / name
+    cv2.imwrite(str(file), image)
+    subprocess.run(["convert", str(file), "-colors", "256", f"PNG8:{file}"], check=True)
+
+
+IMAGES_BY_NAME = {"demo": demo, "grasp": grasp, "lab": lab, "office": office}
 
 
 def main():
@@ -149,9 +236,10 @@ def main():
     names = parser.parse_args().names or list(IMAGES_BY_NAME)
     if unknown := set(names) - set(IMAGES_BY_NAME):
         parser.error(f"there is no image {', '.join(sorted(unknown))}: use {', '.join(IMAGES_BY_NAME)}")
-    for name in names:
-        with tempfile.TemporaryDirectory() as folder, display(), RosSession(pathlib.Path(folder) / "launch.log") as session:
-            IMAGES_BY_NAME[name](pathlib.Path(folder), session)
+    if len(names) > 1:  # a process has one ROS node
+        return max(subprocess.run([sys.executable, __file__, name]).returncode for name in names)
+    with tempfile.TemporaryDirectory() as folder, display(), RosSession(pathlib.Path(folder) / "launch.log") as session:
+        IMAGES_BY_NAME[names[0]](pathlib.Path(folder), session)
     return 0
 
 
