@@ -134,7 +134,7 @@ def settle(watcher, quiet_s=0.8, deadline_s=10.0):
 
 def animate(folder, files, target):
     subprocess.run(["convert", "-delay", "10", "-loop", "0", *map(str, files), "-quality", "62", "-define",
-                    "webp:method=6", str(target)], check=True, cwd=folder)
+                    "webp:method=4", str(target)], check=True, cwd=folder)
 
 
 def view(distance, focal_point, yaw, pitch):
@@ -192,9 +192,9 @@ def demo(folder, session):
 def grasp(folder, session):
     """arm_grasp.png: detected objects and the rest of the camera's view as obstacles of the arms."""
     simulation, watcher, windows = start(folder, session, "sim_grasp.launch", "grasp.rviz",
-                                         view(1.9, (0.35, 0, 0.95), -0.6, 0.5), objects="true", depth="true")
+                                         view(1.7, (0.35, 0, 1.0), -0.6, 0.55), objects="true", depth="true")
     with windows:
-        for shape, x, y in (("cube", 0.55, -0.07), ("sphere", 0.6, 0.05), ("cone", 0.5, 0.03)):
+        for shape, x, y in (("cube", 0.46, -0.08), ("sphere", 0.46, 0.08), ("cone", 0.53, 0.0)):
             simulation.move_body(shape, body_position(shape, PlacePose(x, y, 1.2, 0)))
         for _ in range(6):
             simulation.step(0.5)
