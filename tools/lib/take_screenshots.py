@@ -215,7 +215,7 @@ def lab(folder, session):
 def office(folder, session):
     """simulation_office.png: the office floor from above."""
     _, _, windows = start(folder, session, "sim.launch", "simulation.rviz",
-                          (*view(19, (-3, -0.5, 0), -0.9, 0.85), WITHOUT_FRAMES), world="office")
+                          (*view(26, (-3, -0.5, 0), -0.8, 0.85), WITHOUT_FRAMES), world="office")
     with windows:
         save(screen(), "simulation_office.png")
 
