@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "extperfc/base/math.hpp"
+
 namespace extperfc::localize {
 
 BeamModel::BeamModel(const LocalizerParams& params)
@@ -22,7 +24,7 @@ double BeamModel::likelihood(double range_m, double expected_m, double max_range
   double density = z_rand_ / max_range_m;
   if (!expect_miss) {
     const double off = (range_m - expected_m) / sigma_m_;
-    density += z_hit_ * std::exp(-off * off / 2) / (sigma_m_ * std::sqrt(2 * M_PI));
+    density += z_hit_ * std::exp(-off * off / 2) / (sigma_m_ * std::sqrt(kTwoPi));
   }
   if (range_m < expected_m) {
     // The exponential is cut off at the obstacle.
@@ -38,7 +40,7 @@ void BeamModel::mean_logs(const DistanceField& field, const Beams& beams, const 
   result.assign(particles.size(), 0.0F);
   if (beams.range_m.empty()) return;
   const auto longest = static_cast<float>(beams.max_range_m);
-  const double hit = z_hit_ / (sigma_m_ * std::sqrt(2 * M_PI));
+  const double hit = z_hit_ / (sigma_m_ * std::sqrt(kTwoPi));
   const double miss = z_hit_ + z_max_;
   for (std::size_t p = 0; p < particles.size(); ++p) {
     const float c = std::cos(particles.yaw[p]);

@@ -2,6 +2,8 @@
 
 #include <cmath>
 
+#include "extperfc/base/math.hpp"
+
 namespace extperfc::localize {
 
 double normal_quantile(double probability) {
@@ -11,7 +13,7 @@ double normal_quantile(double probability) {
   double z = 0;
   for (int i = 0; i < kMaxSteps; ++i) {
     const double error = 0.5 * std::erfc(-z / std::sqrt(2.0)) - probability;
-    const double density = std::exp(-z * z / 2) / std::sqrt(2 * M_PI);
+    const double density = std::exp(-z * z / 2) / std::sqrt(kTwoPi);
     const double step = error / density;
     z -= step;
     if (std::abs(step) < 1e-12) break;

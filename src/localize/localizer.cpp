@@ -8,16 +8,14 @@
 #include <Eigen/Eigenvalues>
 #include <Eigen/Geometry>
 
+#include "extperfc/world/pose.hpp"
+
 #include "localize/monte_carlo.hpp"
 #include "localize/pose_bins.hpp"
 
 namespace extperfc::localize {
 
 namespace {
-
-bool is_finite(const Pose2& pose) {
-  return std::isfinite(pose.x) && std::isfinite(pose.y) && std::isfinite(pose.yaw);
-}
 
 tl::unexpected<Error> wrong(const std::string& what) {
   return fail(ErrorCode::kInvalidArgument, "localizer: " + what);

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "extperfc/base/math.hpp"
+
 namespace extperfc::localize {
 
 namespace {
@@ -24,13 +26,9 @@ Legs legs_of(const Pose2& motion) {
   return legs;
 }
 
-double square(double value) {
-  return value * value;
-}
-
 /// Driving backwards is no rotation by pi.
 double rotation_size(double rotation) {
-  return std::min(std::abs(wrap_angle(rotation)), std::abs(wrap_angle(rotation - M_PI)));
+  return std::min(std::abs(wrap_angle(rotation)), std::abs(wrap_angle(rotation - kPi)));
 }
 
 void move_differential(const Pose2& motion, const MotionNoise& noise, Rng& rng, ParticleSet& particles) {

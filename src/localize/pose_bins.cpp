@@ -5,6 +5,8 @@
 #include <limits>
 #include <numeric>
 
+#include "extperfc/base/math.hpp"
+
 namespace extperfc::localize {
 
 namespace {
@@ -22,7 +24,7 @@ std::uint64_t key_of(float x, float y, float yaw) {
     constexpr auto kLimit = static_cast<double>(kBias - 2);
     return static_cast<std::int64_t>(std::clamp(std::floor(v / kBinSide_m), -kLimit, kLimit));
   };
-  const auto yaw_bin = static_cast<int>(std::floor((yaw + M_PI) / (2 * M_PI) * kBinsPerRevolution));
+  const auto yaw_bin = static_cast<int>(std::floor((yaw + kPi) / kTwoPi * kBinsPerRevolution));
   return pack(bin(x), bin(y), (yaw_bin % kBinsPerRevolution + kBinsPerRevolution) % kBinsPerRevolution);
 }
 

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "extperfc/base/math.hpp"
+
 #include "localize/weights.hpp"
 
 namespace extperfc::localize {
@@ -31,7 +33,7 @@ ParticleSet draw_uniform(const FreeSpace& free_space, std::size_t count, Rng& rn
   particles.make_weights_equal();
   for (std::size_t i = 0; i < count; ++i) {
     const auto point = free_space.draw(rng);
-    particles.set(i, point.x_m, point.y_m, static_cast<float>(rng.uniform(-M_PI, M_PI)));
+    particles.set(i, point.x_m, point.y_m, static_cast<float>(rng.uniform(-kPi, kPi)));
   }
   return particles;
 }

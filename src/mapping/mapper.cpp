@@ -7,6 +7,8 @@
 
 #include <Eigen/LU>
 
+#include "extperfc/world/pose.hpp"
+
 #include "mapping/map_renderer.hpp"
 #include "mapping/path_filter.hpp"
 #include "mapping/session.hpp"
@@ -21,10 +23,6 @@ constexpr std::size_t kCellsPerMapCall = 1'500'000;  // drawn at most in one cal
 // version is still in use.
 constexpr MapRenderer::MapBounds kMapCall{600, 6'000'000};
 constexpr double kSmallestCovariance = 1e-8;
-
-bool is_finite(const Pose2& pose) {
-  return std::isfinite(pose.x) && std::isfinite(pose.y) && std::isfinite(pose.yaw);
-}
 
 /// The matrix that rotates x, y, yaw by `yaw`.
 Eigen::Matrix3d rotation_by(double yaw) {

@@ -3,16 +3,17 @@
 #include <algorithm>
 #include <cmath>
 
+#include "extperfc/base/math.hpp"
+
 namespace extperfc::mapping {
 
 namespace {
 
 constexpr float kMarginM = 0.3F;  // a surface must stand so far in front of what was seen
-constexpr float kPi = 3.14159265F;
 
 std::size_t bin_of(const Eigen::Vector2f& ray, std::size_t bins) {
   // Whole degrees, where the rays of many scanners lie, are the middles of bins.
-  const float revolutions = (std::atan2(ray.y(), ray.x()) + kPi) / (2 * kPi);
+  const float revolutions = (std::atan2(ray.y(), ray.x()) + kPiF) / (2 * kPiF);
   return static_cast<std::size_t>(std::lround(std::max(0.0F, revolutions) * static_cast<float>(bins))) % bins;
 }
 

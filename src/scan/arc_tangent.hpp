@@ -3,6 +3,8 @@
 #include <cmath>
 #include <limits>
 
+#include "extperfc/base/math.hpp"
+
 namespace extperfc::scan {
 
 /// Angle of (x, y) from the x axis in [-pi, pi], within 6e-7 rad of std::atan2(y, x): a tenth of a millimetre
@@ -10,7 +12,6 @@ namespace extperfc::scan {
 /// gives 0; NaN gives NaN. The series is that of Abramowitz and Stegun, Handbook of Mathematical
 /// Functions, 4.4.49, |error| <= 2e-8.
 inline float arc_tangent(float y, float x) {
-  constexpr float kPi = 3.14159265358979323846F;
   const float wide = std::abs(x);
   const float high = std::abs(y);
   const float larger = wide > high ? wide : high;
@@ -22,8 +23,8 @@ inline float arc_tangent(float y, float x) {
                              0.1999355085F, -0.3333314528F, 1.0F})
     series = series * s + factor;
   const float within_eighth = series * t;
-  const float within_quarter = high > wide ? 0.5F * kPi - within_eighth : within_eighth;
-  const float above = x < 0 ? kPi - within_quarter : within_quarter;
+  const float within_quarter = high > wide ? 0.5F * kPiF - within_eighth : within_eighth;
+  const float above = x < 0 ? kPiF - within_quarter : within_quarter;
   return std::copysign(above, y);
 }
 

@@ -4,16 +4,16 @@
 #include <cmath>
 #include <limits>
 
+#include "extperfc/base/math.hpp"
+
 namespace extperfc::scan {
 
 namespace {
-
-constexpr float kFullAngle = 6.2831853F;
 constexpr float kNan = std::numeric_limits<float>::quiet_NaN();
 
 /// The angle in [-pi, pi].
 float wrapped(float angle) {
-  return angle - kFullAngle * std::round(angle / kFullAngle);
+  return angle - kTwoPiF * std::round(angle / kTwoPiF);
 }
 
 /// Sums the clockwise rotation of the sensor from point to point.
@@ -51,9 +51,9 @@ void times_from_azimuth(CloudPoints& points, std::size_t row_points, const ReadO
     min_angle = std::fmin(min_angle, rotated);
     max_angle = std::fmax(max_angle, rotated);
   }
-  if (max_angle - min_angle > kMaxRevolutions * kFullAngle) return points.time_s.clear();
+  if (max_angle - min_angle > kMaxRevolutions * kTwoPiF) return points.time_s.clear();
   const float origin = options.azimuth_times == AzimuthTimes::kStampAtEnd ? max_angle : min_angle;
-  const float seconds_per_rad = static_cast<float>(options.revolution_s) / kFullAngle;
+  const float seconds_per_rad = static_cast<float>(options.revolution_s) / kTwoPiF;
   for (float& time : points.time_s) time = (time - origin) * seconds_per_rad;
 }
 

@@ -3,13 +3,12 @@
 #include <string>
 #include <utility>
 
+#include "extperfc/base/math.hpp"
 #include "extperfc/scan/cloud_to_scan.hpp"
 
 namespace extperfc::scan {
 
 namespace {
-
-constexpr double kPi = 3.14159265358979323846;
 
 constexpr std::array kGroundMethods{
     std::pair{GroundMethod::kNone, "none"}, std::pair{GroundMethod::kHeight, "height"},

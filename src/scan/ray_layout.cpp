@@ -4,18 +4,18 @@
 #include <cmath>
 #include <limits>
 
+#include "extperfc/base/math.hpp"
+
 #include "scan/arc_tangent.hpp"
 
 namespace extperfc::scan {
 
 namespace {
 
-constexpr double kFullAngle = 2 * 3.14159265358979323846;
-
 /// A complete revolution: the ray after the last one would be the first again.
 bool is_full_revolution(const ScanParams& params, double rays) {
   constexpr double kRoundingRad = 1e-6;
-  return rays * params.angle_increment > kFullAngle - kRoundingRad;
+  return rays * params.angle_increment > kTwoPi - kRoundingRad;
 }
 
 /// Rays at angle_min + i * increment up to angle_max.
@@ -32,14 +32,13 @@ RayLayout::RayLayout(const ScanParams& params)
       angle_increment_(params.angle_increment),
       count_(count_rays(params)),
       full_revolution_(is_full_revolution(params, static_cast<double>(count_))),
-      bins_{static_cast<float>(std::remainder(params.angle_min - 0.5 * params.angle_increment, kFullAngle)),
+      bins_{static_cast<float>(std::remainder(params.angle_min - 0.5 * params.angle_increment, kTwoPi)),
             static_cast<float>(1.0 / params.angle_increment), static_cast<float>(count_)} {}
 
 std::uint32_t RayLayout::Bins::bin_of(float x, float y) const {
-  constexpr auto kFullAngleF = static_cast<float>(kFullAngle);
   float from_edge = arc_tangent(y, x) - first_edge_rad;
-  from_edge += from_edge < 0 ? kFullAngleF : 0.0F;
-  from_edge -= from_edge >= kFullAngleF ? kFullAngleF : 0.0F;
+  from_edge += from_edge < 0 ? kTwoPiF : 0.0F;
+  from_edge -= from_edge >= kTwoPiF ? kTwoPiF : 0.0F;
   const float bin = from_edge * per_rad;
   return static_cast<std::uint32_t>(static_cast<std::int32_t>(bin < none ? bin : none));
 }

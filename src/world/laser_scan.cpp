@@ -4,16 +4,15 @@
 #include <cmath>
 #include <string>
 
+#include "extperfc/base/math.hpp"
+#include "extperfc/world/pose.hpp"
+
 namespace extperfc {
 
 namespace {
 
 constexpr std::size_t kMaxRays = 100000;
-constexpr double kWidestSweepRad = 3 * M_PI;  // drivers overlap a revolution by some rays
-
-bool is_finite(const Pose2& pose) {
-  return std::isfinite(pose.x) && std::isfinite(pose.y) && std::isfinite(pose.yaw);
-}
+constexpr double kWidestSweepRad = 3 * kPi;  // drivers overlap a revolution by some rays
 
 tl::unexpected<Error> wrong(const std::string& what) {
   return fail(ErrorCode::kInvalidArgument, "laser scan: " + what);

@@ -2,6 +2,8 @@
 
 #include <cmath>
 
+#include "extperfc/base/math.hpp"
+
 namespace extperfc {
 
 Pose make_pose(const Eigen::Vector3d& xyz_m, const Eigen::Vector3d& rpy_rad) {
@@ -19,8 +21,12 @@ Pose to_pose(const Pose2& pose) {
 }
 
 double wrap_angle(double angle_rad) {
-  const double wrapped = std::remainder(angle_rad, 2 * M_PI);
-  return wrapped <= -M_PI ? wrapped + 2 * M_PI : wrapped;
+  const double wrapped = std::remainder(angle_rad, kTwoPi);
+  return wrapped <= -kPi ? wrapped + kTwoPi : wrapped;
+}
+
+bool is_finite(const Pose2& pose) {
+  return std::isfinite(pose.x) && std::isfinite(pose.y) && std::isfinite(pose.yaw);
 }
 
 Pose2 compose(const Pose2& a_T_b, const Pose2& b_T_c) {

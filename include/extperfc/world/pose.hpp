@@ -18,6 +18,8 @@ struct Pose2 {
   double yaw{0};  ///< [rad], counter-clockwise
 };
 
+[[nodiscard]] bool is_finite(const Pose2& pose);
+
 /// The pose of c in a, from that of b in a and of c in b: `a_T_c = compose(a_T_b, b_T_c)`.
 [[nodiscard]] Pose2 compose(const Pose2& a_T_b, const Pose2& b_T_c);
 

@@ -8,14 +8,12 @@
 #include <string>
 #include <utility>
 
+#include "extperfc/base/math.hpp"
+
 #include "arm/collision/motion_proof.hpp"
 
 namespace extperfc::arm::collision {
-namespace {
-
-constexpr double kPi = 3.14159265358979323846;
-
-}  // namespace
+namespace {}  // namespace
 
 Checks::Checks(const CollisionModel& model_in, const CollisionWorld& world_in,
                const CollisionCheckerParams& params_in, Scene scene)

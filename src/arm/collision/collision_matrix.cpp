@@ -6,6 +6,7 @@
 #include <set>
 #include <utility>
 
+#include "extperfc/base/math.hpp"
 #include "extperfc/base/rng.hpp"
 
 #include "arm/collision/exact_pairs.hpp"
@@ -13,8 +14,6 @@
 namespace extperfc::arm {
 namespace collision {
 namespace {
-
-constexpr double kPi = 3.14159265358979323846;
 constexpr int kSettledAfter = 1000;  // samples before a pair that is often apart is left alone
 
 /// Every link is a "body" of its own here: poses come from the robot's description.

@@ -5,13 +5,12 @@
 
 #include <Eigen/Geometry>
 
+#include "extperfc/base/math.hpp"
 #include "arm/kinematics/rotation.hpp"
 
 namespace extperfc::arm::constrained {
 
 namespace {
-
-constexpr double kPi = 3.14159265358979323846;
 /// Below this angle series replace quotients of small numbers [rad].
 constexpr double kSmallRad = 1e-4;
 

@@ -9,6 +9,8 @@
 #include <stdexcept>
 #include <utility>
 
+#include "extperfc/base/math.hpp"
+
 #include "arm/constrained/cbirrt.hpp"
 #include "arm/constrained/manifold.hpp"
 #include "arm/constrained/ompl_manifolds.hpp"

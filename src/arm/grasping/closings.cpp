@@ -5,13 +5,13 @@
 
 #include <Eigen/Geometry>
 
+#include "extperfc/base/math.hpp"
+
 namespace extperfc::arm::grasping {
 namespace {
 
 using collision::ConvexPart;
 using collision::PartKind;
-
-constexpr double kPi = 3.14159265358979323846;
 constexpr double kLong = 1.5;  // times the next edge: then there are grasps beside the middle too
 
 /// Unit vectors square to `axis`, half a revolution of them. The first is square to the line from the root's

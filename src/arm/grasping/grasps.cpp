@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "extperfc/arm/grasp.hpp"
+#include "extperfc/base/math.hpp"
 
 #include "arm/collision/convex_part.hpp"
 #include "arm/grasping/closings.hpp"
@@ -150,7 +151,7 @@ class Generator {
     candidate.lean_rad = contact.lean_rad;
     candidate.support_gap_m = gap_m;
     candidate.score = score(candidate, contact);
-    for (const double yaw : {0.0, 3.14159265358979323846}) {
+    for (const double yaw : {0.0, kPi}) {
       candidate.root_T_tip.linear() =
           root_T_tip.linear() * Eigen::AngleAxisd(yaw, Eigen::Vector3d::UnitZ()).toRotationMatrix();
       candidate.root_T_pregrasp = candidate.root_T_tip;

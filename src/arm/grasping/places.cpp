@@ -4,13 +4,12 @@
 #include <Eigen/Geometry>
 
 #include "extperfc/arm/grasp.hpp"
+#include "extperfc/base/math.hpp"
 
 #include "arm/grasping/contact.hpp"
 
 namespace extperfc::arm {
 namespace {
-
-constexpr double kPi = 3.14159265358979323846;
 
 bool within(double value, double low, double high) {
   return value >= low && value <= high;

@@ -6,6 +6,7 @@
 #include <set>
 #include <utility>
 
+#include "extperfc/base/math.hpp"
 #include "extperfc/base/rng.hpp"
 #include "extperfc/base/stopwatch.hpp"
 
@@ -106,7 +107,7 @@ class Finder {
     JointVector values(chain.joint_count());
     for (Eigen::Index i = 0; i < values.size(); ++i)
       values[i] =
-          rng_.uniform(std::max(chain.limits().lower[i], -M_PI), std::min(chain.limits().upper[i], M_PI));
+          rng_.uniform(std::max(chain.limits().lower[i], -kPi), std::min(chain.limits().upper[i], kPi));
     return values;
   }
 

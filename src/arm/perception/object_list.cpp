@@ -6,6 +6,8 @@
 #include <tuple>
 #include <utility>
 
+#include "extperfc/base/math.hpp"
+
 namespace extperfc::arm {
 namespace {
 
@@ -21,8 +23,8 @@ bool differ(const Pose& a, const Pose& b, double min_m, double min_rad) {
 
 /// The same box with the yaw nearest to `yaw_rad`.
 UprightBox rotated_to(UprightBox box, double yaw_rad) {
-  const double quarters = std::round((yaw_rad - box.yaw_rad) / M_PI_2);
-  box.yaw_rad += quarters * M_PI_2;
+  const double quarters = std::round((yaw_rad - box.yaw_rad) / (kPi / 2));
+  box.yaw_rad += quarters * kPi / 2;
   if (std::abs(std::fmod(quarters, 2.0)) > 0.5) std::swap(box.size_m.x(), box.size_m.y());
   return box;
 }

@@ -5,13 +5,12 @@
 #include <stdexcept>
 #include <utility>
 
+#include "extperfc/base/math.hpp"
 #include "arm/collision/state_fault.hpp"
 
 namespace extperfc::arm::planning {
 
 namespace {
-
-constexpr double kPi = 3.14159265358979323846;
 
 void demand(bool holds, const char* what) {
   if (!holds) throw std::invalid_argument(what);

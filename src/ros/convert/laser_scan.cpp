@@ -6,6 +6,8 @@
 #include <limits>
 #include <string>
 
+#include "extperfc/base/math.hpp"
+
 namespace extperfc::convert {
 
 namespace {
@@ -14,7 +16,7 @@ constexpr std::size_t kNone = std::numeric_limits<std::size_t>::max();
 
 std::string degrees(double angle_rad) {
   char text[32];
-  (void)std::snprintf(text, sizeof text, "%.1f", angle_rad * 180.0 / M_PI);
+  (void)std::snprintf(text, sizeof text, "%.1f", angle_rad * 180.0 / kPi);
   return text;
 }
 

@@ -29,6 +29,10 @@ constexpr std::array<std::size_t, 3> kPlanar{0, 1, 5};  // x, y and yaw among x,
 
 }  // namespace
 
+std::string without_slash(const std::string& frame) {
+  return frame.substr(!frame.empty() && frame[0] == '/' ? 1 : 0);
+}
+
 geometry_msgs::Pose to_pose_message(const Pose2& pose) {
   geometry_msgs::Pose message;
   message.position.x = pose.x;

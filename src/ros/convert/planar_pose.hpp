@@ -1,5 +1,7 @@
 #pragma once
 
+#include <string>
+
 #include <Eigen/Core>
 #include <boost/array.hpp>
 #include <geometry_msgs/Pose.h>
@@ -9,6 +11,9 @@
 #include "extperfc/world/pose.hpp"
 
 namespace extperfc::convert {
+
+/// A frame's name as tf2 knows it: without tf's leading slash.
+[[nodiscard]] std::string without_slash(const std::string& frame);
 
 [[nodiscard]] geometry_msgs::Pose to_pose_message(const Pose2& pose);
 [[nodiscard]] geometry_msgs::Transform to_transform_message(const Pose2& pose);

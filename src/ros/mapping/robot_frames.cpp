@@ -29,14 +29,10 @@ std::string text_of(double seconds) {
   return text;
 }
 
-std::string without_slash(const std::string& frame) {
-  return !frame.empty() && frame.front() == '/' ? frame.substr(1) : frame;
-}
-
 }  // namespace
 
 Result<Pose> RobotFrames::base_T(const std::string& sensor_frame, const ros::Time& stamp, double timeout_s) {
-  return lookup(base_frame_, without_slash(sensor_frame), stamp, timeout_s);
+  return lookup(base_frame_, convert::without_slash(sensor_frame), stamp, timeout_s);
 }
 
 Result<Pose2> RobotFrames::odom_T_base(const ros::Time& stamp, double timeout_s) {
@@ -93,7 +89,7 @@ std::string RobotFrames::why_missing(const std::string& target, const std::strin
 void RobotFrames::ran_back_to(const ros::Time& stamp, const std::string& sensor_frame) {
   bool stale = false;
   for (const auto& latest :
-       {newest(odom_frame_, base_frame_), newest(base_frame_, without_slash(sensor_frame))})
+       {newest(odom_frame_, base_frame_), newest(base_frame_, convert::without_slash(sensor_frame))})
     stale = stale || (latest && latest->toSec() > stamp.toSec() + kRanBackS);
   if (stale) buffer_.clear();
 }

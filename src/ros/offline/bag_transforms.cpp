@@ -7,6 +7,8 @@
 #include <console_bridge/console.h>
 #include <tf2/exceptions.h>
 
+#include "extperfc/base/text.hpp"
+
 namespace extperfc::ros_offline {
 
 namespace {
@@ -60,13 +62,7 @@ std::string BagTransforms::frames() const {
   std::vector<std::string> names;
   buffer_._getFrameStrings(names);
   std::sort(names.begin(), names.end());
-  std::string text;
-  for (const auto& name : names) text += (text.empty() ? "" : ", ") + name;
-  return text.empty() ? "none" : text;
-}
-
-std::string without_slash(const std::string& frame) {
-  return frame.substr(!frame.empty() && frame[0] == '/' ? 1 : 0);
+  return enumeration(names);
 }
 
 }  // namespace extperfc::ros_offline

@@ -33,7 +33,4 @@ class BagTransforms {
   double newest_s_{0};
 };
 
-/// tf2 knows no leading slash.
-[[nodiscard]] std::string without_slash(const std::string& frame);
-
 }  // namespace extperfc::ros_offline

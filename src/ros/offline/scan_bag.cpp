@@ -121,7 +121,7 @@ bool ScanBag::is_static(const std::string& topic) const {
 Result<std::string> ScanBag::scanner_frame() {
   rosbag::View view(bag_, rosbag::TopicQuery(topics_.scan));
   for (const auto& message : view)
-    if (const auto scan = scan_of(message)) return without_slash(scan->header.frame_id);
+    if (const auto scan = scan_of(message)) return convert::without_slash(scan->header.frame_id);
   return fail(ErrorCode::kCorrupt, topics_.scan + " holds no laser scan that can be read");
 }
 

@@ -6,6 +6,8 @@
 
 #include <ros/package.h>
 
+#include "extperfc/base/math.hpp"
+
 #include "ros/params/group_reader.hpp"
 #include "ros/params/list_reader.hpp"
 
@@ -115,7 +117,7 @@ void read_grasp(ParamReader& reader, GraspNodeParams& params) {
   reader.read("support_clearance_m", params.grasp.support_clearance_m, {0.0, 0.1});
   reader.read("palm_clearance_m", params.grasp.palm_clearance_m, {0.0, 0.1});
   reader.read("prefer_top", params.grasp.prefer_top, {0.0, 0.99});
-  reader.read("max_tilt_rad", params.grasp.max_tilt_rad, {0.0, 3.14159});
+  reader.read("max_tilt_rad", params.grasp.max_tilt_rad, {0.0, kPi});
   reader.read("tilt_step_rad", params.grasp.tilt_step_rad, {0.05, 1.6});
   reader.read("effort_percent", params.effort_percent, {0.0, 100.0});
   reader.read("gripper_timeout_s", params.gripper_timeout_s, {0.5, 60.0});

@@ -8,6 +8,7 @@
 #include <ros/console.h>
 #include <sensor_msgs/Imu.h>
 
+#include "extperfc/base/math.hpp"
 #include "extperfc/world/pose.hpp"
 
 #include "ros/convert/geometry.hpp"
@@ -18,10 +19,6 @@ namespace extperfc {
 namespace {
 
 constexpr double kSmall = 1e-6;  ///< variance of what does not move: planners divide by it
-
-double square(double x) {
-  return x * x;
-}
 
 }  // namespace
 

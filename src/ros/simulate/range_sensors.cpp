@@ -7,13 +7,13 @@
 #include <sensor_msgs/PointCloud.h>
 #include <sensor_msgs/Range.h>
 
+#include "extperfc/base/math.hpp"
+
 #include "ros/simulate/frames.hpp"
 
 namespace extperfc {
 
 namespace {
-
-constexpr double kPi = 3.14159265358979323846;
 
 constexpr double kHandMinM = 0.004;
 constexpr double kHandMaxM = 0.4;

@@ -2,6 +2,8 @@
 
 #include <utility>
 
+#include "extperfc/base/math.hpp"
+
 #include "ros/convert/geometry.hpp"
 #include "ros/convert/shape_marker.hpp"
 #include "ros/simulate/frames.hpp"
@@ -13,7 +15,6 @@ namespace {
 using visualization_msgs::Marker;
 using visualization_msgs::MarkerArray;
 
-constexpr double kPi = 3.14159265358979323846;
 
 std_msgs::ColorRGBA to_color(const Eigen::Vector3f& rgb) {
   std_msgs::ColorRGBA color;

@@ -7,6 +7,7 @@
 
 #include <BulletCollision/CollisionShapes/btShapeHull.h>
 
+#include "extperfc/base/math.hpp"
 #include "extperfc/world/stl.hpp"
 
 #include "simulate/bodies/bullet_conversions.hpp"
@@ -98,19 +99,19 @@ MassProperties solid(const Box& b) {
 
 MassProperties solid(const Cylinder& c) {
   const double r2 = c.radius_m * c.radius_m;
-  const double mass = M_PI * r2 * c.length_m;
+  const double mass = kPi * r2 * c.length_m;
   const double across = mass * (r2 / 4 + c.length_m * c.length_m / 12);
   return {mass, Eigen::Vector3d::Zero(), Eigen::Vector3d(across, across, mass * r2 / 2).asDiagonal()};
 }
 
 MassProperties solid(const Sphere& s) {
-  const double mass = 4.0 / 3.0 * M_PI * s.radius_m * s.radius_m * s.radius_m;
+  const double mass = 4.0 / 3.0 * kPi * s.radius_m * s.radius_m * s.radius_m;
   return {mass, Eigen::Vector3d::Zero(), 0.4 * mass * s.radius_m * s.radius_m * Eigen::Matrix3d::Identity()};
 }
 
 MassProperties solid(const Cone& c) {
   const double r2 = c.radius_m * c.radius_m;
-  const double mass = M_PI * r2 * c.height_m / 3;
+  const double mass = kPi * r2 * c.height_m / 3;
   const double across = mass * (3.0 / 20 * r2 + 3.0 / 80 * c.height_m * c.height_m);
   return {mass, {0, 0, -c.height_m / 4}, Eigen::Vector3d(across, across, 0.3 * mass * r2).asDiagonal()};
 }

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "extperfc/base/math.hpp"
+
 namespace extperfc::simulate::render {
 
 namespace {
@@ -66,7 +68,7 @@ float intensity(const Scene& scene, const RayPacket& packet, int k, float range)
 }  // namespace
 
 double ring_elevation(int ring) {
-  return (2 * ring - (kRings - 1)) * M_PI / 180.0;
+  return (2 * ring - (kRings - 1)) * kPi / 180.0;
 }
 
 double ring_delay_s(int ring) {
@@ -85,7 +87,7 @@ void Lidar::aim(const LidarParams& params) {
   for (int column = 0; column < params.columns; ++column) {
     for (int ring = 0; ring < kRings; ++ring) {
       const double time_s = column / (params.columns * params.rotation_hz) + ring_delay_s(ring);
-      const double azimuth = -2.0 * M_PI * params.rotation_hz * time_s;  // clockwise seen from above
+      const double azimuth = -2.0 * kPi * params.rotation_hz * time_s;  // clockwise seen from above
       const double elevation = ring_elevation(ring);
       directions_.push_back({static_cast<float>(std::cos(elevation) * std::cos(azimuth)),
                              static_cast<float>(std::cos(elevation) * std::sin(azimuth)),

@@ -4,6 +4,8 @@
 #include <cmath>
 #include <utility>
 
+#include "extperfc/base/math.hpp"
+
 #include "simulate/render/stl.hpp"
 
 namespace extperfc::simulate::render {
@@ -12,8 +14,6 @@ namespace {
 
 using Eigen::Vector2f;
 using Eigen::Vector3f;
-
-constexpr float kTwoPi = 6.28318530718F;
 
 /// A rectangle from its corner along two edges; the texture starts at the corner.
 void add_face(Mesh& mesh, const Vector3f& corner, const Vector3f& right, const Vector3f& up, bool rotated,
@@ -66,7 +66,7 @@ struct Ring {
 
 void add_ring(Mesh& mesh, const Ring& ring, int corners, float texture_radius) {
   for (int i = 0; i <= corners; ++i) {
-    const float angle = kTwoPi * static_cast<float>(i) / static_cast<float>(corners);
+    const float angle = kTwoPiF * static_cast<float>(i) / static_cast<float>(corners);
     const float c = std::cos(angle);
     const float s = std::sin(angle);
     mesh.vertices.push_back({{ring.radius * c, ring.radius * s, ring.z},
@@ -91,7 +91,7 @@ void add_disc(Mesh& mesh, float radius, float z, int corners, std::uint32_t surf
   const Vector3f normal(0, 0, up);
   mesh.vertices.push_back({{0, 0, z}, normal, {radius, radius}});
   for (int i = 0; i <= corners; ++i) {
-    const float angle = up * kTwoPi * static_cast<float>(i) / static_cast<float>(corners);
+    const float angle = up * kTwoPiF * static_cast<float>(i) / static_cast<float>(corners);
     const Vector3f at(radius * std::cos(angle), radius * std::sin(angle), z);
     mesh.vertices.push_back({at, normal, {at.x() + radius, at.y() + radius}});
   }
@@ -134,7 +134,7 @@ Mesh make(const Sphere& sphere, const Material& /*material*/, std::uint32_t surf
   const int rows = corners / 2;
   std::vector<Ring> rings;
   for (int i = 0; i <= rows; ++i) {
-    const float polar = 0.5F * kTwoPi * static_cast<float>(i) / static_cast<float>(rows);
+    const float polar = 0.5F * kTwoPiF * static_cast<float>(i) / static_cast<float>(rows);
     const Vector2f normal(std::sin(polar), -std::cos(polar));
     rings.push_back({radius * normal.x(), radius * normal.y(), normal, radius * polar});
   }
@@ -187,7 +187,7 @@ int circle_corners(double radius_m) {
   // A quarter of a millimetre between arc and chord, within limits.
   const double sagitta_m = 0.00025;
   const double half_angle = std::sqrt(2.0 * sagitta_m / std::max(radius_m, 1e-3));
-  return 4 * std::clamp(static_cast<int>(std::ceil(M_PI / half_angle / 4.0)), 4, 18);
+  return 4 * std::clamp(static_cast<int>(std::ceil(kPi / half_angle / 4.0)), 4, 18);
 }
 
 void join_rows(Mesh& mesh, std::uint32_t first, std::uint32_t second, std::uint32_t row_length,

@@ -4,13 +4,14 @@
 #include <cmath>
 #include <vector>
 
+#include "extperfc/base/math.hpp"
+
 namespace extperfc::simulate::render {
 
 namespace {
 
 using Eigen::Vector3f;
 
-constexpr float kTwoPi = 6.28318530718F;
 constexpr int kCorners = 16;  // of a cross-section
 constexpr int kSteps = 3;     // cross-sections from one given one to the next
 
@@ -86,7 +87,7 @@ Mesh tube(const std::vector<Section>& given, std::uint32_t surface) {
     const Vector3f front = side.cross(axis);
     if (i > 0) along += (section.centre - sections[i - 1].centre).norm();
     for (int k = 0; k <= kCorners; ++k) {
-      const float angle = kTwoPi * static_cast<float>(k) / kCorners;
+      const float angle = kTwoPiF * static_cast<float>(k) / kCorners;
       mesh.vertices.push_back({section.centre + front * (section.front * std::cos(angle)) +
                                    side * (section.side * std::sin(angle)),
                                Vector3f::Zero(),

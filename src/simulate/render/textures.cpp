@@ -4,13 +4,13 @@
 #include <array>
 #include <cmath>
 
+#include "extperfc/base/math.hpp"
+
 #include "simulate/render/hash_noise.hpp"
 
 namespace extperfc::simulate::render {
 
 namespace {
-
-constexpr float kTwoPi = 6.28318530718F;
 
 /// sRGB, [0, 1].
 struct Colour {
@@ -77,7 +77,7 @@ Colour wood(float x, float y) {
   const float shift = cell(31, board, 0);
   const float sx = x + shift - std::floor(x + shift);
   const float bend = octaves(32, sx, y, 2, 8, 3);
-  const float rings = 0.5F + 0.5F * std::sin(kTwoPi * (9.0F * y + 2.6F * bend + 7.0F * shift));
+  const float rings = 0.5F + 0.5F * std::sin(kTwoPiF * (9.0F * y + 2.6F * bend + 7.0F * shift));
   const float fibres = octaves(36, sx, y, 6, 128, 2);
   const Colour light{1.0F, 0.93F, 0.83F};
   const Colour dark{0.80F, 0.68F, 0.55F};
@@ -122,7 +122,7 @@ Colour cloth(float x, float y) {
   const float along = warp ? fy - static_cast<float>(iy) : fx - static_cast<float>(ix);
   const float across = warp ? fx - static_cast<float>(ix) : fy - static_cast<float>(iy);
   const float round = std::sqrt(std::max(0.0F, 1.0F - 3.2F * (across - 0.5F) * (across - 0.5F)));
-  const float dip = std::sin(0.5F * kTwoPi * along);
+  const float dip = std::sin(0.5F * kTwoPiF * along);
   const float thread = 0.92F + 0.08F * cell(61, warp ? ix : iy, warp ? 0 : 1);
   const float fold = octaves(62, x, y, 3, 3, 3);
   return grey(thread * (0.66F + 0.24F * round * (0.55F + 0.45F * dip) + 0.12F * fold));
@@ -136,9 +136,9 @@ Colour carpet(float x, float y) {
 
 Colour marble(float x, float y) {
   const float warp = octaves(81, x, y, 4, 4, 5);
-  const float vein = std::abs(std::sin(0.5F * kTwoPi * (2.0F * x + 1.0F * y + 2.4F * warp)));
+  const float vein = std::abs(std::sin(0.5F * kTwoPiF * (2.0F * x + 1.0F * y + 2.4F * warp)));
   const float fine =
-      std::abs(std::sin(0.5F * kTwoPi * (1.0F * x - 3.0F * y + 3.1F * octaves(87, x, y, 5, 5, 4))));
+      std::abs(std::sin(0.5F * kTwoPiF * (1.0F * x - 3.0F * y + 3.1F * octaves(87, x, y, 5, 5, 4))));
   const float dark = 0.30F * std::pow(1.0F - vein, 6.0F) + 0.14F * std::pow(1.0F - fine, 10.0F);
   return scaled({0.98F, 0.98F, 1.0F}, 0.96F - dark + 0.05F * (warp - 0.5F));
 }

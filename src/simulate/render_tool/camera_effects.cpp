@@ -4,11 +4,11 @@
 #include <array>
 #include <cmath>
 
+#include "extperfc/base/math.hpp"
+
 namespace extperfc::simulate::render_tool {
 
 namespace {
-
-constexpr double kPi = 3.14159265358979323846;
 constexpr double kMiddleGrey = 0.44;  // mean brightness that automatic exposure aims at
 
 /// A line or bell of weights over neighbours (dx, dy).

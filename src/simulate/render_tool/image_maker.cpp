@@ -5,6 +5,7 @@
 #include <map>
 #include <utility>
 
+#include "extperfc/base/math.hpp"
 #include "extperfc/simulate/random_world.hpp"
 
 #include "simulate/render_tool/camera_effects.hpp"
@@ -14,8 +15,6 @@
 namespace extperfc::simulate::render_tool {
 
 namespace {
-
-constexpr double kPi = 3.14159265358979323846;
 constexpr int kTries = 25;  // views that are looked at before the last one is taken
 constexpr int kPreviewRows = 60;
 constexpr double kElsewhere = 0.04;  // fraction of the images that look anywhere in the room

@@ -3,11 +3,11 @@
 #include <algorithm>
 #include <cmath>
 
+#include "extperfc/base/math.hpp"
+
 namespace extperfc::simulate::render_tool {
 
 namespace {
-
-constexpr double kPi = 3.14159265358979323846;
 constexpr double kWallGap = 0.35;  // between camera and the border of the floor plan [m]
 constexpr int kTries = 30;
 

@@ -4,15 +4,15 @@
 #include <cmath>
 #include <vector>
 
+#include "extperfc/base/math.hpp"
+
 #include "simulate/worlds/objects.hpp"
 #include "simulate/worlds/random_look.hpp"
 
 namespace extperfc::simulate::worlds {
 
 namespace {
-
-constexpr double kTwoPi = 6.28318530717958648;  // [rad]
-constexpr double kGap = 0.003;                  // minimum distance between objects [m]
+constexpr double kGap = 0.003;  // minimum distance between objects [m]
 constexpr int kTries = 60;
 
 struct Object {

@@ -5,11 +5,11 @@
 #include <cmath>
 #include <limits>
 
+#include "extperfc/base/math.hpp"
+
 namespace extperfc::simulate::worlds {
 
 namespace {
-
-constexpr double kPi = 3.14159265358979323846;
 constexpr int kCorners = 32;         // of the polygon that stands for a circle
 constexpr double kSamePoint = 1e-9;  // [m]
 

@@ -3,13 +3,13 @@
 #include <algorithm>
 #include <cmath>
 
+#include "extperfc/base/math.hpp"
+
 #include "simulate/worlds/materials.hpp"
 
 namespace extperfc::simulate::worlds {
 
 namespace {
-
-constexpr double kPi = 3.14159265358979323846;
 constexpr double kPlay = 0.012;  // between a door and its frame [m]
 
 /// One straight section of wall: its frame at the start on the floor, x along it.

@@ -6,11 +6,11 @@
 
 #include <Eigen/Geometry>
 
+#include "extperfc/base/math.hpp"
+
 namespace extperfc::benchmark {
 
 namespace {
-
-constexpr double kPi = 3.14159265358979323846;
 constexpr double kMinSize = 0.06;     // of objects [m]
 constexpr double kMaxSize = 0.20;     // [m]
 constexpr double kMaxSizePx = 330.0;  // larger objects do not fit the image

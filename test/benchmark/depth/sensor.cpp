@@ -7,11 +7,11 @@
 #include <opencv2/core.hpp>
 #include <opencv2/imgproc.hpp>
 
+#include "extperfc/base/math.hpp"
+
 namespace extperfc::benchmark {
 
 namespace {
-
-constexpr double kPi = 3.14159265358979323846;
 constexpr double kSmoothPx = 12.0;         // blur of the part of the noise that an object shares
 constexpr double kJump = 0.03;             // relative depth difference between neighbours that is an edge
 constexpr int kEdgeReachPx = 2;            // pixels on both sides of an edge that suffer

@@ -11,6 +11,7 @@
 #include <string>
 #include <vector>
 
+#include "extperfc/base/math.hpp"
 #include "extperfc/base/rng.hpp"
 #include "extperfc/base/running_stats.hpp"
 #include "extperfc/scan/cloud_to_scan.hpp"
@@ -40,8 +41,6 @@ constexpr char kHelp[] =
     "Peer: one loop over the points with hypot and atan2 in double precision, nearest point per ray; no "
     "deskewing,\n"
     "no ground, no robot, one scan. Both sides run in turns.\n";
-
-constexpr double kPi = 3.14159265358979323846;
 constexpr double kSensorHeightM = 0.8;
 constexpr double kCarRoofM = 2.07;  // of the recording's sensor
 constexpr double kGoalMs = 3.0;

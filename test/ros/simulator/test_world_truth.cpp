@@ -3,6 +3,8 @@
 
 #include <gtest/gtest.h>
 
+#include "extperfc/base/math.hpp"
+
 #include "ros/simulate/body_extent.hpp"
 #include "ros/simulate/truth_classes.hpp"
 #include "ros/simulate/world_markers.hpp"
@@ -13,8 +15,6 @@ namespace {
 using simulate::BodySpec;
 using simulate::WorldSpec;
 using visualization_msgs::Marker;
-
-constexpr double kPi = 3.14159265358979323846;
 
 BodySpec body(const std::string& name, const std::string& label, const std::vector<Shape>& shapes) {
   BodySpec spec;

@@ -19,6 +19,7 @@
 #include <mrpt/obs/CSensoryFrame.h>
 #include <mrpt/serialization/CArchive.h>
 
+#include "extperfc/base/math.hpp"
 #include "extperfc/localize/localizer.hpp"
 #include "extperfc/offline/map_recording.hpp"
 #include "extperfc/offline/recording.hpp"
@@ -32,8 +33,6 @@ namespace {
 namespace fs = std::filesystem;
 using localize::Localizer;
 using sources::ScanRecord;
-
-constexpr double kDegree = M_PI / 180;
 constexpr char kSkip[] = "package mrpt-common is not installed";
 
 fs::path dataset(const std::string& name) {

@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include "extperfc/base/math.hpp"
 #include "extperfc/base/rng.hpp"
 #include "extperfc/offline/relations.hpp"
 
@@ -12,8 +13,6 @@ namespace extperfc::offline {
 namespace {
 
 using ScanPoses = std::vector<std::optional<Pose2>>;
-
-constexpr double kDegree = M_PI / 180;
 
 Pose2 random_pose(Rng& rng) {
   return {rng.uniform(-20, 20), rng.uniform(-20, 20), rng.uniform(-M_PI, M_PI)};

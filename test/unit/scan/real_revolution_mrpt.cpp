@@ -10,6 +10,8 @@
 #include <mrpt/obs/CObservationVelodyneScan.h>
 #include <mrpt/serialization/CArchive.h>
 
+#include "extperfc/base/math.hpp"
+
 #include "real_revolution.hpp"
 
 namespace extperfc::scan {
@@ -19,7 +21,6 @@ namespace {
 using mrpt::obs::CObservationVelodyneScan;
 
 constexpr const char* kRecording = "/usr/share/mrpt/datasets/test_velodyne_VLP16.rawlog";
-constexpr double kDegree = 3.14159265358979323846 / 180;
 constexpr double kFiringS = 55.296e-6;  // from firing to firing
 constexpr double kLaserS = 2.304e-6;    // from laser to laser
 constexpr int kLasers = 16;

@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include "extperfc/base/math.hpp"
 #include "extperfc/base/rng.hpp"
 
 #include "cloud_builder.hpp"
@@ -12,7 +13,6 @@ namespace {
 
 constexpr float kInf = std::numeric_limits<float>::infinity();
 constexpr float kNan = std::numeric_limits<float>::quiet_NaN();
-constexpr double kDegree = M_PI / 180;
 
 TestPoint at(double angle_deg, double range_m, double z_m = 0.5) {
   return {static_cast<float>(range_m * std::cos(angle_deg * kDegree)),

@@ -1,12 +1,12 @@
 // Clouds of a moving sensor: what is straight stays straight.
 #include <gtest/gtest.h>
 
+#include "extperfc/base/math.hpp"
+
 #include "vlp16.hpp"
 
 namespace extperfc::scan {
 namespace {
-
-constexpr double kDegree = M_PI / 180;
 constexpr double kSensorHeightM = 0.4;
 
 /// Rotates at `rate` and drives at `speed`, at its origin when the sweep ends.

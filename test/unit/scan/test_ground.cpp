@@ -1,14 +1,13 @@
 // The floor is removed, what stands on it stays.
 #include <gtest/gtest.h>
 
+#include "extperfc/base/math.hpp"
 #include "extperfc/base/rng.hpp"
 
 #include "cloud_builder.hpp"
 
 namespace extperfc::scan {
 namespace {
-
-constexpr double kDegree = M_PI / 180;
 
 /// A floor that rises by `slope_rad` along x, 12 m around the sensor, and posts 5 m away that stand on it
 /// from 0.1 to 1 m.

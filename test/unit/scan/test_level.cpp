@@ -1,14 +1,13 @@
 // Roll and pitch taken away: a robot that rocks sees no obstacle in the floor.
 #include <gtest/gtest.h>
 
+#include "extperfc/base/math.hpp"
 #include "extperfc/scan/level.hpp"
 
 #include "vlp16.hpp"
 
 namespace extperfc::scan {
 namespace {
-
-constexpr double kDegree = M_PI / 180;
 
 Eigen::Matrix3d rotation(double roll, double pitch, double yaw) {
   return make_pose({0, 0, 0}, {roll, pitch, yaw}).linear();

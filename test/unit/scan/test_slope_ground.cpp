@@ -1,12 +1,12 @@
 // The floor along each ray: ramps belong to it, kerbs and walls do not.
 #include <gtest/gtest.h>
 
+#include "extperfc/base/math.hpp"
+
 #include "vlp16.hpp"
 
 namespace extperfc::scan {
 namespace {
-
-constexpr double kDegree = M_PI / 180;
 const Pose kSensor = make_pose({0, 0, 0.4});
 
 ScanParams slope_params() {

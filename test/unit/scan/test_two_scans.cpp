@@ -1,12 +1,12 @@
 // The supported range for maps against the nearest for cost maps; beams without a return.
 #include <gtest/gtest.h>
 
+#include "extperfc/base/math.hpp"
+
 #include "vlp16.hpp"
 
 namespace extperfc::scan {
 namespace {
-
-constexpr double kDegree = M_PI / 180;
 
 TestPoint at(double angle_deg, double range_m, std::uint16_t ring) {
   return {static_cast<float>(range_m * std::cos(angle_deg * kDegree)),

@@ -5,6 +5,8 @@
 
 #include <gtest/gtest.h>
 
+#include "extperfc/base/math.hpp"
+
 #include "level_arm.hpp"
 
 namespace extperfc::arm {
@@ -16,8 +18,6 @@ using test::left_arm;
 using test::on;
 using test::random_state;
 using Kind = ToolConstraintKind;
-
-constexpr double kPi = 3.14159265358979323846;
 
 struct Case {
   std::string name;

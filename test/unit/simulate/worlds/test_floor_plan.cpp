@@ -2,12 +2,11 @@
 
 #include <gtest/gtest.h>
 
+#include "extperfc/base/math.hpp"
 #include "extperfc/simulate/floor_plan.hpp"
 
 namespace extperfc::simulate {
 namespace {
-
-constexpr double kPi = 3.14159265358979323846;
 
 /// A plan of 4 x 4 m with one shape on the floor at the middle, away from the robot.
 WorldSpec world_with(const Geometry& geometry, const Pose& pose, Mobility mobility = Mobility::kFixed) {

@@ -2,13 +2,13 @@
 
 #include <gtest/gtest.h>
 
+#include "extperfc/base/math.hpp"
+
 #include "simulate/render_tool/ray_shape.hpp"
 #include "simulate/render_tool/whole_view.hpp"
 
 namespace extperfc::simulate::render_tool {
 namespace {
-
-constexpr double kPi = 3.14159265358979323846;
 const CameraModel kCamera{640, 480, 600, 600, 319.5, 239.5, {}};
 
 /// A body whose only shape stands at this pose in the optical frame, which is the world's.
