@@ -1,42 +1,19 @@
 #include "extperfc/base/arguments.hpp"
 
 #include <algorithm>
-#include <cmath>
-#include <locale>
 #include <sstream>
 
-#include "extperfc/base/edit_distance.hpp"
+#include "extperfc/base/number_reader.hpp"
+#include "extperfc/base/text.hpp"
 
 namespace extperfc {
 
 namespace {
 
 tl::unexpected<Error> unknown_option(const std::string& name, const ArgumentSyntax& syntax) {
-  std::set<std::string> known = syntax.values;
-  known.insert(syntax.flags.begin(), syntax.flags.end());
-  const auto nearest = std::min_element(known.begin(), known.end(), [&](const auto& a, const auto& b) {
-    return edit_distance(name, a) < edit_distance(name, b);
-  });
-  constexpr std::size_t kSimilar = 3;
-  const bool hint = nearest != known.end() && edit_distance(name, *nearest) <= kSimilar;
-  return fail(ErrorCode::kInvalidArgument,
-              "unknown option " + name + (hint ? "; did you mean " + *nearest + "?" : ""));
-}
-
-std::optional<double> finite_number(const std::string& text) {
-  std::istringstream in(text);
-  in.imbue(std::locale::classic());
-  double value = 0;
-  if (!(in >> value) || !std::isfinite(value) || in.peek() != std::char_traits<char>::eof())
-    return std::nullopt;
-  return value;
-}
-
-std::string text_of(double value) {
-  std::ostringstream out;
-  out.imbue(std::locale::classic());
-  out << value;
-  return out.str();
+  std::vector<std::string> known(syntax.values.begin(), syntax.values.end());
+  known.insert(known.end(), syntax.flags.begin(), syntax.flags.end());
+  return fail(ErrorCode::kInvalidArgument, "unknown option " + name + hint_for(name, known));
 }
 
 }  // namespace
@@ -92,10 +69,10 @@ std::optional<std::string> Arguments::last(const std::string& option) const {
 Result<std::optional<double>> Arguments::number(const std::string& option, double low, double high) const {
   const auto text = last(option);
   if (!text) return std::optional<double>();
-  const auto value = finite_number(*text);
+  const auto value = parse_number(*text);
   if (value && *value >= low && *value <= high) return value;
-  return fail(ErrorCode::kInvalidArgument, option + " must be a number from " + text_of(low) + " to " +
-                                               text_of(high) + ", not '" + *text + "'");
+  return fail(ErrorCode::kInvalidArgument, option + " must be a number from " + number_text(low) + " to " +
+                                               number_text(high) + ", not '" + *text + "'");
 }
 
 Result<std::optional<std::vector<double>>> Arguments::numbers(const std::string& option,
@@ -106,7 +83,7 @@ Result<std::optional<std::vector<double>>> Arguments::numbers(const std::string&
   std::istringstream parts(*text);
   bool good = true;
   for (std::string part; std::getline(parts, part, ',');) {
-    const auto value = finite_number(part);
+    const auto value = parse_number(part);
     good = good && value;
     found.push_back(value.value_or(0));
   }

@@ -5,6 +5,8 @@
 #include <openvino/frontend/manager.hpp>
 #include <openvino/openvino.hpp>
 
+#include "extperfc/base/text.hpp"
+
 #include "detect/backends.hpp"
 
 namespace extperfc::detect {
@@ -96,7 +98,7 @@ Result<void> check_device(const std::string& device) {
   });
   if (found || device == "AUTO") return {};
   return fail(ErrorCode::kUnsupported, "this machine has no device " + device +
-                                           " that OpenVINO can use, only " + joined(existing) +
+                                           " that OpenVINO can use, only " + enumeration(existing) +
                                            ": set device to one of these or AUTO");
 }
 
@@ -115,10 +117,10 @@ Result<void> check_input(const ov::Model& model, const InputSpec& input) {
   const auto names = names_of(model.inputs());
   if (model.inputs().size() != 1)
     return fail(ErrorCode::kUnsupported,
-                "the network has the inputs " + joined(names) + ", but only one input can be fed");
+                "the network has the inputs " + enumeration(names) + ", but only one input can be fed");
   if (input.name.empty() || std::find(names.begin(), names.end(), input.name) != names.end()) return {};
   return fail(ErrorCode::kInvalidArgument, "the network has no input \"" + input.name + "\", only " +
-                                               joined(names) + ": correct input.name in model.yaml");
+                                               enumeration(names) + ": correct input.name in model.yaml");
 }
 
 /// Fixes the input to [1, 3, height, width], which a network without fixed sizes inside allows.

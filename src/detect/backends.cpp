@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include "extperfc/base/text.hpp"
+
 namespace extperfc::detect {
 
 namespace {
@@ -25,24 +27,19 @@ std::string shortened(std::string_view library_text) {
   return line.empty() ? "no reason given" : line;
 }
 
-std::string joined(const std::vector<std::string>& names) {
-  std::string text;
-  for (const auto& name : names) text += (text.empty() ? "" : ", ") + name;
-  return text.empty() ? "none" : text;
-}
-
 Result<std::vector<std::string>> output_names(const ModelSpec& spec, const std::vector<std::string>& existing,
                                               std::size_t output_count) {
   const auto& wanted = spec.output.names;
   if (wanted.empty() && output_count == 1 && !existing.empty())
     return std::vector<std::string>{existing.front()};
   if (wanted.empty())
-    return fail(ErrorCode::kInvalidArgument, "the network has the outputs " + joined(existing) +
+    return fail(ErrorCode::kInvalidArgument, "the network has the outputs " + enumeration(existing) +
                                                  ": say with output.names in model.yaml which to use");
   for (const auto& name : wanted)
     if (std::find(existing.begin(), existing.end(), name) == existing.end())
       return fail(ErrorCode::kInvalidArgument, "the network has no output \"" + name + "\", only " +
-                                                   joined(existing) + ": correct output.names in model.yaml");
+                                                   enumeration(existing) +
+                                                   ": correct output.names in model.yaml");
   return wanted;
 }
 

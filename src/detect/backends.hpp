@@ -24,7 +24,6 @@ namespace extperfc::detect {
 [[nodiscard]] std::string shortened(std::string_view library_text);
 
 /// "a, b, c", or "none".
-[[nodiscard]] std::string joined(const std::vector<std::string>& names);
 
 /// The tensors of OutputSpec::names, or the network's only output when none are named; `existing` are the
 /// names of its `output_count` outputs. Errors: a name that does not exist, several outputs and no names.

@@ -4,6 +4,7 @@
 
 #include "extperfc/base/running_stats.hpp"
 #include "extperfc/base/stopwatch.hpp"
+#include "extperfc/base/text.hpp"
 #include "extperfc/detect/decode.hpp"
 
 #include "detect/backend_choice.hpp"
@@ -131,7 +132,7 @@ Result<std::unique_ptr<InferenceBackend>> make_backend(const ModelSpec& spec,
   return fail(left_out ? ErrorCode::kUnsupported : ErrorCode::kInvalidArgument,
               (left_out ? "this build has no back end openvino: run tools/setup, or use one of auto, "
                         : "unknown back end \"" + options.backend + "\": use one of auto, ") +
-                  joined(available_backends()));
+                  enumeration(available_backends()));
 }
 
 }  // namespace extperfc::detect

@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "extperfc/base/sha256.hpp"
+#include "extperfc/world/yaml_map.hpp"
 
 #include "detect/model_yaml.hpp"
 
@@ -44,16 +45,17 @@ std::string names_of(const std::vector<fs::path>& files) {
 /// Checks the ONNX file against the stated SHA-256, or fills in the sum when none is stated.
 void check_file(ModelSpec& spec, Problems& problems) {
   if (!fs::is_regular_file(spec.file)) {
-    problems.add(ErrorCode::kNotFound, "file: there is no " + spec.file.string() + ": correct the name");
+    problems.add(0, "file", "there is no " + spec.file.string() + ": correct the name", ErrorCode::kNotFound);
     return;
   }
   const auto actual = sha256_of_file(spec.file);
   if (!actual)
-    problems.add(actual.error().code, "file: " + actual.error().message);
+    problems.add(0, "file", actual.error().message, actual.error().code);
   else if (!spec.sha256.empty() && spec.sha256 != *actual)
-    problems.add(ErrorCode::kCorrupt, "sha256: " + spec.file.filename().string() + " has " + *actual +
-                                          " instead of " + spec.sha256 +
-                                          ": fetch the file again, or state the new sum if you changed it");
+    problems.add(0, "sha256",
+                 spec.file.filename().string() + " has " + *actual + " instead of " + spec.sha256 +
+                     ": fetch the file again, or state the new sum if you changed it",
+                 ErrorCode::kCorrupt);
   else
     spec.sha256 = *actual;
 }
@@ -64,13 +66,13 @@ struct KnownModel {
 };
 
 Result<ModelSpec> read_description(const KnownModel& model, const fs::path& folder) {
-  const auto root = read_yaml(model.description);
-  if (!root) return tl::unexpected(root.error());
-  Problems problems;
+  Problems problems(model.description.string());
+  const auto root = load_yaml(model.description, problems);
+  if (!root) return tl::unexpected(problems.to_error());
   ModelSpec spec = parse_model_yaml(*root, folder, problems);
   if (!model.network.empty()) spec.file = model.network;
   if (spec.file != folder / "") check_file(spec, problems);
-  if (!problems.empty()) return tl::unexpected(problems.to_error(model.description.string()));
+  if (!problems.empty()) return tl::unexpected(problems.to_error());
   spec.file = fs::absolute(spec.file);
   return spec;
 }
@@ -79,10 +81,11 @@ Result<ModelSpec> read_description(const KnownModel& model, const fs::path& fold
 Result<std::vector<KnownModel>> match_known(const std::vector<fs::path>& networks, const fs::path& known) {
   std::vector<KnownModel> matches;
   for (const auto& description : files_with_extension(known, ".yaml")) {
-    const auto root = read_yaml(description);
-    if (!root) return tl::unexpected(root.error());
-    Problems ignored;  // reported by read_description() if this is the one
-    const std::string wanted = YamlSection(*root, "", ignored).text("sha256", "");
+    Problems problems(
+        description.string());  // of the content: reported by read_description() if this is the one
+    const auto root = load_yaml(description, problems);
+    if (!root) return tl::unexpected(problems.to_error());
+    const std::string wanted = YamlMap(*root, "", problems).text("sha256", "");
     for (const auto& network : networks)
       if (sha256_of_file(network).value_or("") == wanted) matches.push_back({description, network});
   }

@@ -13,6 +13,7 @@
 #include <unistd.h>
 
 #include "extperfc/base/running_stats.hpp"
+#include "extperfc/base/text.hpp"
 #include "extperfc/detect/detector.hpp"
 
 namespace fs = std::filesystem;
@@ -128,12 +129,6 @@ ImageView view_of(const cv::Mat& image) {
 
 void print_row(const char* key, const std::string& value) {
   std::printf("  %-11s %s\n", key, value.c_str());
-}
-
-std::string joined(const std::vector<std::string>& names) {
-  std::string text;
-  for (const auto& name : names) text += (text.empty() ? "" : ", ") + name;
-  return text;
 }
 
 std::string input_text(const InputSpec& input) {

@@ -6,86 +6,99 @@
 #include <set>
 #include <utility>
 
+#include "extperfc/world/yaml_map.hpp"
+
 #include "detect/ssd_priors.hpp"
 
 namespace extperfc::detect {
 
 namespace {
 
-constexpr Range<int> kInputSize{8, 4096};           // pixels
-constexpr Range<float> kMean{-1000.0F, 1000.0F};    // 8-bit units
-constexpr Range<float> kScale{1e-6F, 1000.0F};      // 1 / 8-bit units
-constexpr Range<float> kFraction{0.0F, 1.0F};       // of 1
-constexpr Range<float> kVariance{1e-6F, 10.0F};     // as in the SSD paper's code
-constexpr Range<float> kPriorValue{-10.0F, 10.0F};  // of the input's size
-constexpr Range<float> kBoxSize{1e-3F, 8192.0F};    // input pixels
-constexpr Range<float> kRatio{1e-2F, 100.0F};       // width / height
-constexpr Range<int> kStride{1, 4096};              // input pixels
-constexpr Range<int> kCells{1, 1024};               // of a feature map, along one axis
+constexpr Span kMean{-1000, 1000};            // 8-bit units
+constexpr Span kScale{1e-6, 1000};            // 1 / 8-bit units
+constexpr Span kVariance{1e-6, 10};           // as in the SSD paper's code
+constexpr Span kPriorValue{-10, 10};          // of the input's size
+constexpr Span kBoxSize{1e-3, 8192};          // input pixels
+constexpr Span kRatio{1e-2, 100};             // width / height
+constexpr int kMinSize = 8, kMaxSize = 4096;  // pixels
+constexpr int kMaxStride = 4096;              // input pixels
+constexpr int kMaxCells = 1024;               // of a feature map, along one axis
 
-std::array<float, 3> triple(const std::vector<float>& values) {
-  return {values[0], values[1], values[2]};
+float number(YamlMap& map, const std::string& key, Span span, std::optional<double> fallback = {}) {
+  return static_cast<float>(map.number(key, span, fallback));
 }
 
-/// One of two names; the first is the default.
-bool second_of(YamlSection& section, const std::string& key, const std::string& first,
-               const std::string& second) {
-  const std::string name = section.text(key, first);
-  if (name != first && name != second)
-    section.problem(key, "must be " + first + " or " + second + ", not \"" + name + "\"");
-  return name == second;
+template <std::size_t kCount>
+std::array<float, kCount> to_floats(const std::vector<double>& values) {
+  std::array<float, kCount> result;
+  std::transform(values.begin(), values.begin() + kCount, result.begin(),
+                 [](double value) { return static_cast<float>(value); });
+  return result;
 }
 
-InputSpec parse_input(YamlSection section) {
+/// Three numbers, or one for all three.
+std::array<float, 3> triple(YamlMap& map, const std::string& key, Span span, double fallback) {
+  if (!map.is_list(key)) {
+    const float all = number(map, key, span, fallback);
+    return {all, all, all};
+  }
+  return to_floats<3>(map.numbers(key, 3, span));
+}
+
+InputSpec parse_input(YamlMap section) {
   InputSpec input;
   input.name = section.text("name", "");
-  input.width = section.integer("width", kInputSize);
-  input.height = section.integer("height", kInputSize);
-  input.bgr = second_of(section, "color", "rgb", "bgr");
-  input.resize = second_of(section, "resize", "stretch", "letterbox") ? Resize::kLetterbox : Resize::kStretch;
-  input.interpolation =
-      second_of(section, "interpolation", "linear", "area") ? Interpolation::kArea : Interpolation::kLinear;
-  input.mean = triple(section.numbers("mean", 3, kMean, std::vector<float>(3, 0.0F), true));
-  input.scale = triple(section.numbers("scale", 3, kScale, std::vector<float>(3, 1.0F), true));
+  input.width = section.integer("width", kMinSize, kMaxSize);
+  input.height = section.integer("height", kMinSize, kMaxSize);
+  input.bgr = section.choice("color", {"rgb", "bgr"}) == 1;
+  input.resize =
+      section.choice("resize", {"stretch", "letterbox"}) == 1 ? Resize::kLetterbox : Resize::kStretch;
+  input.interpolation = section.choice("interpolation", {"linear", "area"}) == 1 ? Interpolation::kArea
+                                                                                 : Interpolation::kLinear;
+  input.mean = triple(section, "mean", kMean, 0);
+  input.scale = triple(section, "scale", kScale, 1);
   section.refuse_unknown();
   return input;
 }
 
-PriorLevel parse_prior_level(YamlSection& section, const InputSpec& input) {
+PriorLevel parse_prior_level(YamlMap& section, const InputSpec& input) {
   PriorLevel level;
-  level.stride = section.integer("stride", kStride);
+  level.stride = section.integer("stride", 1, kMaxStride);
   const int stride = level.stride;
-  level.columns = section.integer("columns", kCells, (input.width + stride - 1) / stride);
-  level.rows = section.integer("rows", kCells, (input.height + stride - 1) / stride);
-  level.min_size = section.number("min_size", kBoxSize);
-  level.max_size = section.number("max_size", {0.0F, kBoxSize.high}, 0.0F);
-  level.aspect_ratios = section.number_list("aspect_ratios", kRatio);
+  level.columns = section.integer("columns", 1, kMaxCells, (input.width + stride - 1) / stride);
+  level.rows = section.integer("rows", 1, kMaxCells, (input.height + stride - 1) / stride);
+  level.min_size = number(section, "min_size", kBoxSize);
+  level.max_size = number(section, "max_size", {0, kBoxSize.high}, 0);
+  for (const double ratio : section.numbers("aspect_ratios", {0, kAnyNumber}, kRatio, std::vector<double>{}))
+    level.aspect_ratios.push_back(static_cast<float>(ratio));
   section.refuse_unknown();
   return level;
 }
 
-std::vector<Prior> parse_priors(YamlSection& output, const InputSpec& input) {
+std::vector<Prior> parse_priors(YamlMap& output, const InputSpec& input) {
   std::vector<Prior> priors;
   if (output.is_list("priors")) {
-    for (const auto& row : output.rows("priors", 4, kPriorValue))
-      priors.push_back({row[0], row[1], row[2], row[3]});
+    for (const auto& row : output.rows("priors", 4, kPriorValue)) {
+      const auto [cx, cy, w, h] = to_floats<4>(row);
+      priors.push_back({cx, cy, w, h});
+    }
     return priors;
   }
-  YamlSection generator = output.section("priors", true);
+  YamlMap generator = output.section("priors", true);
   if (!output.has("priors")) return priors;
   std::vector<PriorLevel> levels;
-  for (YamlSection& level : generator.sections("levels")) levels.push_back(parse_prior_level(level, input));
+  for (YamlMap& level : generator.maps("levels", 1)) levels.push_back(parse_prior_level(level, input));
   const bool clip = generator.flag("clip", false);
   generator.refuse_unknown();
   return make_priors(levels, input.width, input.height, clip);
 }
 
-std::vector<AnchorLevel> parse_anchors(YamlSection& output) {
+std::vector<AnchorLevel> parse_anchors(YamlMap& output) {
   std::vector<AnchorLevel> levels;
-  for (YamlSection& section : output.sections("anchors")) {
+  for (YamlMap& section : output.maps("anchors", 1)) {
     AnchorLevel level;
-    level.stride = section.integer("stride", kStride);
-    for (const auto& size : section.rows("sizes", 2, kBoxSize)) level.sizes_px.push_back({size[0], size[1]});
+    level.stride = section.integer("stride", 1, kMaxStride);
+    for (const auto& size : section.rows("sizes", 2, kBoxSize)) level.sizes_px.push_back(to_floats<2>(size));
     section.refuse_unknown();
     levels.push_back(std::move(level));
   }
@@ -97,16 +110,15 @@ std::size_t tensor_count(const OutputSpec& output) {
   return output.layout == OutputLayout::kYoloAnchors ? output.anchors.size() : 1;
 }
 
-void parse_ssd_keys(YamlSection& section, const InputSpec& input, OutputSpec& output) {
-  output.background_class = section.integer("background_class", {-1, 100000}, -1);
+void parse_ssd_keys(YamlMap& section, const InputSpec& input, OutputSpec& output) {
+  output.background_class = section.integer("background_class", -1, 100000, -1);
   output.apply_softmax = section.flag("apply_softmax", false);
   if (output.layout != OutputLayout::kSsdPriors) return;
-  const auto variances = section.numbers("variances", 2, kVariance, std::vector<float>{0.1F, 0.2F});
-  output.variances = {variances[0], variances[1]};
+  output.variances = to_floats<2>(section.numbers("variances", 2, kVariance, std::vector<double>{0.1, 0.2}));
   output.priors = parse_priors(section, input);
 }
 
-OutputSpec parse_output(YamlSection section, const InputSpec& input) {
+OutputSpec parse_output(YamlMap section, const InputSpec& input) {
   OutputSpec output;
   const std::string layout_name = section.text("layout");
   const auto layout = layout_from_name(layout_name);
@@ -130,7 +142,7 @@ OutputSpec parse_output(YamlSection section, const InputSpec& input) {
 }
 
 /// One name per line; empty lines at the end do not count.
-std::vector<std::string> read_class_file(YamlSection& root, const std::filesystem::path& folder) {
+std::vector<std::string> read_class_file(YamlMap& root, const std::filesystem::path& folder) {
   const std::string name = root.text("classes_file");
   std::ifstream stream(folder / name);
   if (!stream) {
@@ -146,7 +158,7 @@ std::vector<std::string> read_class_file(YamlSection& root, const std::filesyste
   return classes;
 }
 
-std::vector<std::string> parse_classes(YamlSection& root, const std::filesystem::path& folder) {
+std::vector<std::string> parse_classes(YamlMap& root, const std::filesystem::path& folder) {
   const bool from_file = root.has("classes_file");
   auto classes = from_file ? read_class_file(root, folder) : root.texts("classes");
   if (from_file) root.refuse("classes", "give either classes or classes_file, not both");
@@ -156,16 +168,16 @@ std::vector<std::string> parse_classes(YamlSection& root, const std::filesystem:
   return classes;
 }
 
-Thresholds parse_thresholds(YamlSection section) {
+Thresholds parse_thresholds(YamlMap section) {
   Thresholds thresholds;
-  thresholds.score = section.number("score", kFraction, thresholds.score);
-  thresholds.nms_iou = section.number("nms_iou", kFraction, thresholds.nms_iou);
-  thresholds.max_detections = section.integer("max_detections", {1, 10000}, thresholds.max_detections);
+  thresholds.score = number(section, "score", kFraction, thresholds.score);
+  thresholds.nms_iou = number(section, "nms_iou", kFraction, thresholds.nms_iou);
+  thresholds.max_detections = section.integer("max_detections", 1, 10000, thresholds.max_detections);
   section.refuse_unknown();
   return thresholds;
 }
 
-std::string parse_sha256(YamlSection& root) {
+std::string parse_sha256(YamlMap& root) {
   std::string digits = root.text("sha256", "");
   std::transform(digits.begin(), digits.end(), digits.begin(),
                  [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
@@ -177,21 +189,9 @@ std::string parse_sha256(YamlSection& root) {
 
 }  // namespace
 
-Result<YAML::Node> read_yaml(const std::filesystem::path& file) {
-  try {
-    return YAML::LoadFile(file.string());
-  } catch (const YAML::BadFile&) {
-    return fail(ErrorCode::kNotFound, "cannot open " + file.string());
-  } catch (const YAML::Exception& error) {
-    return fail(ErrorCode::kCorrupt, file.string() + " is not YAML: line " +
-                                         std::to_string(error.mark.line + 1) + ", column " +
-                                         std::to_string(error.mark.column + 1) + ": " + error.msg);
-  }
-}
-
 ModelSpec parse_model_yaml(const YAML::Node& root_node, const std::filesystem::path& folder,
                            Problems& problems) {
-  YamlSection root(root_node, "", problems);
+  YamlMap root(root_node, "", problems);
   ModelSpec spec;
   spec.folder = folder;
   spec.name = root.text("name");

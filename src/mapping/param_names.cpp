@@ -6,7 +6,7 @@
 #include <locale>
 #include <sstream>
 
-#include "extperfc/base/edit_distance.hpp"
+#include "extperfc/base/text.hpp"
 
 namespace extperfc::mapping {
 
@@ -36,12 +36,10 @@ Result<void> assign(MapperParams& params, Number MapperParams::*field, std::stri
 }
 
 tl::unexpected<Error> unknown(std::string_view name) {
-  const auto& known = param_names();
-  const auto nearest = std::min_element(known.begin(), known.end(), [&](const auto& a, const auto& b) {
-    return edit_distance(name, a.name) < edit_distance(name, b.name);
-  });
-  return fail(ErrorCode::kInvalidArgument, "unknown mapper parameter '" + std::string(name) +
-                                               "'; did you mean " + std::string(nearest->name) + "?");
+  std::vector<std::string> known;
+  for (const ParamName& param : param_names()) known.emplace_back(param.name);
+  return fail(ErrorCode::kInvalidArgument, "unknown mapper parameter '" + std::string(name) + "'" +
+                                               hint_or_names(std::string(name), known));
 }
 
 }  // namespace

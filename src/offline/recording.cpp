@@ -6,6 +6,7 @@
 #include <system_error>
 
 #include "extperfc/base/late_library.hpp"
+#include "extperfc/base/text.hpp"
 
 namespace extperfc::offline {
 
@@ -23,10 +24,6 @@ OpenedLog open_bag(const fs::path& file, const RecordingOptions& options) {
   OpenedLog opened = fail(ErrorCode::kFailed, "");
   reinterpret_cast<decltype(&extperfc_open_scan_bag)> (*entry)(file, options, opened);
   return opened;
-}
-
-bool ends_with(const std::string& text, const std::string& end) {
-  return text.size() >= end.size() && text.compare(text.size() - end.size(), end.size(), end) == 0;
 }
 
 bool is_text(const std::string& start) {

@@ -9,22 +9,26 @@
 #include <sstream>
 #include <string>
 
+#include "extperfc/base/math.hpp"
+#include "extperfc/base/number_reader.hpp"
+
 namespace extperfc::offline {
 
 namespace {
 
-constexpr double kDegrees = 180 / M_PI;
 constexpr double kMaxScans = 1e8;
 
 Result<Relation> parse_relation(const std::string& line) {
-  std::istringstream in(line);
-  in.imbue(std::locale::classic());
+  TokenReader in(line);
   constexpr std::size_t kColumns = 8;
   std::array<double, kColumns> value{};
-  for (auto& number : value)
-    if (!(in >> number) || !std::isfinite(number))
+  for (auto& number : value) {
+    const auto read = in.number();
+    if (!read)
       return fail(ErrorCode::kCorrupt,
                   "expected 'i j x y z roll pitch yaw', found '" + line.substr(0, 80) + "'");
+    number = *read;
+  }
   const auto is_scan = [](double number) {
     return number >= 0 && number < kMaxScans && number == std::floor(number);
   };
@@ -105,7 +109,7 @@ RelationsScore score_relations(const std::vector<Relation>& relations,
     }
     const Pose2 estimated = between(*poses[relation.from], *poses[relation.to]);
     const Pose2 error = between(relation.from_T_to, estimated);
-    score.errors.push_back({i, std::hypot(error.x, error.y), kDegrees * std::abs(error.yaw)});
+    score.errors.push_back({i, std::hypot(error.x, error.y), std::abs(error.yaw) / kDegree});
   }
   const auto is_loop = [&](std::size_t i) { return span(relations[i]) > loop_span; };
   score.all = group_of(score, [](std::size_t) { return true; });

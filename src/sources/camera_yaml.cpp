@@ -1,13 +1,10 @@
 #include <algorithm>
-#include <array>
 #include <cstddef>
 #include <string>
-#include <system_error>
 #include <vector>
 
-#include <yaml-cpp/yaml.h>
-
 #include "extperfc/sources/recording.hpp"
+#include "extperfc/world/yaml_map.hpp"
 
 namespace extperfc::sources {
 
@@ -15,59 +12,49 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// Values of a matrix node {rows, cols, data: [...]}. Throws YAML::Exception.
-std::vector<double> matrix(const YAML::Node& root, const char* key) {
-  return root[key]["data"].as<std::vector<double>>();
-}
+constexpr int kMaxSize = 100000;  // pixels
 
-Result<CameraModel> with_distortion(CameraModel camera, const YAML::Node& root) {
-  const auto model = root["distortion_model"].as<std::string>("plumb_bob");
-  const auto d =
-      root["distortion_coefficients"] ? matrix(root, "distortion_coefficients") : std::vector<double>{};
+void read_distortion(YamlMap& file, CameraModel& camera) {
+  const std::string model = file.text("distortion_model", "plumb_bob");
+  if (!file.has("distortion_coefficients")) return;
+  const auto d = file.section("distortion_coefficients").numbers("data", {0, kAnyNumber}, kFinite);
   const std::size_t known = std::min(d.size(), camera.distortion.size());
   std::copy_n(d.begin(), known, camera.distortion.begin());
-  const bool more =
-      std::any_of(d.begin() + static_cast<std::ptrdiff_t>(known), d.end(), [](double k) { return k != 0.0; });
-  const bool none = std::all_of(d.begin(), d.end(), [](double k) { return k == 0.0; });
-  if (!none && (model != "plumb_bob" || more))
-    return fail(ErrorCode::kUnsupported, "distortion model '" + model + "' with " + std::to_string(d.size()) +
-                                             " coefficients; only plumb_bob with five is supported");
-  return camera;
+  const auto is_zero = [](double k) { return k == 0.0; };
+  const bool more = !std::all_of(d.begin() + static_cast<std::ptrdiff_t>(known), d.end(), is_zero);
+  if (!std::all_of(d.begin(), d.end(), is_zero) && (model != "plumb_bob" || more))
+    file.problem("distortion_model",
+                 "'" + model + "' with " + std::to_string(d.size()) +
+                     " coefficients is not supported: only plumb_bob with five is",
+                 ErrorCode::kUnsupported);
 }
 
-Result<CameraModel> parse(const YAML::Node& root) {
+CameraModel read_camera(YamlMap& file) {
   CameraModel camera;
-  camera.width = root["image_width"].as<int>();
-  camera.height = root["image_height"].as<int>();
-  const auto k = matrix(root, "camera_matrix");
-  if (k.size() != 9)
-    return fail(ErrorCode::kCorrupt,
-                "camera_matrix has " + std::to_string(k.size()) + " values instead of 9");
+  camera.width = file.integer("image_width", 1, kMaxSize);
+  camera.height = file.integer("image_height", 1, kMaxSize);
+  const auto k = file.section("camera_matrix", true).numbers("data", 9, kFinite);
   camera.fx = k[0];
   camera.cx = k[2];
   camera.fy = k[4];
   camera.cy = k[5];
-  return with_distortion(camera, root);
+  read_distortion(file, camera);
+  return camera;
 }
 
 }  // namespace
 
 Result<CameraModel> load_camera_yaml(const fs::path& file) {
-  const auto in_file = [&file](const Error& e) { return Error{e.code, file.string() + ": " + e.message}; };
-  std::error_code ignored;
-  if (!fs::is_regular_file(file, ignored))
-    return fail(ErrorCode::kNotFound, "no camera file " + file.string());
-  try {
-    auto camera = parse(YAML::LoadFile(file.string()));
-    if (!camera) return tl::unexpected(in_file(camera.error()));
-    if (const auto valid = camera->validate(); !valid) return tl::unexpected(in_file(valid.error()));
-    return camera;
-  } catch (const YAML::Exception& e) {
-    return fail(
-        ErrorCode::kCorrupt,
-        file.string() +
-            ": not a camera_calibration file (needs image_width, image_height, camera_matrix): " + e.what());
-  }
+  Problems problems(file.string(), ErrorCode::kCorrupt);
+  const auto root = load_yaml(file, problems);
+  if (!root) return tl::unexpected(problems.to_error());
+  YamlMap map(*root, "", problems);
+  const CameraModel camera = read_camera(map);
+  if (problems.empty())
+    if (const auto valid = camera.validate(); !valid)
+      problems.add(0, "", valid.error().message, valid.error().code);
+  if (!problems.empty()) return tl::unexpected(problems.to_error());
+  return camera;
 }
 
 }  // namespace extperfc::sources

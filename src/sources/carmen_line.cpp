@@ -3,7 +3,8 @@
 #include <cmath>
 #include <limits>
 
-#include "sources/number_reader.hpp"
+#include "extperfc/base/math.hpp"
+#include "extperfc/base/number_reader.hpp"
 
 namespace extperfc::sources {
 
@@ -11,7 +12,6 @@ namespace {
 
 constexpr double kSickMaxRangeM = 81.8;  // an LMS delivers 81.83 m without a return
 constexpr double kMaxRays = 100000;
-constexpr double kDegree = M_PI / 180;
 
 tl::unexpected<Error> damaged(const std::string& what) {
   return fail(ErrorCode::kCorrupt, what);
@@ -67,7 +67,7 @@ class Fields {
 double flaser_increment(std::size_t rays) {
   if (rays == 180 || rays == 181) return kDegree;
   if (rays == 360 || rays == 361) return kDegree / 2;
-  return M_PI / static_cast<double>(rays - 1);
+  return kPi / static_cast<double>(rays - 1);
 }
 
 }  // namespace
@@ -84,7 +84,7 @@ Result<ScanRecord> parse_flaser(std::string_view line, double laser_offset_m, co
   record.odom_T_base = fields.pose("the odometry's pose");
   scan.stamp_s = fields.number("the time stamp");
   if (!fields.good()) return damaged(fields.complaint());
-  scan.angle_min = -M_PI / 2;
+  scan.angle_min = -kPi / 2;
   scan.angle_increment = flaser_increment(rays);
   scan.base_T_sensor = options.base_T_sensor.value_or(Pose2{laser_offset_m, 0, 0});
   return record;

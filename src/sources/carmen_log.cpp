@@ -2,10 +2,10 @@
 #include <cmath>
 #include <utility>
 
+#include "extperfc/base/number_reader.hpp"
 #include "extperfc/sources/scan_log.hpp"
 
 #include "sources/carmen_line.hpp"
-#include "sources/number_reader.hpp"
 #include "sources/packed_file.hpp"
 
 namespace extperfc::sources {

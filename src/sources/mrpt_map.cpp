@@ -4,6 +4,7 @@
 #include <system_error>
 
 #include "extperfc/base/late_library.hpp"
+#include "extperfc/base/text.hpp"
 
 #include "sources/mrpt_map_entry.hpp"
 
@@ -12,10 +13,6 @@ namespace extperfc::sources {
 namespace {
 
 namespace fs = std::filesystem;
-
-bool ends_with(const std::string& text, const std::string& end) {
-  return text.size() >= end.size() && text.compare(text.size() - end.size(), end.size(), end) == 0;
-}
 
 /// Address of an entry, or why `file` cannot be handled.
 Result<void*> entry(const char* symbol, const fs::path& file) {

@@ -3,16 +3,13 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <fstream>
 #include <iomanip>
-#include <locale>
-#include <optional>
-#include <sstream>
 #include <string>
 
 #include <yaml-cpp/yaml.h>
 
 #include "extperfc/base/atomic_file.hpp"
+#include "extperfc/world/yaml_map.hpp"
 
 #include "world/pgm.hpp"
 
@@ -26,6 +23,8 @@ namespace fs = std::filesystem;
 constexpr std::uint8_t kGreyOccupied = 0;
 constexpr std::uint8_t kGreyFree = 254;
 constexpr std::uint8_t kGreyUnknown = 205;
+
+constexpr Span kResolution{1e-6, 1e6};  // [m]
 
 enum class MapMode { kTrinary, kScale, kRaw };
 
@@ -54,9 +53,7 @@ Result<void> validate(const OccupancyGrid& map) {
     return fail(ErrorCode::kInvalidArgument, "the map holds " + std::to_string(map.cells.size()) +
                                                  " cells and is said to have " + std::to_string(map.width) +
                                                  " x " + std::to_string(map.height));
-  const bool finite =
-      std::isfinite(map.origin.x) && std::isfinite(map.origin.y) && std::isfinite(map.origin.yaw);
-  if (!finite || !std::isfinite(map.resolution_m) || map.resolution_m <= 0)
+  if (!is_finite(map.origin) || !std::isfinite(map.resolution_m) || map.resolution_m <= 0)
     return fail(ErrorCode::kInvalidArgument, "the map's origin or resolution is not a usable number");
   return {};
 }
@@ -99,125 +96,27 @@ void write_yaml(std::ostream& out, const OccupancyGrid& map, const std::string& 
       << "\nfree_thresh: " << thresholds.free << "\n\n";
 }
 
-/// Text of a key; empty when it is not there. Kept apart from yaml-cpp's conversions, which throw.
-std::optional<std::string> text_of(const YAML::Node& node) {
-  if (!node.IsDefined() || !node.IsScalar()) return std::nullopt;
-  return node.Scalar();
-}
-
-std::optional<double> number_of(const YAML::Node& node) {
-  const auto text = text_of(node);
-  if (!text) return std::nullopt;
-  std::istringstream in(*text);
-  in.imbue(std::locale::classic());
-  double value = 0;
-  if (!(in >> value) || !std::isfinite(value)) return std::nullopt;
-  in >> std::ws;
-  if (!in.eof()) return std::nullopt;
-  return value;
-}
-
-/// Reads keys and remembers the first that is wrong.
-class Keys {
- public:
-  explicit Keys(const YAML::Node& root) : root_(root) {}
-
-  double number(const char* key) {
-    const auto value = number_of(root_[key]);
-    if (!value) complain(key, root_[key].IsDefined() ? "is not a number" : "is missing");
-    return value.value_or(0);
-  }
-
-  Pose2 pose(const char* key) {
-    const YAML::Node node = root_[key];
-    constexpr std::size_t kCoordinates = 3;
-    std::array<double, kCoordinates> value{};
-    const bool is_list = node.IsDefined() && node.IsSequence() && node.size() >= kCoordinates;
-    for (std::size_t i = 0; i < kCoordinates; ++i) {
-      const auto number = is_list ? number_of(node[i]) : std::nullopt;
-      if (!number) {
-        complain(key, node.IsDefined() ? "is not a list of three numbers [x, y, yaw]" : "is missing");
-        return {};
-      }
-      value[i] = *number;
-    }
-    return {value[0], value[1], value[2]};
-  }
-
-  std::string text(const char* key) {
-    const auto value = text_of(root_[key]);
-    if (!value || value->empty())
-      complain(key, root_[key].IsDefined() ? "is not a file's name" : "is missing");
-    return value.value_or("");
-  }
-
-  /// map_server writes 0 and 1; people write true and false.
-  bool flag(const char* key) {
-    const auto value = text_of(root_[key]);
-    if (!value)
-      complain(key, root_[key].IsDefined() ? "is neither 0 nor 1" : "is missing");
-    else if (*value == "1" || *value == "true" || *value == "True")
-      return true;
-    else if (*value != "0" && *value != "false" && *value != "False")
-      complain(key, "is neither 0 nor 1");
-    return false;
-  }
-
-  MapMode mode() {
-    if (!root_["mode"].IsDefined()) return MapMode::kTrinary;
-    const auto value = text_of(root_["mode"]);
-    if (value == "scale") return MapMode::kScale;
-    if (value == "raw") return MapMode::kRaw;
-    if (value != "trinary") complain("mode", "must be trinary, scale or raw");
-    return MapMode::kTrinary;
-  }
-
-  void complain(const std::string& key, const std::string& what) {
-    if (complaint_.empty()) complaint_ = "'" + key + "' " + what;
-  }
-  [[nodiscard]] const std::string& complaint() const { return complaint_; }
-
- private:
-  YAML::Node root_;
-  std::string complaint_;
-};
-
-Result<YAML::Node> read_yaml(const fs::path& file) {
+Result<MapDescription> describe(const fs::path& file) {
+  Problems problems(file.string(), ErrorCode::kCorrupt);
   std::error_code error;
-  const auto bytes = fs::file_size(file, error);
-  std::ifstream in(file);
-  if (error || !in) return fail(ErrorCode::kNotFound, "cannot read the map " + file.string());
   constexpr std::uintmax_t kMaxBytes = 1 << 20;
-  if (bytes > kMaxBytes)
+  if (const auto bytes = fs::file_size(file, error); !error && bytes > kMaxBytes)
     return fail(ErrorCode::kCorrupt,
                 file.string() + " is too large for a map's description; give the .yaml file of the map");
-  try {
-    YAML::Node root = YAML::Load(in);
-    if (root.IsMap()) return root;
-  } catch (const YAML::Exception& e) {
-    return fail(ErrorCode::kCorrupt,
-                file.string() + " line " + std::to_string(e.mark.line + 1) + ": " + e.msg);
-  }
-  return fail(ErrorCode::kCorrupt, file.string() +
-                                       " is not a map's description (image, resolution, origin, negate, "
-                                       "occupied_thresh, free_thresh)");
-}
-
-Result<MapDescription> describe(const fs::path& file) {
-  const auto root = read_yaml(file);
-  if (!root) return tl::unexpected(root.error());
-  Keys keys(*root);
+  const auto root = load_yaml(file, problems);
+  if (!root) return tl::unexpected(problems.to_error());
+  YamlMap keys(*root, "", problems);
   MapDescription map;
   map.image = keys.text("image");
-  map.resolution_m = keys.number("resolution");
-  map.origin = keys.pose("origin");
+  map.resolution_m = keys.number("resolution", kResolution);
+  const auto origin = keys.numbers("origin", {3, kAnyNumber}, kFinite);
+  map.origin = {origin[0], origin[1], origin[2]};
   map.negate = keys.flag("negate");
-  map.thresholds = {keys.number("occupied_thresh"), keys.number("free_thresh")};
-  map.mode = keys.mode();
-  if (map.resolution_m <= 0) keys.complain("resolution", "must be above 0");
-  if (const auto valid = validate(map.thresholds); !valid)
-    keys.complain("free_thresh", "and occupied_thresh do not fit: " + valid.error().message);
-  if (!keys.complaint().empty()) return fail(ErrorCode::kCorrupt, file.string() + ": " + keys.complaint());
+  map.thresholds = {keys.number("occupied_thresh", kFinite), keys.number("free_thresh", kFinite)};
+  map.mode = static_cast<MapMode>(keys.choice("mode", {"trinary", "scale", "raw"}));
+  if (const auto valid = validate(map.thresholds); problems.empty() && !valid)
+    keys.problem("free_thresh", valid.error().message);
+  if (!problems.empty()) return tl::unexpected(problems.to_error());
   if (map.image.is_relative()) map.image = file.parent_path() / map.image;
   return map;
 }

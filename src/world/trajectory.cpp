@@ -9,6 +9,7 @@
 #include <string>
 
 #include "extperfc/base/atomic_file.hpp"
+#include "extperfc/base/number_reader.hpp"
 
 namespace extperfc {
 
@@ -18,13 +19,15 @@ constexpr std::size_t kColumns = 8;
 
 /// x y yaw of one line; `stamp x y z qx qy qz qw`, more columns are ignored.
 Result<StampedPose2> parse_line(const std::string& line) {
-  std::istringstream in(line);
-  in.imbue(std::locale::classic());
+  TokenReader in(line);
   std::array<double, kColumns> value{};
-  for (auto& number : value)
-    if (!(in >> number) || !std::isfinite(number))
+  for (auto& number : value) {
+    const auto read = in.number();
+    if (!read)
       return fail(ErrorCode::kCorrupt,
                   "expected 'stamp x y z qx qy qz qw', found '" + line.substr(0, 80) + "'");
+    number = *read;
+  }
   const auto [stamp_s, x, y, z, qx, qy, qz, qw] = value;
   const double norm = std::sqrt(qx * qx + qy * qy + qz * qz + qw * qw);
   constexpr double kNormTolerance = 0.01;

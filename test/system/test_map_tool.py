@@ -190,10 +190,10 @@ class MapTool(unittest.TestCase):
 
     def test_wrong_arguments(self):
         for arguments, what in (((), "too few arguments|give a recording"), (("a", "b"), "unexpected argument b"),
-                                (("a", "--particels", 3), "did you mean --particles"),
+                                (("a", "--particels", 3), 'did you mean "--particles"'),
                                 (("a", "--particles", 0), "particles"), (("a", "--particles", "many"), "particles"),
                                 (("a", "--set", "particles"), "NAME=VALUE"),
-                                (("a", "--set", "lineerUpdate=1"), "did you mean linearUpdate"),
+                                (("a", "--set", "lineerUpdate=1"), 'did you mean "linearUpdate"'),
                                 (("a", "--set", "delta=-1"), "delta|resolution"),
                                 (("a", "--laser-pose", "1,2"), "--laser-pose must be 3 numbers"),
                                 (("a", "--scans", 0), "--scans"), (("a", "--out"), "--out needs a value")):

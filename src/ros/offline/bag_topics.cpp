@@ -6,6 +6,8 @@
 
 #include <rosbag/view.h>
 
+#include "extperfc/base/text.hpp"
+
 namespace extperfc::ros_offline {
 
 namespace {
@@ -28,12 +30,6 @@ std::vector<std::string> of_types(const Topics& topics, const std::set<std::stri
   for (const auto& [name, type] : topics)
     if (types.count(type) != 0) names.push_back(name);
   return names;
-}
-
-std::string joined(const std::vector<std::string>& names) {
-  std::string text;
-  for (const auto& name : names) text += (text.empty() ? "" : ", ") + name;
-  return text;
 }
 
 /// The topic that the user named, with or without its leading slash.

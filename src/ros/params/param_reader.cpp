@@ -5,6 +5,8 @@
 #include <sstream>
 #include <type_traits>
 
+#include "extperfc/base/text.hpp"
+
 namespace extperfc::ros_params {
 
 namespace {
@@ -14,12 +16,6 @@ std::string text_of(const T& value) {
   std::ostringstream stream;
   stream << value;
   return stream.str();
-}
-
-std::string join(const std::vector<std::string>& parts, const std::string& separator) {
-  std::string all;
-  for (const auto& part : parts) all += (all.empty() ? "" : separator) + part;
-  return all;
 }
 
 }  // namespace
@@ -92,9 +88,9 @@ Result<void> ParamReader::finish() {
   for (const auto& entry : given_)
     if (std::find(known_.begin(), known_.end(), entry.first) == known_.end())
       errors_.push_back(ns_ + "/" + entry.first +
-                        " is not a parameter of this nodelet; it knows: " + join(known_, ", "));
+                        " is not a parameter of this nodelet; it knows: " + joined(known_));
   if (errors_.empty()) return {};
-  return fail(ErrorCode::kInvalidArgument, join(errors_, "\n  "));
+  return fail(ErrorCode::kInvalidArgument, joined(errors_, "\n  "));
 }
 
 }  // namespace extperfc::ros_params

@@ -2,17 +2,13 @@
 
 #include <vector>
 
+#include "extperfc/base/text.hpp"
+
 #include "simulate/worlds/materials.hpp"
 
 namespace extperfc::simulate::worlds {
 
 namespace {
-
-std::string joined(const std::vector<std::string>& names) {
-  std::string text;
-  for (const auto& name : names) text += (text.empty() ? "" : ", ") + name;
-  return text;
-}
 
 /// "#c02020".
 std::optional<Eigen::Vector3f> colour_from_hex(const std::string& text) {
@@ -54,19 +50,13 @@ Eigen::Vector3f read_colour(YamlMap& map, const std::string& key, const Eigen::V
 MaterialReader::MaterialReader() : materials_(known_materials()) {}
 
 void MaterialReader::read_own(YamlMap& world) {
-  const auto node = world.node("materials");
-  if (!node) return;
-  if (!node->IsMap()) {
-    world.problem("materials", "must be a map of names and materials, not " + shown(*node));
-    return;
-  }
-  for (const auto& entry : *node) {
-    const std::string name = entry.first.IsScalar() ? entry.first.Scalar() : "";
-    YamlMap map(entry.second, "materials." + name, world.problems());
+  YamlMap section = world.section("materials");
+  for (const auto& entry : section.items()) {
+    YamlMap map(entry.value, section.path(entry.key), world.problems());
     Material own = read_named(map, "like", "plain");
     change(map, own);
     map.refuse_unknown();
-    materials_[name] = own;
+    materials_[entry.key] = own;
   }
 }
 

@@ -4,8 +4,7 @@
 #include <string>
 
 #include "extperfc/world/shape.hpp"
-
-#include "simulate/worlds/yaml_map.hpp"
+#include "extperfc/world/yaml_map.hpp"
 
 namespace extperfc::simulate::worlds {
 

@@ -6,9 +6,11 @@
 
 #include "simulate/worlds/material_reader.hpp"
 #include "simulate/worlds/object_model.hpp"
-#include "simulate/worlds/yaml_map.hpp"
 
 namespace extperfc::simulate::worlds {
+
+inline constexpr Span kAny{-1e4, 1e4};      ///< positions [m] and angles [deg]
+inline constexpr Span kLength{1e-4, 1000};  ///< sizes [m]
 
 /// Furniture, objects and plain shapes by the name of their kind; empty when there is no such kind.
 /// config/worlds/README.md lists them with their keys.

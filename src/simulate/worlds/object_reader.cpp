@@ -3,26 +3,23 @@
 #include <algorithm>
 #include <cmath>
 
+#include "extperfc/base/math.hpp"
+#include "extperfc/base/text.hpp"
+
 #include "simulate/worlds/object_model_reader.hpp"
 
 namespace extperfc::simulate::worlds {
 
 namespace {
 
-constexpr double kDegree = 0.01745329251994329577;  // [rad]
 constexpr int kMaxCopies = 100;
 constexpr int kDeepest = 8;                // groups in groups: an anchor may hold itself
 constexpr std::size_t kMaxObjects = 5000;  // groups of groups of copies may multiply
 
 /// `mobility`, `mass`, `label`, `friction` and `rolling_friction`.
 void read_body_keys(YamlMap& map, ObjectModel& model) {
-  const std::string fixed_names[] = {"fixed", "movable", "loose"};
-  const std::string mobility = map.text("mobility", fixed_names[static_cast<int>(model.mobility)]);
-  const auto* found = std::find(std::begin(fixed_names), std::end(fixed_names), mobility);
-  if (found == std::end(fixed_names))
-    map.problem("mobility", "unknown mobility \"" + mobility + "\": use fixed, movable or loose");
-  else
-    model.mobility = static_cast<Mobility>(found - std::begin(fixed_names));
+  model.mobility = static_cast<Mobility>(
+      map.choice("mobility", {"fixed", "movable", "loose"}, static_cast<std::size_t>(model.mobility)));
   const bool loose = model.mobility == Mobility::kLoose;
   if (map.has("mass"))
     model.mass_kg = map.number("mass", {1e-4, 1000});
@@ -33,6 +30,13 @@ void read_body_keys(YamlMap& map, ObjectModel& model) {
   model.label = map.text("label", model.label);
   model.friction = map.number("friction", {0, 10}, model.friction);
   model.rolling_friction = map.number("rolling_friction", {0, 1}, model.rolling_friction);
+}
+
+/// `at`: [x, y] with z = 0, or [x, y, z].
+Eigen::Vector3d place_of(YamlMap& map) {
+  auto values = map.numbers("at", {2, 3}, kAny);
+  values.resize(3, 0.0);
+  return {values[0], values[1], values[2]};
 }
 
 /// The opening's place: nearest segment to a point on the wall.
@@ -73,9 +77,8 @@ struct Copies {
 
 Copies read_copies(YamlMap& map) {
   Copies copies;
-  const auto node = map.node("copies");
-  if (!node) return copies;
-  YamlMap section(*node, map.path() + ".copies", map.problems());
+  YamlMap section = map.section("copies");
+  if (!map.has("copies")) return copies;
   copies.count = section.integer("count", 1, kMaxCopies);
   copies.step_m = section.vector2("step", kAny);
   section.refuse_unknown();
@@ -83,13 +86,19 @@ Copies read_copies(YamlMap& map) {
 }
 
 std::string colour_suffix(const YamlMap& map) {
-  const YAML::Node& node = map.raw();
-  if (!map.has("colour") || !node["colour"].IsScalar()) return "";
-  const std::string& text = node["colour"].Scalar();
+  const auto* colour = map.find("colour");
+  if (colour == nullptr || !colour->value.IsScalar()) return "";
+  const std::string& text = colour->value.Scalar();
   return text.empty() || text[0] == '#' ? "" : "_" + text;
 }
 
 }  // namespace
+
+std::vector<Eigen::Vector2d> points_of(YamlMap& map, const std::string& key, std::size_t min_count) {
+  std::vector<Eigen::Vector2d> points;
+  for (const auto& row : map.rows(key, 2, kAny, min_count)) points.emplace_back(row[0], row[1]);
+  return points;
+}
 
 void ObjectReader::read(YamlMap& world) {
   materials_.read_own(world);
@@ -102,13 +111,13 @@ void ObjectReader::read_list(YamlMap& owner, const Group& group) {
       entry.problem("", "more than 5000 objects: make the world smaller");
       return;
     }
-    if (entry.raw().size() != 1) {
+    if (entry.items().size() != 1) {
       entry.problem(
           "", "must be one object like `table: {at: [1, 0], ...}`: put one kind in each item of the list");
       continue;
     }
-    const std::string kind = entry.raw().begin()->first.as<std::string>("");
-    YamlMap map(entry.raw().begin()->second, entry.path() + "." + kind, *problems_);
+    const std::string& kind = entry.items().front().key;
+    YamlMap map = entry.section(kind);
     read_object(kind, map, group);
   }
 }
@@ -119,7 +128,7 @@ void ObjectReader::read_object(const std::string& kind, YamlMap& map, const Grou
   if (kind == "floor" || kind == "ceiling") {
     read_slab(map, group, kind == "ceiling");
   } else if (kind == "door") {
-    const Eigen::Vector3d at = map.place("at");
+    const Eigen::Vector3d at = place_of(map);
     const Pose opening = upright(at.x(), at.y(), at.z(), map.number("yaw_deg", kAny, 0) * kDegree);
     DoorParams params;
     params.width_m = map.number("width", {0.3, 5}, params.width_m);
@@ -140,7 +149,7 @@ void ObjectReader::read_object(const std::string& kind, YamlMap& map, const Grou
 void ObjectReader::read_group(YamlMap& map, const Group& group) {
   Group inner = group;
   inner.prefix = name_of(map, group, "group") + "_";
-  const Eigen::Vector3d at = map.place("at");
+  const Eigen::Vector3d at = place_of(map);
   inner.world_T_group =
       group.world_T_group * upright(at.x(), at.y(), at.z(), map.number("yaw_deg", kAny, 0) * kDegree);
   map.expect("objects");
@@ -166,7 +175,7 @@ void ObjectReader::read_slab(YamlMap& map, const Group& group, bool ceiling) {
 void ObjectReader::read_wall(YamlMap& map, const Group& group) {
   WallParams wall;
   wall.closed = map.flag("closed", false);
-  wall.path_m = map.points("path", wall.closed ? 3 : 2);
+  wall.path_m = points_of(map, "path", wall.closed ? 3 : 2);
   wall.height_m = map.number("height", {0.05, 20}, wall.height_m);
   wall.thickness_m = map.number("thickness", {0.01, 2}, wall.thickness_m);
   wall.skirting = map.flag("skirting", wall.skirting);
@@ -198,9 +207,8 @@ void ObjectReader::read_opening(YamlMap& map, WallParams& wall) {
 }
 
 void ObjectReader::read_opening_door(YamlMap& opening, const WallParams& wall, const Group& group) {
-  const auto node = opening.node("door");
-  if (!node) return;
-  YamlMap map(*node, opening.path() + ".door", *problems_);
+  YamlMap map = opening.section("door");
+  if (!opening.has("door")) return;
   DoorParams params;
   params.width_m = wall.openings.back().width_m;
   params.height_m = wall.openings.back().top_m;
@@ -210,10 +218,7 @@ void ObjectReader::read_opening_door(YamlMap& opening, const WallParams& wall, c
 
 void ObjectReader::read_door(YamlMap& map, const Pose& world_T_opening, DoorParams params,
                              const Group& group) {
-  const std::string hinge = map.text("hinge", "left");
-  if (hinge != "left" && hinge != "right")
-    map.problem("hinge", "must be left or right, not \"" + hinge + "\"");
-  params.hinge_right = hinge == "right";
+  params.hinge_right = map.choice("hinge", {"left", "right"}) == 1;
   const double open = map.number("open_deg", {-170, 170}, 0) * kDegree;
   const Material material = materials_.read(map, "pine");
   const std::string name = name_of(map, group, "door");
@@ -222,7 +227,7 @@ void ObjectReader::read_door(YamlMap& map, const Pose& world_T_opening, DoorPara
 
 void ObjectReader::read_placed(YamlMap& map, const Group& group, ObjectModel model, const std::string& kind) {
   read_body_keys(map, model);
-  const Eigen::Vector3d at = map.place("at");
+  const Eigen::Vector3d at = place_of(map);
   const double yaw = map.number("yaw_deg", kAny, 0) * kDegree;
   const Support under = support(map, group);
   const Copies copies = read_copies(map);
@@ -269,8 +274,8 @@ void ObjectReader::keep(const YamlMap& map, const ObjectModel& model, const std:
                    "there are two objects \"" + name + "\" (the other one at line " +
                        std::to_string(other->origin.line) + "): give them different names");
   index_by_name_.emplace(name, objects_.size());
-  objects_.push_back(
-      {place(model, name, world_T_object), world_T_object, model.surfaces, map.origin(), on, bounded});
+  objects_.push_back({place(model, name, world_T_object), world_T_object, model.surfaces,
+                      Origin{map.line(), map.path()}, on, bounded});
 }
 
 std::string ObjectReader::name_of(YamlMap& map, const Group& group, const std::string& kind) {

@@ -5,13 +5,19 @@
 #include <vector>
 
 #include "extperfc/simulate/world_spec.hpp"
+#include "extperfc/world/yaml_map.hpp"
 
 #include "simulate/worlds/material_reader.hpp"
 #include "simulate/worlds/object_model.hpp"
 #include "simulate/worlds/walls.hpp"
-#include "simulate/worlds/yaml_map.hpp"
 
 namespace extperfc::simulate::worlds {
+
+/// Where something stands in the file, for problems that are found after reading.
+struct Origin {
+  int line{0};
+  std::string key_path;
+};
 
 /// A body with what later checks and `on:` need to know about it.
 struct PlacedObject {
@@ -75,5 +81,9 @@ class ObjectReader {
   std::vector<PlacedObject> objects_;
   std::map<std::string, std::size_t> index_by_name_;
 };
+
+/// A list of points [x, y] [m], at least `min_count`.
+[[nodiscard]] std::vector<Eigen::Vector2d> points_of(YamlMap& map, const std::string& key,
+                                                     std::size_t min_count);
 
 }  // namespace extperfc::simulate::worlds

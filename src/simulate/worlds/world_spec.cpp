@@ -1,14 +1,14 @@
 #include "extperfc/simulate/world_spec.hpp"
 
-#include <fstream>
-#include <sstream>
+#include <optional>
 
-#include <yaml-cpp/yaml.h>
+#include "extperfc/base/math.hpp"
+#include "extperfc/world/yaml_map.hpp"
 
 #include "simulate/worlds/material_reader.hpp"
+#include "simulate/worlds/object_model_reader.hpp"
 #include "simulate/worlds/object_reader.hpp"
 #include "simulate/worlds/world_checks.hpp"
-#include "simulate/worlds/yaml_map.hpp"
 
 namespace extperfc::simulate {
 
@@ -16,16 +16,10 @@ namespace {
 
 using namespace worlds;  // NOLINT: the reader's own parts
 
-constexpr double kDegree = 0.01745329251994329577;  // [rad]
-
-YamlMap section(YamlMap& owner, const std::string& key) {
-  return {owner.node(key).value_or(YAML::Node(YAML::NodeType::Map)), key, owner.problems()};
-}
-
 void read_floor_plan(YamlMap& file, WorldSpec& world) {
   if (!file.has("floor_plan"))
     file.problem("floor_plan", "is missing: add `floor_plan: {min: [x, y], max: [x, y]}` in metres");
-  YamlMap map = section(file, "floor_plan");
+  YamlMap map = file.section("floor_plan");
   world.min_m = map.vector2("min", kAny, world.min_m);
   world.max_m = map.vector2("max", kAny, world.max_m);
   map.refuse_unknown();
@@ -34,7 +28,7 @@ void read_floor_plan(YamlMap& file, WorldSpec& world) {
 }
 
 Origin read_robot(YamlMap& file, WorldSpec& world) {
-  YamlMap map = section(file, "robot");
+  YamlMap map = file.section("robot");
   const Eigen::Vector2d at = map.vector2("at", kAny, Eigen::Vector2d(0, 0));
   world.robot_start = {at.x(), at.y(), map.number("yaw_deg", kAny, 0) * kDegree};
   map.refuse_unknown();
@@ -42,7 +36,7 @@ Origin read_robot(YamlMap& file, WorldSpec& world) {
 }
 
 void read_light(YamlMap& file, LightSpec& light) {
-  YamlMap map = section(file, "light");
+  YamlMap map = file.section("light");
   light.position_m = map.vector3("at", kAny, light.position_m);
   light.direct = static_cast<float>(map.number("direct", {0, 2}, static_cast<double>(light.direct)));
   light.ambient = static_cast<float>(map.number("ambient", {0, 2}, static_cast<double>(light.ambient)));
@@ -55,7 +49,7 @@ std::vector<Origin> read_people(YamlMap& file, WorldSpec& world) {
   for (YamlMap& map : file.maps("people")) {
     PersonSpec person;
     person.name = map.text("name");
-    person.path_m = map.points("path", 1);
+    person.path_m = points_of(map, "path", 1);
     person.speed_m_s = map.number("speed", {0.01, 5}, person.speed_m_s);
     person.closed = map.flag("closed", false);
     person.colour = read_colour(map, "colour", person.colour);
@@ -64,7 +58,7 @@ std::vector<Origin> read_people(YamlMap& file, WorldSpec& world) {
       if (other.name == person.name)
         map.problem("name", "there are two people \"" + person.name + "\": give them different names");
     world.people.push_back(person);
-    origins.push_back(map.origin());
+    origins.push_back(Origin{map.line(), map.path()});
   }
   return origins;
 }
@@ -77,7 +71,9 @@ void check_names(const WorldSpec& world, const std::vector<Origin>& origins, Pro
                      "an object has the name \"" + body.name + "\" too: give them different names");
 }
 
-WorldSpec read_world(YamlMap& file) {
+Result<WorldSpec> read_world(const std::optional<YAML::Node>& root, Problems& problems) {
+  if (!root) return tl::unexpected(problems.to_error());
+  YamlMap file(*root, "", problems);
   WorldSpec world;
   world.name = file.text("name");
   world.description = file.text("description", "");
@@ -86,38 +82,26 @@ WorldSpec read_world(YamlMap& file) {
   read_light(file, world.light);
   const auto people = read_people(file, world);
   file.expect("templates");  // a place for YAML anchors
-  ObjectReader reader(file.problems(), world.min_m, world.max_m);
+  ObjectReader reader(problems, world.min_m, world.max_m);
   reader.read(file);
   file.refuse_unknown();
   for (const PlacedObject& object : reader.objects()) world.bodies.push_back(object.body);
-  check_names(world, people, file.problems());
-  if (file.problems().empty()) check_world(world, reader.objects(), robot, people, file.problems());
+  check_names(world, people, problems);
+  if (problems.empty()) check_world(world, reader.objects(), robot, people, problems);
+  if (!problems.empty()) return tl::unexpected(problems.to_error());
   return world;
 }
 
 }  // namespace
 
-Result<WorldSpec> parse_world(const std::string& yaml, const std::string& source_name) try {
+Result<WorldSpec> parse_world(const std::string& yaml, const std::string& source_name) {
   Problems problems(source_name);
-  YamlMap file(YAML::Load(yaml), "", problems);
-  WorldSpec world = read_world(file);
-  if (!problems.empty()) return tl::unexpected(problems.to_error());
-  return world;
-} catch (const YAML::Exception& error) {
-  Problems problems(source_name);
-  problems.add(error.mark.is_null() ? 0 : error.mark.line + 1, "",
-               "not YAML: " + error.msg + ": correct this line");
-  return fail(ErrorCode::kCorrupt, problems.to_error().message);
+  return read_world(parse_yaml(yaml, problems), problems);
 }
 
 Result<WorldSpec> load_world(const std::filesystem::path& file) {
-  std::ifstream in(file, std::ios::binary);
-  std::ostringstream text;
-  std::error_code error;
-  if (!std::filesystem::is_regular_file(file, error) || !(text << in.rdbuf()))
-    return fail(ErrorCode::kNotFound,
-                file.string() + ": cannot be read: give the path of a world, e.g. config/worlds/lab.yaml");
-  return parse_world(text.str(), file.string());
+  Problems problems(file.string());
+  return read_world(load_yaml(file, problems), problems);
 }
 
 }  // namespace extperfc::simulate

@@ -30,7 +30,7 @@ TEST(Arguments, BehindTwoDashesNothingIsAnOption) {
 }
 
 TEST(Arguments, WhatDoesNotFitIsNamed) {
-  EXPECT_EQ(complaint({"a", "--jsn"}), "unknown option --jsn; did you mean --json?");
+  EXPECT_EQ(complaint({"a", "--jsn"}), "unknown option --jsn, did you mean \"--json\"?");
   EXPECT_EQ(complaint({"a", "--something-else"}), "unknown option --something-else");
   EXPECT_EQ(complaint({"a", "--out"}), "--out needs a value");
   EXPECT_EQ(complaint({"a", "--json=1"}), "--json takes no value");

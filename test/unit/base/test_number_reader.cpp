@@ -5,11 +5,10 @@
 
 #include <gtest/gtest.h>
 
+#include "extperfc/base/number_reader.hpp"
 #include "extperfc/base/rng.hpp"
 
-#include "sources/number_reader.hpp"
-
-namespace extperfc::sources {
+namespace extperfc {
 namespace {
 
 TEST(NumberReader, ReadsWhatTheLibraryReads) {
@@ -46,4 +45,4 @@ TEST(NumberReader, TokensAreSeparated) {
 }
 
 }  // namespace
-}  // namespace extperfc::sources
+}  // namespace extperfc
