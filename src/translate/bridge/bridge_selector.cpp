@@ -4,14 +4,11 @@
 #include <array>
 #include <utility>
 
+#include "extperfc/base/text.hpp"
+
 namespace extperfc::translate {
 
 namespace {
-
-bool ends_with(const std::string& text, const std::string& suffix) {
-  return text.size() >= suffix.size() &&
-         text.compare(text.size() - suffix.size(), suffix.size(), suffix) == 0;
-}
 
 const GraphState& graph_of(const BridgeSelector::Graphs& graphs, Side side) {
   return graphs[static_cast<std::size_t>(side)];

@@ -3,10 +3,11 @@
 #include <algorithm>
 #include <cctype>
 
+#include "extperfc/base/text.hpp"
 #include "extperfc/translate/plan.hpp"
+#include "extperfc/world/yaml_map.hpp"
 
 #include "translate/rules/path.hpp"
-#include "translate/rules/yaml_map.hpp"
 
 namespace extperfc::translate::rules {
 
@@ -14,10 +15,6 @@ namespace {
 
 bool is_float(Primitive primitive) {
   return primitive == Primitive::kFloat32 || primitive == Primitive::kFloat64;
-}
-
-bool is_number(Primitive primitive) {
-  return primitive >= Primitive::kInt8 && primitive <= Primitive::kFloat64;
 }
 
 bool is_constant_name(const std::string& text) {
@@ -69,6 +66,10 @@ Result<void> resolve_names(Literal& literal, const Field& field, const MessageSc
 }
 
 }  // namespace
+
+bool is_number(Primitive primitive) {
+  return primitive >= Primitive::kInt8 && primitive <= Primitive::kFloat64;
+}
 
 bool Budget::take(Problems& problems, int line) {
   if (++used_ == kMaxNodes + 1)

@@ -4,9 +4,8 @@
 
 #include <yaml-cpp/yaml.h>
 
+#include "extperfc/base/problems.hpp"
 #include "extperfc/translate/rules.hpp"
-
-#include "translate/rules/problems.hpp"
 
 namespace extperfc::translate::rules {
 
@@ -24,6 +23,8 @@ class Budget {
  private:
   std::size_t used_{0};
 };
+
+[[nodiscard]] bool is_number(Primitive primitive);
 
 /// A literal as it stands: scalars are texts. What has no value (`key:` alone) is a problem.
 [[nodiscard]] Literal read_literal(const YAML::Node& node, const std::string& where, Problems& problems,

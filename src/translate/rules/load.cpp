@@ -14,7 +14,6 @@ namespace extperfc::translate {
 namespace {
 
 using rules::Draft;
-using rules::Problems;
 using rules::RuleFile;
 
 constexpr std::size_t kMaxBytes = 1U << 20U;  // of one file
@@ -49,7 +48,11 @@ int line_of_second_document(const std::string& text) {
   std::istringstream in(text);
   YAML::Parser parser(in);
   DocumentStart first, second;
-  if (!parser.HandleNextDocument(first) || !parser.HandleNextDocument(second)) return 0;
+  try {
+    if (!parser.HandleNextDocument(first) || !parser.HandleNextDocument(second)) return 0;
+  } catch (const YAML::Exception& error) {
+    return error.mark.line + 1;
+  }
   return second.line;
 }
 
@@ -59,13 +62,11 @@ Page read_page(const std::string& text, const std::string& name, const Definitio
     page.problems.add(0, "", "is larger than " + std::to_string(kMaxBytes) + " bytes: divide it");
     return page;
   }
-  try {
-    const int second = line_of_second_document(text);
-    if (second > 0) page.problems.add(second, "", "a second document begins: write one list of rules");
-    page.content = rules::RuleReader(definitions, page.problems).read(YAML::Load(text));
-  } catch (const YAML::Exception& error) {
-    page.problems.add(error.mark.is_null() ? 0 : error.mark.line + 1, "", "is not valid YAML: " + error.msg);
-  }
+  const auto root = parse_yaml(text, page.problems);
+  if (!root) return page;
+  const int second = line_of_second_document(text);
+  if (second > 0) page.problems.add(second, "", "a second document begins: write one list of rules");
+  page.content = rules::RuleReader(definitions, page.problems).read(*root);
   return page;
 }
 

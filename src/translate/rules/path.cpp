@@ -2,7 +2,7 @@
 
 #include <charconv>
 
-#include "translate/rules/problems.hpp"
+#include "extperfc/base/text.hpp"
 
 namespace extperfc::translate::rules {
 

@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include "extperfc/base/text.hpp"
+
 #include "translate/rules/source_reader.hpp"
 
 namespace extperfc::translate::rules {
@@ -25,7 +27,7 @@ RuleFile RuleReader::read(const YAML::Node& root) {
   if (root.IsSequence()) {
     read_rules(root);
   } else if (!root.IsNull()) {
-    const YamlMap map(root, "", *problems_);
+    YamlMap map(root, "", *problems_);
     map.allow_only({"rules", "renames"});
     if (map.has("renames")) read_renames(map);
     if (map.has("rules")) read_rules(map.find("rules")->value);
@@ -33,7 +35,7 @@ RuleFile RuleReader::read(const YAML::Node& root) {
   return std::move(file_);
 }
 
-void RuleReader::read_renames(const YamlMap& root) {
+void RuleReader::read_renames(YamlMap& root) {
   const YAML::Node list = root.find("renames")->value;
   if (!list.IsSequence()) {
     root.problem("renames", "must be a list of {from: ..., to: ...}, not " + shown(list));
@@ -41,9 +43,9 @@ void RuleReader::read_renames(const YamlMap& root) {
   }
   for (const auto& node : list) {
     if (!budget_.take(*problems_, line_of(node))) return;
-    const YamlMap map(node, "renames", *problems_);
+    YamlMap map(node, "renames", *problems_);
     map.allow_only({"from", "to"});
-    const std::string from = map.text("from").value_or(""), to = map.text("to").value_or("");
+    const std::string from = map.text("from", ""), to = map.text("to", "");
     const bool same_kind = (from.find('/') == std::string::npos) == (to.find('/') == std::string::npos);
     if (from.empty() || to.empty() || from == to || !same_kind)
       map.problem("", "needs from and to: two types or two packages");
@@ -68,7 +70,7 @@ void RuleReader::read_entry(const YAML::Node& node) {
   if (node.IsMap())
     for (const char* key : {"type", "service"})
       if (const YAML::Node name = node[key]; name.IsDefined() && name.IsScalar()) where = name.Scalar();
-  const YamlMap entry(node, where.empty() ? "rule" : where, *problems_);
+  YamlMap entry(node, where.empty() ? "rule" : where, *problems_);
   if (!node.IsMap()) return;
   if (entry.has("service"))
     read_service_entry(entry);
@@ -76,20 +78,20 @@ void RuleReader::read_entry(const YAML::Node& node) {
     read_message_entry(entry);
 }
 
-void RuleReader::read_message_entry(const YamlMap& entry) {
+void RuleReader::read_message_entry(YamlMap& entry) {
   std::vector<std::string> known{"type", "from", "to"};
   known.insert(known.end(), kSides.begin(), kSides.end());
   entry.allow_only(known);
-  const std::string type = entry.text("type").value_or("");
+  const std::string type = entry.text("type", "");
   const End from = read_end(entry, "from", type), to = read_end(entry, "to", type);
   if (!from.md5.empty() && from.type == to.type && from.md5 == to.md5)
     entry.problem("to", "is the same definition as from");
   read_both_directions(entry, {find_message(from), find_message(to), entry.line()});
 }
 
-void RuleReader::read_service_entry(const YamlMap& entry) {
+void RuleReader::read_service_entry(YamlMap& entry) {
   entry.allow_only({"service", "from", "to", "request", "response"});
-  const std::string type = entry.text("service").value_or("");
+  const std::string type = entry.text("service", "");
   const End from = read_end(entry, "from", type), to = read_end(entry, "to", type);
   const ServicePtr old_service = find_service(from), new_service = find_service(to);
   if (from.type != to.type && !from.type.empty() && !to.type.empty())
@@ -103,19 +105,18 @@ void RuleReader::read_service_entry(const YamlMap& entry) {
 }
 
 // A half that differs gets its rules even when the entry says nothing of it: chains lead through them.
-void RuleReader::read_half(const YamlMap& entry, const std::string& key, const Pair& pair) {
+void RuleReader::read_half(YamlMap& entry, const std::string& key, const Pair& pair) {
   const auto* item = entry.find(key);
   const bool same =
       pair.from && pair.to && pair.from->type() == pair.to->type() && pair.from->md5() == pair.to->md5();
   if (same && item != nullptr) entry.problem(key, "is the same on both sides: remove this");
   if (same) return;
-  const YAML::Node nothing(YAML::NodeType::Map);
-  const YamlMap map(item != nullptr ? item->value : nothing, entry.where(key), *problems_);
+  YamlMap map = entry.section(key);
   map.allow_only(kSides);
   read_both_directions(map, pair);
 }
 
-RuleReader::End RuleReader::read_end(const YamlMap& entry, const std::string& key, const std::string& type) {
+RuleReader::End RuleReader::read_end(YamlMap& entry, const std::string& key, const std::string& type) {
   const auto* item = entry.find(key);
   if (item == nullptr) {
     entry.problem("", "has no " + key + ": give {md5: ...}");
@@ -125,10 +126,10 @@ RuleReader::End RuleReader::read_end(const YamlMap& entry, const std::string& ke
   if (item->value.IsScalar()) {
     end.md5 = item->value.Scalar();
   } else {
-    const YamlMap map(item->value, entry.where(key), *problems_);
+    YamlMap map(item->value, entry.path(key), *problems_);
     map.allow_only({"type", "md5", "name"});
-    end.type = map.text("type").value_or(type);
-    end.md5 = map.text("md5").value_or("");
+    end.type = map.text("type", type);
+    end.md5 = map.text("md5", "");
   }
   if (!is_md5(end.md5)) {
     entry.problem(key, "needs an MD5 of 32 hexadecimal digits, not " + in_quotes(end.md5));
@@ -141,12 +142,12 @@ RuleReader::End RuleReader::read_end(const YamlMap& entry, const std::string& ke
   return end;
 }
 
-void RuleReader::read_both_directions(const YamlMap& map, const Pair& pair) {
+void RuleReader::read_both_directions(YamlMap& map, const Pair& pair) {
   file_.drafts.push_back(read_one_direction(map, "forward", pair));
   file_.drafts.push_back(read_one_direction(map, "backward", {pair.to, pair.from, pair.line}));
 }
 
-Draft RuleReader::read_one_direction(const YamlMap& map, const std::string& direction, const Pair& pair) {
+Draft RuleReader::read_one_direction(YamlMap& map, const std::string& direction, const Pair& pair) {
   const std::size_t before = problems_->size();
   const auto* item = map.find(direction);
   Draft draft;
@@ -154,17 +155,16 @@ Draft RuleReader::read_one_direction(const YamlMap& map, const std::string& dire
   draft.to = pair.to;
   draft.line = item != nullptr ? item->line : pair.line;
   draft.rule.origin = problems_->place(draft.line);
-  const YAML::Node nothing(YAML::NodeType::Map);
-  const YamlMap targets(item != nullptr ? item->value : nothing, map.where(direction), *problems_);
+  const YamlMap targets = map.section(direction);
   SourceReader reader(pair.from.get(), *problems_, budget_);
   for (const auto& target : targets.items()) {
     const Field* field = pair.to ? pair.to->find(target.key) : nullptr;
     if (pair.to && field == nullptr)
-      problems_->add(target.line, targets.where(),
+      problems_->add(target.line, targets.path(),
                      pair.to->type() + " has no field " + in_quotes(target.key) +
                          hint_for(target.key, field_names(*pair.to)));
     draft.rule.targets.emplace_back(
-        target.key, reader.read(target.value, targets.where(target.key), {field, pair.to.get()}));
+        target.key, reader.read(target.value, targets.path(target.key), {field, pair.to.get()}));
   }
   read_dropped(map, "drop_" + direction, draft);
   draft.sound = problems_->size() == before && pair.from && pair.to;
@@ -176,7 +176,7 @@ Draft RuleReader::read_one_direction(const YamlMap& map, const std::string& dire
   return draft;
 }
 
-void RuleReader::read_dropped(const YamlMap& map, const std::string& key, Draft& draft) {
+void RuleReader::read_dropped(YamlMap& map, const std::string& key, Draft& draft) {
   const auto* item = map.find(key);
   if (item == nullptr) return;
   if (!item->value.IsSequence()) map.problem(key, "must be a list of fields, not " + shown(item->value));
@@ -186,7 +186,7 @@ void RuleReader::read_dropped(const YamlMap& map, const std::string& key, Draft&
     const std::string name = node.IsScalar() ? node.Scalar() : "";
     if (draft.from && draft.from->find(name) == nullptr)
       problems_->add(
-          line_of(node), map.where(key),
+          line_of(node), map.path(key),
           draft.from->type() + " has no field " + in_quotes(name) + hint_for(name, field_names(*draft.from)));
     draft.rule.dropped.push_back(name);
   }

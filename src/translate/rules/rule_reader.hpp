@@ -7,9 +7,9 @@
 #include <yaml-cpp/yaml.h>
 
 #include "extperfc/translate/rules.hpp"
+#include "extperfc/world/yaml_map.hpp"
 
 #include "translate/rules/literal.hpp"
-#include "translate/rules/yaml_map.hpp"
 
 namespace extperfc::translate::rules {
 
@@ -48,16 +48,16 @@ class RuleReader {
     int line{0};
   };
 
-  void read_renames(const YamlMap& root);
+  void read_renames(YamlMap& root);
   void read_rules(const YAML::Node& list);
   void read_entry(const YAML::Node& node);
-  void read_message_entry(const YamlMap& entry);
-  void read_service_entry(const YamlMap& entry);
-  void read_half(const YamlMap& entry, const std::string& key, const Pair& pair);
-  [[nodiscard]] End read_end(const YamlMap& entry, const std::string& key, const std::string& type);
-  void read_both_directions(const YamlMap& map, const Pair& pair);
-  [[nodiscard]] Draft read_one_direction(const YamlMap& map, const std::string& direction, const Pair& pair);
-  void read_dropped(const YamlMap& map, const std::string& key, Draft& draft);
+  void read_message_entry(YamlMap& entry);
+  void read_service_entry(YamlMap& entry);
+  void read_half(YamlMap& entry, const std::string& key, const Pair& pair);
+  [[nodiscard]] End read_end(YamlMap& entry, const std::string& key, const std::string& type);
+  void read_both_directions(YamlMap& map, const Pair& pair);
+  [[nodiscard]] Draft read_one_direction(YamlMap& map, const std::string& direction, const Pair& pair);
+  void read_dropped(YamlMap& map, const std::string& key, Draft& draft);
   [[nodiscard]] SchemaPtr find_message(const End& end);
   [[nodiscard]] ServicePtr find_service(const End& end);
   void report_unknown(const End& end, const std::vector<std::string>& known_md5s, bool is_service);

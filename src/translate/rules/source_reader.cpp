@@ -1,14 +1,12 @@
 #include "translate/rules/source_reader.hpp"
 
+#include "extperfc/base/text.hpp"
+
 namespace extperfc::translate::rules {
 
 namespace {
 
 constexpr const char* kPose = "geometry_msgs/Pose";
-
-bool is_number(Primitive primitive) {
-  return primitive >= Primitive::kInt8 && primitive <= Primitive::kFloat64;
-}
 
 bool is_pose(const Field& field) {
   return field.primitive == Primitive::kMessage && field.message->type() == kPose;
@@ -41,7 +39,7 @@ std::vector<std::string> every_key() {
 }
 
 /// By the one key that every source has; nothing when there is none of them.
-std::optional<Source::Kind> kind_of(const YamlMap& map) {
+std::optional<Source::Kind> kind_of(YamlMap& map) {
   for (const auto kind :
        {Source::Kind::kField, Source::Kind::kValue, Source::Kind::kList, Source::Kind::kMessage})
     if (map.has(keys_of(kind).front())) return kind;
@@ -66,7 +64,7 @@ Source SourceReader::read(const YAML::Node& node, const std::string& where, Targ
                      in_quotes(node.Scalar()) + " does not name a field: write {value: ...} for a value");
     return source;
   }
-  const YamlMap map(node, where, *problems_);
+  YamlMap map(node, where, *problems_);
   if (!node.IsMap()) return source;
   const auto kind = kind_of(map);
   if (!kind) {
@@ -83,44 +81,39 @@ Source SourceReader::read(const YAML::Node& node, const std::string& where, Targ
   return source;
 }
 
-void SourceReader::read_field(const YamlMap& map, Target target, Source& source) {
-  const auto text = map.text("from");
+void SourceReader::read_field(YamlMap& map, Target target, Source& source) {
+  const auto text = map.find_text("from");
   if (!text) return;
-  const PathEnd end = path(*text, map.find("from")->line, map.where("from"), source.path);
+  const PathEnd end = path(*text, map.find("from")->line, map.path("from"), source.path);
   read_options(map, target, end, source);
 }
 
-void SourceReader::read_options(const YamlMap& map, Target target, const PathEnd& end, Source& source) {
+void SourceReader::read_options(YamlMap& map, Target target, const PathEnd& end, Source& source) {
   read_arithmetic(map, end, source);
   read_constants(map, target, end, source);
   read_relative(map, end, source);
-  if (const auto overflow = map.text("overflow")) {
-    if (*overflow == "saturate")
-      source.overflow = Overflow::kSaturate;
-    else if (*overflow != "refuse")
-      map.problem("overflow", "must be refuse or saturate, not " + in_quotes(*overflow));
-  }
+  if (map.choice("overflow", {"refuse", "saturate"}) == 1) source.overflow = Overflow::kSaturate;
 }
 
-void SourceReader::read_arithmetic(const YamlMap& map, const PathEnd& end, Source& source) {
+void SourceReader::read_arithmetic(YamlMap& map, const PathEnd& end, Source& source) {
   if (!map.has("scale") && !map.has("offset")) return;
-  source.scale = map.number("scale").value_or(1.0);
-  source.offset = map.number("offset").value_or(0.0);
+  source.scale = map.number("scale", kFinite, 1.0);
+  source.offset = map.number("offset", kFinite, 0.0);
   if (source.scale == 0.0) map.problem("scale", "must not be 0: use {value: ...} for a constant");
   if (end.field != nullptr && !is_number(end.field->primitive))
     map.problem(map.has("scale") ? "scale" : "offset",
                 "is for numbers, but " + to_string(source.path) + " is " + to_string(*end.field));
 }
 
-void SourceReader::read_constants(const YamlMap& map, Target target, const PathEnd& end, Source& source) {
+void SourceReader::read_constants(YamlMap& map, Target target, const PathEnd& end, Source& source) {
   const Field key = end.field != nullptr ? element_of(*end.field) : Field{};
   const Field value = target.field != nullptr ? element_of(*target.field) : Field{};
   const Target key_target{end.field != nullptr ? &key : nullptr, end.owner};
   const Target value_target{target.field != nullptr ? &value : nullptr, target.owner};
   if (const auto* constants = map.find("map")) {
-    const YamlMap pairs(constants->value, map.where("map"), *problems_);
+    const YamlMap pairs(constants->value, map.path("map"), *problems_);
     for (const auto& item : pairs.items()) {
-      const std::string where = pairs.where(in_quotes(item.key));
+      const std::string where = pairs.path(in_quotes(item.key));
       source.map.emplace_back(literal(YAML::Node(item.key), where, key_target, item.line),
                               literal(item.value, where, value_target, item.line));
     }
@@ -130,7 +123,7 @@ void SourceReader::read_constants(const YamlMap& map, Target target, const PathE
     const bool whole = end.field != nullptr && !source.map.empty() && target.field != nullptr &&
                        target.field->arity != Arity::kSingle;
     source.otherwise =
-        literal(otherwise->value, map.where("otherwise"), whole ? value_target : target, otherwise->line);
+        literal(otherwise->value, map.path("otherwise"), whole ? value_target : target, otherwise->line);
     bool has_index = false;
     for (const PathStep& step : source.path) has_index = has_index || step.index.has_value();
     if (source.map.empty() && !has_index)
@@ -138,11 +131,11 @@ void SourceReader::read_constants(const YamlMap& map, Target target, const PathE
   }
 }
 
-void SourceReader::read_relative(const YamlMap& map, const PathEnd& end, Source& source) {
-  const auto text = map.text("relative_to");
+void SourceReader::read_relative(YamlMap& map, const PathEnd& end, Source& source) {
+  const auto text = map.find_text("relative_to");
   if (!text) return;
   const PathEnd pose =
-      path(*text, map.find("relative_to")->line, map.where("relative_to"), source.relative_to);
+      path(*text, map.find("relative_to")->line, map.path("relative_to"), source.relative_to);
   if (pose.field != nullptr &&
       (!is_pose(*pose.field) || (pose.field->arity != Arity::kSingle && !pose.element)))
     map.problem("relative_to", "must be a " + std::string(kPose) + ", but is " + to_string(*pose.field));
@@ -151,12 +144,12 @@ void SourceReader::read_relative(const YamlMap& map, const PathEnd& end, Source&
                                    " is " + to_string(*end.field));
 }
 
-void SourceReader::read_value(const YamlMap& map, Target target, Source& source) {
+void SourceReader::read_value(YamlMap& map, Target target, Source& source) {
   const auto* item = map.find("value");
-  source.value = literal(item->value, map.where("value"), target, item->line);
+  source.value = literal(item->value, map.path("value"), target, item->line);
 }
 
-void SourceReader::read_list(const YamlMap& map, Target target, int depth, Source& source) {
+void SourceReader::read_list(YamlMap& map, Target target, int depth, Source& source) {
   const auto* list = map.find("list");
   if (!list->value.IsSequence()) {
     map.problem("list", "must be a list, not " + shown(list->value));
@@ -166,7 +159,7 @@ void SourceReader::read_list(const YamlMap& map, Target target, int depth, Sourc
   const Target element_target{target.field != nullptr ? &element : nullptr, target.owner};
   for (const auto& item : list->value)
     source.list.push_back(
-        read(item, map.where("list[" + std::to_string(source.list.size()) + "]"), element_target, depth + 1));
+        read(item, map.path("list[" + std::to_string(source.list.size()) + "]"), element_target, depth + 1));
   if (target.field == nullptr) return;
   if (target.field->arity == Arity::kSingle)
     map.problem("list", "is for arrays, but the field is " + to_string(*target.field));
@@ -175,7 +168,7 @@ void SourceReader::read_list(const YamlMap& map, Target target, int depth, Sourc
                             to_string(*target.field));
 }
 
-void SourceReader::read_message(const YamlMap& map, Target target, int depth, Source& source) {
+void SourceReader::read_message(YamlMap& map, Target target, int depth, Source& source) {
   const auto* fields = map.find("fields");
   const MessageSchema* message = nullptr;
   if (target.field != nullptr && target.field->primitive == Primitive::kMessage &&
@@ -183,15 +176,15 @@ void SourceReader::read_message(const YamlMap& map, Target target, int depth, So
     message = target.field->message.get();
   else if (target.field != nullptr)
     map.problem("fields", "is for one embedded message, but the field is " + to_string(*target.field));
-  const YamlMap inner(fields->value, map.where("fields"), *problems_);
+  const YamlMap inner(fields->value, map.path("fields"), *problems_);
   for (const auto& item : inner.items()) {
     const Field* field = message != nullptr ? message->find(item.key) : nullptr;
     if (message != nullptr && field == nullptr)
-      problems_->add(item.line, inner.where(),
+      problems_->add(item.line, inner.path(),
                      message->type() + " has no field " + in_quotes(item.key) +
                          hint_for(item.key, field_names(*message)));
     source.fields.emplace_back(
-        item.key, read(item.value, inner.where(in_quotes(item.key)), {field, message}, depth + 1));
+        item.key, read(item.value, inner.path(in_quotes(item.key)), {field, message}, depth + 1));
   }
 }
 

@@ -5,10 +5,10 @@
 #include <yaml-cpp/yaml.h>
 
 #include "extperfc/translate/rules.hpp"
+#include "extperfc/world/yaml_map.hpp"
 
 #include "translate/rules/literal.hpp"
 #include "translate/rules/path.hpp"
-#include "translate/rules/yaml_map.hpp"
 
 namespace extperfc::translate::rules {
 
@@ -27,14 +27,14 @@ class SourceReader {
   [[nodiscard]] Source read(const YAML::Node& node, const std::string& where, Target target, int depth = 0);
 
  private:
-  void read_field(const YamlMap& map, Target target, Source& source);
-  void read_options(const YamlMap& map, Target target, const PathEnd& end, Source& source);
-  void read_arithmetic(const YamlMap& map, const PathEnd& end, Source& source);
-  void read_constants(const YamlMap& map, Target target, const PathEnd& end, Source& source);
-  void read_relative(const YamlMap& map, const PathEnd& end, Source& source);
-  void read_value(const YamlMap& map, Target target, Source& source);
-  void read_list(const YamlMap& map, Target target, int depth, Source& source);
-  void read_message(const YamlMap& map, Target target, int depth, Source& source);
+  void read_field(YamlMap& map, Target target, Source& source);
+  void read_options(YamlMap& map, Target target, const PathEnd& end, Source& source);
+  void read_arithmetic(YamlMap& map, const PathEnd& end, Source& source);
+  void read_constants(YamlMap& map, Target target, const PathEnd& end, Source& source);
+  void read_relative(YamlMap& map, const PathEnd& end, Source& source);
+  void read_value(YamlMap& map, Target target, Source& source);
+  void read_list(YamlMap& map, Target target, int depth, Source& source);
+  void read_message(YamlMap& map, Target target, int depth, Source& source);
   /// The literal fitted to its field, or as it stands when the field is not known or it does not fit.
   [[nodiscard]] Literal literal(const YAML::Node& node, const std::string& where, Target target, int line);
   /// The path of a key and where it ends: nothing known after a problem.

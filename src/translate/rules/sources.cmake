@@ -3,8 +3,6 @@ set(EXTPERFC_RULES_SOURCES
   ../rules/literal.cpp
   ../rules/load.cpp
   ../rules/path.cpp
-  ../rules/problems.cpp
   ../rules/rule_reader.cpp
   ../rules/rule_set.cpp
-  ../rules/source_reader.cpp
-  ../rules/yaml_map.cpp)
+  ../rules/source_reader.cpp)

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "extperfc/base/arguments.hpp"
+#include "extperfc/base/text.hpp"
 
 #include "command.hpp"
 #include "sources.hpp"

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "extperfc/base/arguments.hpp"
+#include "extperfc/base/text.hpp"
 #include "extperfc/translate/plan.hpp"
 #include "extperfc/translate/rules.hpp"
 

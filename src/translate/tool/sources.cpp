@@ -5,6 +5,8 @@
 #include <iostream>
 #include <system_error>
 
+#include "extperfc/base/text.hpp"
+
 namespace extperfc::translate::tool {
 
 namespace fs = std::filesystem;
@@ -69,12 +71,6 @@ Result<std::vector<fs::path>> rule_files(const Arguments& arguments) {
   if (error) return fail(ErrorCode::kFailed, folder->string() + ": " + error.message());
   std::sort(files.begin(), files.end());
   return files;
-}
-
-std::string joined(const std::vector<std::string>& names, const std::string& between) {
-  std::string text;
-  for (const auto& name : names) text += (text.empty() ? "" : between) + name;
-  return text;
 }
 
 }  // namespace extperfc::translate::tool

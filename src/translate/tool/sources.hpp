@@ -28,7 +28,4 @@ namespace extperfc::translate::tool {
 /// The files of --rules, else the rules *.yaml of the configuration, sorted.
 [[nodiscard]] Result<std::vector<std::filesystem::path>> rule_files(const Arguments& arguments);
 
-/// "msg a, srv b": an error's text that lists names.
-[[nodiscard]] std::string joined(const std::vector<std::string>& names, const std::string& between = ", ");
-
 }  // namespace extperfc::translate::tool

@@ -12,6 +12,7 @@
 #include <unistd.h>
 
 #include "extperfc/base/arguments.hpp"
+#include "extperfc/base/text.hpp"
 #include "extperfc/translate/event_loop.hpp"
 #include "extperfc/translate/frame.hpp"
 #include "extperfc/translate/peer.hpp"

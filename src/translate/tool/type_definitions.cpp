@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <set>
 
+#include "extperfc/base/text.hpp"
+
 #include "sources.hpp"
 
 namespace extperfc::translate::tool {

@@ -15,7 +15,7 @@ namespace extperfc::translate {
 
 /// A message written as YAML, e.g. "{target: 0.5, speed: 50}", as bytes; fields not named are zero or empty.
 inline ByteBuffer encode(const SchemaPtr& schema, const std::string& yaml) {
-  rules::Problems problems("message");
+  Problems problems("message");
   rules::Budget budget;
   const Literal read = rules::read_literal(YAML::Load(yaml), "", problems, budget);
   for (const auto& line : problems.lines()) ADD_FAILURE() << line;
