@@ -17,6 +17,7 @@ OWNERS = {
     r"openvino/": {"detect"},
     r"opencv2/dnn": {"detect"},
     r"yaml-cpp/": {"world", "detect", "sources", "simulate", "translate"},
+    r"nlohmann/": {"offline", "translate"},
     r"mrpt/": {"sources"},
     r"openssl/": {"base"},
     r"(btBullet|Bullet)": {"simulate", "arm"},

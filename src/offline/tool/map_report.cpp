@@ -3,6 +3,8 @@
 #include <iomanip>
 #include <sstream>
 
+#include <nlohmann/json.hpp>
+
 #include "extperfc/mapping/param_names.hpp"
 
 #include "score_report.hpp"
@@ -39,37 +41,6 @@ void print_cost(std::ostream& out, const MapReport& report) {
       << "memory       " << std::setprecision(1) << report.peak_memory_mb << " MB peak\n";
 }
 
-void write_result(JsonWriter& json, const MappingResult& result) {
-  json.count("scans", result.scans);
-  json.count("scans_refused", result.refused);
-  json.count("entries_damaged", result.damaged);
-  json.count("scans_without_odometry", result.without_odometry);
-  json.number("recorded_s", result.recorded_s);
-  json.number("odometry_m", result.odometry_m);
-  json.boolean("interrupted", result.interrupted);
-  json.text("broken", result.broken);
-  json.number("cpu_s", result.cpu_s);
-  json.number("wall_s", result.wall_s);
-  json.begin_object("cpu_ms_per_scan");
-  json.number("mean", result.cpu_ms.mean);
-  json.number("p50", result.cpu_ms.p50);
-  json.number("p99", result.cpu_ms.p99);
-  json.number("max", result.cpu_ms.max);
-  json.end_object();
-  json.begin_array("complaints");
-  for (const auto& complaint : result.complaints) json.text({}, complaint);
-  json.end_array();
-}
-
-void write_statistics(JsonWriter& json, const mapping::MapperStatistics& statistics) {
-  json.count("key_frames", statistics.key_frames);
-  json.count("scans_unusable", statistics.unusable_scans);
-  json.count("odometry_contradictions", statistics.odometry_contradictions);
-  json.count("loops_closed", statistics.loops);
-  json.count("resamplings", statistics.resamplings);
-  json.number("path_m", statistics.path_m);
-}
-
 }  // namespace
 
 std::string report_text(const MapReport& report) {
@@ -86,25 +57,41 @@ std::string report_text(const MapReport& report) {
 }
 
 std::string report_json(const MapReport& report) {
-  JsonWriter json;
-  json.begin_object();
-  json.text("recording", report.options.recording.string());
-  write_result(json, report.result);
-  write_statistics(json, report.statistics);
-  json.begin_object("map");
-  json.count("width", report.map_width);
-  json.count("height", report.map_height);
-  json.number("resolution_m", report.options.params.resolution_m);
-  json.end_object();
-  json.number("peak_memory_mb", report.peak_memory_mb);
-  json.begin_object("parameters");
+  const auto& result = report.result;
+  const auto& statistics = report.statistics;
+  nlohmann::json json{{"recording", report.options.recording.string()},
+                      {"scans", result.scans},
+                      {"scans_refused", result.refused},
+                      {"entries_damaged", result.damaged},
+                      {"scans_without_odometry", result.without_odometry},
+                      {"recorded_s", result.recorded_s},
+                      {"odometry_m", result.odometry_m},
+                      {"interrupted", result.interrupted},
+                      {"broken", result.broken},
+                      {"cpu_s", result.cpu_s},
+                      {"wall_s", result.wall_s},
+                      {"cpu_ms_per_scan",
+                       {{"mean", result.cpu_ms.mean},
+                        {"p50", result.cpu_ms.p50},
+                        {"p99", result.cpu_ms.p99},
+                        {"max", result.cpu_ms.max}}},
+                      {"complaints", result.complaints},
+                      {"key_frames", statistics.key_frames},
+                      {"scans_unusable", statistics.unusable_scans},
+                      {"odometry_contradictions", statistics.odometry_contradictions},
+                      {"loops_closed", statistics.loops},
+                      {"resamplings", statistics.resamplings},
+                      {"path_m", statistics.path_m},
+                      {"map",
+                       {{"width", report.map_width},
+                        {"height", report.map_height},
+                        {"resolution_m", report.options.params.resolution_m}}},
+                      {"peak_memory_mb", report.peak_memory_mb}};
   for (const auto& name : mapping::param_names())
-    std::visit([&](auto field) { json.number(name.name, static_cast<double>(report.options.params.*field)); },
+    std::visit([&](auto field) { json["parameters"][std::string(name.name)] = report.options.params.*field; },
                name.field);
-  json.end_object();
-  if (report.score) write_score(json, "score", report.relations, *report.score, kWorstShown);
-  json.end_object();
-  return json.str();
+  if (report.score) json["score"] = score_json(report.relations, *report.score, kWorstShown);
+  return json.dump(2, ' ', true, nlohmann::json::error_handler_t::replace) + "\n";
 }
 
 }  // namespace extperfc::offline::tool

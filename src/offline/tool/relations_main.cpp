@@ -3,6 +3,8 @@
 #include <string>
 #include <utility>
 
+#include <nlohmann/json.hpp>
+
 #include "extperfc/base/arguments.hpp"
 #include "extperfc/offline/image.hpp"
 #include "extperfc/offline/recording.hpp"
@@ -134,12 +136,9 @@ Result<void> score(const Arguments& arguments, const Limits& limits) {
     print_score(std::cout, *relations, score, limits.worst);
     return {};
   }
-  JsonWriter json;
-  json.begin_object();
-  json.count("poses", trajectory->size());
-  write_score(json, "score", *relations, score, limits.worst);
-  json.end_object();
-  std::cout << json.str();
+  const nlohmann::json json{{"poses", trajectory->size()},
+                            {"score", score_json(*relations, score, limits.worst)}};
+  std::cout << json.dump(2) << '\n';
   return {};
 }
 

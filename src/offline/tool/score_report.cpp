@@ -4,6 +4,8 @@
 #include <iomanip>
 #include <utility>
 
+#include <nlohmann/json.hpp>
+
 namespace extperfc::offline::tool {
 
 namespace {
@@ -25,14 +27,12 @@ void print_row(std::ostream& out, const char* name, const GroupScore& group) {
   out << '\n';
 }
 
-void write_statistics(JsonWriter& json, const char* key, const ErrorStatistics& errors) {
-  json.begin_object(key);
-  json.number("mean", errors.mean);
-  json.number("std", errors.deviation);
-  json.number("squared_mean", errors.squared_mean);
-  json.number("squared_std", errors.squared_deviation);
-  json.number("worst", errors.worst);
-  json.end_object();
+nlohmann::json statistics_json(const ErrorStatistics& errors) {
+  return {{"mean", errors.mean},
+          {"std", errors.deviation},
+          {"squared_mean", errors.squared_mean},
+          {"squared_std", errors.squared_deviation},
+          {"worst", errors.worst}};
 }
 
 }  // namespace
@@ -54,29 +54,20 @@ void print_score(std::ostream& out, const std::vector<Relation>& relations, cons
   out.flags(flags);
 }
 
-void write_score(JsonWriter& json, const char* key, const std::vector<Relation>& relations,
-                 const RelationsScore& score, std::size_t worst) {
-  json.begin_object(key);
-  json.count("relations", relations.size());
-  json.count("unmatched", score.unmatched);
-  for (const auto& [name, group] : groups_of(score)) {
-    json.begin_object(name);
-    json.count("relations", group->relations);
-    write_statistics(json, "translation_m", group->translation_m);
-    write_statistics(json, "rotation_deg", group->rotation_deg);
-    json.end_object();
-  }
-  json.begin_array("worst");
-  for (const auto& error : worst_relations(score, worst)) {
-    json.begin_object();
-    json.count("from", relations[error.relation].from);
-    json.count("to", relations[error.relation].to);
-    json.number("translation_m", error.translation_m);
-    json.number("rotation_deg", error.rotation_deg);
-    json.end_object();
-  }
-  json.end_array();
-  json.end_object();
+nlohmann::json score_json(const std::vector<Relation>& relations, const RelationsScore& score,
+                          std::size_t worst) {
+  nlohmann::json json{{"relations", relations.size()}, {"unmatched", score.unmatched}};
+  for (const auto& [name, group] : groups_of(score))
+    json[name] = {{"relations", group->relations},
+                  {"translation_m", statistics_json(group->translation_m)},
+                  {"rotation_deg", statistics_json(group->rotation_deg)}};
+  json["worst"] = nlohmann::json::array();
+  for (const auto& error : worst_relations(score, worst))
+    json["worst"].push_back({{"from", relations[error.relation].from},
+                             {"to", relations[error.relation].to},
+                             {"translation_m", error.translation_m},
+                             {"rotation_deg", error.rotation_deg}});
+  return json;
 }
 
 }  // namespace extperfc::offline::tool

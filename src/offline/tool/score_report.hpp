@@ -1,10 +1,11 @@
 #pragma once
 
 #include <ostream>
+#include <vector>
+
+#include <nlohmann/json_fwd.hpp>
 
 #include "extperfc/offline/relations.hpp"
-
-#include "offline/json_writer.hpp"
 
 namespace extperfc::offline::tool {
 
@@ -12,8 +13,8 @@ namespace extperfc::offline::tool {
 void print_score(std::ostream& out, const std::vector<Relation>& relations, const RelationsScore& score,
                  std::size_t worst);
 
-/// As one object under `key`.
-void write_score(JsonWriter& json, const char* key, const std::vector<Relation>& relations,
-                 const RelationsScore& score, std::size_t worst);
+/// The same for programs.
+[[nodiscard]] nlohmann::json score_json(const std::vector<Relation>& relations, const RelationsScore& score,
+                                        std::size_t worst);
 
 }  // namespace extperfc::offline::tool

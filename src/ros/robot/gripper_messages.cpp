@@ -1,9 +1,8 @@
 #include "ros/robot/gripper_messages.hpp"
 
 #include <map>
-#include <sstream>
 
-#include <boost/property_tree/json_parser.hpp>
+#include <nlohmann/json.hpp>
 
 namespace extperfc::convert {
 
@@ -23,19 +22,13 @@ Result<Arguments> parse_arguments(const std::string& text) {
     return fail(ErrorCode::kInvalidArgument,
                 "args '" + text.substr(0, 100) + "' " + what + R"(; an example is {"position": 50.0})");
   };
-  boost::property_tree::ptree tree;
-  std::istringstream stream(text);
-  try {
-    boost::property_tree::read_json(stream, tree);
-  } catch (const boost::property_tree::json_parser_error&) {
-    return wrong("are not a JSON object");
-  }
-  if (tree.empty() && !tree.data().empty()) return wrong("are not a JSON object");
-  for (const auto& [name, child] : tree) {
-    const auto number = child.get_value_optional<double>();
-    if (!number) return wrong("have no number for '" + name + "'");
-    if (!(*number >= 0 && *number <= 100)) return wrong("have " + name + " outside [0, 100] per cent");
-    arguments[name] = *number;
+  const auto json = nlohmann::json::parse(text, nullptr, false);
+  if (!json.is_object()) return wrong("are not a JSON object");
+  for (const auto& [name, value] : json.items()) {
+    if (!value.is_number()) return wrong("have no number for '" + name + "'");
+    const double number = value;
+    if (!(number >= 0 && number <= 100)) return wrong("have " + name + " outside [0, 100] per cent");
+    arguments[name] = number;
   }
   return arguments;
 }

@@ -2,9 +2,10 @@
 
 #include <algorithm>
 #include <array>
-#include <cstdio>
 #include <sstream>
 #include <vector>
+
+#include <nlohmann/json.hpp>
 
 namespace extperfc::translate::tool {
 namespace {
@@ -65,29 +66,6 @@ void print_details(std::ostream& out, const Row& row, bool with_fields) {
   if (!row.robot_where.empty()) out << wrapped("robot: " + row.robot_where, kColumns, "    ");
   if (!row.workstation_where.empty())
     out << wrapped("workstation: " + row.workstation_where, kColumns, "    ");
-}
-
-std::string quoted(const std::string& text) {
-  std::string json = "\"";
-  for (const char c : text) {
-    const auto byte = static_cast<unsigned char>(c);
-    if (c == '"' || c == '\\') {
-      json += std::string("\\") + c;
-    } else if (byte < 0x20 || byte >= 0x7f) {
-      std::array<char, 8> escape{};
-      std::snprintf(escape.data(), escape.size(), "\\u%04x", byte);
-      json += escape.data();
-    } else {
-      json += c;
-    }
-  }
-  return json + "\"";
-}
-
-std::string quoted(const std::vector<std::string>& texts) {
-  std::string json = "[";
-  for (const auto& text : texts) json += (json.size() > 1 ? ", " : "") + quoted(text);
-  return json + "]";
 }
 
 }  // namespace
@@ -185,37 +163,43 @@ void print_table(std::ostream& out, const Comparison& comparison, const ReportOp
 
 namespace {
 
-void print_rows(std::ostream& out, const std::vector<Row>& rows, const ReportOptions& options) {
-  bool first = true;
-  for (const auto& row : rows) {
-    if (!shown(row, options)) continue;
-    out << (first ? "\n" : ",\n") << "  {\"robot_type\": " << quoted(row.robot_type)
-        << ", \"workstation_type\": " << quoted(row.workstation_type) << ", \"kind\": " << quoted(row.kind)
-        << ", \"robot_md5\": " << quoted(row.robot_md5)
-        << ", \"workstation_md5\": " << quoted(row.workstation_md5)
-        << ", \"verdict\": " << quoted(to_string(row.verdict))
-        << ", \"by_rule\": " << (row.by_rule ? "true" : "false") << ", \"rule\": " << quoted(row.ruled)
-        << ", \"default\": " << quoted(row.added) << ", \"left_out\": " << quoted(row.dropped)
-        << ", \"reasons\": " << quoted(row.reasons) << ", \"robot_where\": " << quoted(row.robot_where)
-        << ", \"workstation_where\": " << quoted(row.workstation_where) << "}";
-    first = false;
-  }
+nlohmann::json rows_json(const std::vector<Row>& rows, const ReportOptions& options) {
+  auto json = nlohmann::json::array();
+  for (const auto& row : rows)
+    if (shown(row, options))
+      json.push_back({{"robot_type", row.robot_type},
+                      {"workstation_type", row.workstation_type},
+                      {"kind", row.kind},
+                      {"robot_md5", row.robot_md5},
+                      {"workstation_md5", row.workstation_md5},
+                      {"verdict", to_string(row.verdict)},
+                      {"by_rule", row.by_rule},
+                      {"rule", row.ruled},
+                      {"default", row.added},
+                      {"left_out", row.dropped},
+                      {"reasons", row.reasons},
+                      {"robot_where", row.robot_where},
+                      {"workstation_where", row.workstation_where}});
+  return json;
 }
 
 }  // namespace
 
 void print_json(std::ostream& out, const Comparison& comparison, const ReportOptions& options) {
-  out << "{\"robot\": " << quoted(options.robot_name)
-      << ", \"workstation\": " << quoted(options.workstation_name) << ",\n \"types\": [";
-  print_rows(out, comparison.rows, options);
-  out << "],\n \"renamed\": [";
-  print_rows(out, comparison.renamed, options);
   const Counts counts(comparison.rows);
-  out << "],\n \"counts\": {\"same\": " << counts[Verdict::kSame] << ", \"pass\": " << counts[Verdict::kPass]
-      << ", \"convert\": " << counts[Verdict::kConvert]
-      << ", \"needs a rule\": " << counts[Verdict::kNeedsRule]
-      << ", \"unknown\": " << counts[Verdict::kUnknown] << ", \"only_robot\": " << comparison.only_robot
-      << ", \"only_workstation\": " << comparison.only_workstation << "}}\n";
+  const nlohmann::json json{{"robot", options.robot_name},
+                            {"workstation", options.workstation_name},
+                            {"types", rows_json(comparison.rows, options)},
+                            {"renamed", rows_json(comparison.renamed, options)},
+                            {"counts",
+                             {{"same", counts[Verdict::kSame]},
+                              {"pass", counts[Verdict::kPass]},
+                              {"convert", counts[Verdict::kConvert]},
+                              {"needs a rule", counts[Verdict::kNeedsRule]},
+                              {"unknown", counts[Verdict::kUnknown]},
+                              {"only_robot", comparison.only_robot},
+                              {"only_workstation", comparison.only_workstation}}}};
+  out << json.dump(1, ' ', true, nlohmann::json::error_handler_t::replace) << '\n';
 }
 
 }  // namespace extperfc::translate::tool

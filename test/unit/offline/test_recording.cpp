@@ -4,7 +4,6 @@
 
 #include "extperfc/offline/recording.hpp"
 
-#include "offline/json_writer.hpp"
 #include "temporary_folder.hpp"
 
 namespace extperfc::offline {
@@ -50,29 +49,6 @@ TEST(Recording, WhatIsNoneIsRefusedInOneLine) {
     EXPECT_NE(message.find(name), std::string::npos) << message;
     EXPECT_EQ(message.find('\n'), std::string::npos) << message;
   }
-}
-
-TEST(Json, IsWellFormed) {
-  JsonWriter json;
-  json.begin_object();
-  json.text("a \"quoted\" key", "line\nbreak\\ \x01");
-  json.number("half", 0.5);
-  json.number("none", std::stod("nan"));
-  json.count("many", 18446744073709551615U);
-  json.boolean("yes", true);
-  json.begin_array("list");
-  json.number({}, 1);
-  json.begin_object();
-  json.end_object();
-  json.end_array();
-  json.begin_array("empty");
-  json.end_array();
-  json.end_object();
-  EXPECT_EQ(json.str(),
-            "{\n  \"a \\\"quoted\\\" key\": \"line\\u000abreak\\\\ \\u0001\",\n  \"half\": 0.5,\n  \"none\": "
-            "null,\n"
-            "  \"many\": 18446744073709551615,\n  \"yes\": true,\n  \"list\": [\n    1,\n    {}\n  ],\n"
-            "  \"empty\": []\n}\n");
 }
 
 }  // namespace
