@@ -110,7 +110,7 @@ class SensorRig {
 
   [[nodiscard]] virtual const std::vector<Instance>& instances() const = 0;  ///< [0] is "nothing"
   [[nodiscard]] virtual std::size_t triangles() const = 0;
-  [[nodiscard]] virtual const char* engine() const = 0;  ///< "Embree 3.13.5, 16-wide", "own BVH"
+  [[nodiscard]] virtual const char* engine() const = 0;  ///< "Embree 3.13.5, 16-wide"
 };
 
 /// Boxes of labelled instances with at least `min_pixels` visible pixels.

@@ -7,6 +7,11 @@
 
 #include "simulate/render/mesh.hpp"
 
+// Embree's.
+struct RTCDeviceTy;
+struct RTCSceneTy;
+struct RTCGeometryTy;
+
 namespace extperfc::simulate::render {
 
 inline constexpr int kLanes = 16;
@@ -48,31 +53,35 @@ void clear(Hits& hits);
 /// Column-major 3 x 4: where a mesh instance is in the world.
 using Placement = std::array<float, 12>;
 
-/// Meshes that can be moved, and the rays that hit them. One thread at a time.
+/// Meshes that can be moved, and the rays that hit them, cast by Embree. One thread at a time.
 class RayScene {
  public:
-  virtual ~RayScene() = default;
+  /// Null when Embree does not run on this processor.
+  [[nodiscard]] static std::unique_ptr<RayScene> make();
+  ~RayScene();
+  RayScene(const RayScene&) = delete;
+  RayScene& operator=(const RayScene&) = delete;
 
   /// Returns the number of the mesh instance: 0, 1, 2, ... Triangles keep their order.
-  virtual std::uint32_t add(const Mesh& mesh) = 0;
-  virtual void place(std::uint32_t mesh_instance, const Placement& world_T_mesh) = 0;
+  std::uint32_t add(const Mesh& mesh);
+  void place(std::uint32_t mesh_instance, const Placement& world_T_mesh);
   /// Makes what was added and placed visible to rays.
-  virtual void commit() = 0;
+  void commit();
 
   /// Nearest hits. `coherent`: the rays start at one point and have about the same direction, which is
   /// faster.
-  virtual void intersect(const LaneMask& active, bool coherent, RayPacket& packet) const = 0;
+  void intersect(const LaneMask& active, bool coherent, RayPacket& packet) const;
   /// Sets rays.far to -infinity where something lies between near and far.
-  virtual void occluded(const LaneMask& active, Rays& rays) const = 0;
+  void occluded(const LaneMask& active, Rays& rays) const;
 
-  [[nodiscard]] virtual const char* name() const = 0;
+  [[nodiscard]] static const char* name();
+
+ private:
+  explicit RayScene(RTCDeviceTy* device);
+
+  RTCDeviceTy* device_;
+  RTCSceneTy* top_;
+  std::vector<RTCGeometryTy*> instances_;
 };
-
-/// Null when this build or machine has no Embree.
-[[nodiscard]] std::unique_ptr<RayScene> make_embree_scene();
-/// Two-level bounding-volume tree without libraries; runs everywhere.
-[[nodiscard]] std::unique_ptr<RayScene> make_bvh_scene();
-/// The fastest that there is.
-[[nodiscard]] std::unique_ptr<RayScene> make_ray_scene();
 
 }  // namespace extperfc::simulate::render

@@ -5,9 +5,10 @@
 #include <limits>
 #include <utility>
 
+#include "extperfc/base/math.hpp"
+
 #include "simulate/render/camera.hpp"
 #include "simulate/render/lidar.hpp"
-#include "simulate/render/rig.hpp"
 #include "simulate/render/scene.hpp"
 #include "simulate/render/stage.hpp"
 
@@ -73,7 +74,7 @@ double RayCastRig::range(const Pose& world_T_sensor, double half_angle_rad, doub
   LaneMask active{};
   for (int k = 0; k < kRays; ++k) {
     const double off_axis = k == 0 ? 0.0 : half_angle_rad;
-    const double around = k * M_PI / 4.0;
+    const double around = k * kPi / 4.0;
     const Eigen::Vector3d direction =
         world_T_sensor.linear() * Eigen::Vector3d(std::cos(off_axis), std::sin(off_axis) * std::cos(around),
                                                   std::sin(off_axis) * std::sin(around));
@@ -97,20 +98,18 @@ double RayCastRig::range(const Pose& world_T_sensor, double half_angle_rad, doub
 
 }  // namespace
 
-Result<std::unique_ptr<SensorRig>> make_rig(const RobotModel& robot, const WorldSpec& world,
-                                            std::uint64_t seed, std::unique_ptr<RayScene> engine) {
-  auto stage = build_stage(robot, world);
-  if (!stage) return tl::unexpected(stage.error());
-  Scene scene(std::move(*stage), std::move(engine));
-  scene.pose(first_snapshot(robot, world));
-  return std::make_unique<RayCastRig>(std::move(scene), world.light, seed);
-}
-
 }  // namespace render
 
 Result<std::unique_ptr<SensorRig>> SensorRig::make(const RobotModel& robot, const WorldSpec& world,
                                                    std::uint64_t seed) {
-  return render::make_rig(robot, world, seed, render::make_ray_scene());
+  auto stage = render::build_stage(robot, world);
+  if (!stage) return tl::unexpected(stage.error());
+  auto rays = render::RayScene::make();
+  if (!rays)
+    return fail(ErrorCode::kUnsupported, "Embree does not run on this processor: the simulator needs it");
+  render::Scene scene(std::move(*stage), std::move(rays));
+  scene.pose(render::first_snapshot(robot, world));
+  return std::make_unique<render::RayCastRig>(std::move(scene), world.light, seed);
 }
 
 }  // namespace extperfc::simulate
