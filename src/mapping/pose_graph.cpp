@@ -3,7 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
-#include "mapping/block_equations.hpp"
+#include <Eigen/SparseCholesky>
+#include <Eigen/SparseCore>
 
 namespace extperfc::mapping {
 
@@ -31,17 +32,19 @@ Eigen::Matrix3d jacobian_to(const Pose2& from) {
   return j;
 }
 
-/// Normal equations over the nodes from `first` on.
+/// Normal equations over the nodes from `first` on; order and pattern of the factor are found once.
 class Equations {
  public:
-  Equations(std::size_t first, std::size_t nodes, const std::vector<Constraint>& constraints)
-      : first_(first), blocks_(nodes - first, indices_of(first, constraints)) {}
+  Equations(std::size_t first, std::size_t nodes)
+      : first_(first),
+        right_side_(3 * static_cast<Eigen::Index>(nodes - first)),
+        matrix_(right_side_.size(), right_side_.size()) {}
 
-  /// Before the constraints of an iteration are added, in the order that the constructor saw.
   void reset() {
     constexpr double kTiny = 1e-6;  // keeps a node without constraints where it is
-    blocks_.reset(kTiny);
-    next_block_ = 0;
+    cells_.clear();
+    for (int i = 0; i < static_cast<int>(right_side_.size()); ++i) cells_.emplace_back(i, i, kTiny);
+    right_side_.setZero();
   }
 
   void add(const Constraint& constraint, const Eigen::Matrix3d& j_from, const Eigen::Matrix3d& j_to,
@@ -52,34 +55,50 @@ class Equations {
     const bool to_free = constraint.to >= first_;
     if (from_free) add_own(constraint.from, from_side, j_from, error);
     if (to_free) add_own(constraint.to, to_side, j_to, error);
-    if (from_free && to_free) blocks_.add(next_block_++, to_side * j_from);
+    if (!from_free || !to_free) return;
+    const Eigen::Matrix3d block = to_side * j_from;
+    if (constraint.to > constraint.from)
+      add_block(constraint.to, constraint.from, block);
+    else
+      add_block(constraint.from, constraint.to, block.transpose());
   }
 
   /// False when there is no solution.
-  [[nodiscard]] bool solve() { return blocks_.solve(); }
-  [[nodiscard]] const Eigen::Vector3d& move(std::size_t node) const {
-    return blocks_.solution(node - first_);
+  [[nodiscard]] bool solve() {
+    matrix_.setFromTriplets(cells_.begin(), cells_.end());
+    if (!analysed_) solver_.analyzePattern(matrix_);
+    analysed_ = true;
+    solver_.factorize(matrix_);
+    if (solver_.info() != Eigen::Success) return false;
+    right_side_ = solver_.solve(right_side_).eval();
+    return true;
   }
+  [[nodiscard]] Eigen::Vector3d move(std::size_t node) const { return right_side_.segment<3>(row_of(node)); }
 
  private:
-  static std::vector<BlockEquations::BlockIndex> indices_of(std::size_t first,
-                                                            const std::vector<Constraint>& constraints) {
-    std::vector<BlockEquations::BlockIndex> indices;
-    for (const Constraint& constraint : constraints)
-      if (constraint.from >= first && constraint.to >= first)
-        indices.emplace_back(constraint.to - first, constraint.from - first);
-    return indices;
+  [[nodiscard]] Eigen::Index row_of(std::size_t node) const {
+    return 3 * static_cast<Eigen::Index>(node - first_);
+  }
+
+  void add_block(std::size_t row, std::size_t column, const Eigen::Matrix3d& block) {
+    for (int c = 0; c < 3; ++c)
+      for (int r = 0; r < 3; ++r)
+        cells_.emplace_back(static_cast<int>(row_of(row)) + r, static_cast<int>(row_of(column)) + c,
+                            block(r, c));
   }
 
   void add_own(std::size_t node, const Eigen::Matrix3d& side, const Eigen::Matrix3d& j,
                const Eigen::Vector3d& error) {
-    blocks_.add_diagonal(node - first_, side * j);
-    blocks_.add_right_side(node - first_, -side * error);
+    add_block(node, node, side * j);
+    right_side_.segment<3>(row_of(node)) -= side * error;
   }
 
   std::size_t first_;
-  std::size_t next_block_{0};
-  BlockEquations blocks_;
+  bool analysed_{false};
+  Eigen::VectorXd right_side_;  // the solution, after solve()
+  std::vector<Eigen::Triplet<double>> cells_;
+  Eigen::SparseMatrix<double> matrix_;
+  Eigen::SimplicialLLT<Eigen::SparseMatrix<double>> solver_;
 };
 
 }  // namespace
@@ -99,7 +118,7 @@ bool PoseGraph::optimize(std::size_t first_free, int iterations) {
   const std::size_t first = std::max<std::size_t>(1, first_free);
   if (first >= poses_.size()) return true;
   const auto before = poses_;
-  Equations equations(first, poses_.size(), constraints_);
+  Equations equations(first, poses_.size());
   for (int i = 0; i < iterations; ++i) {
     equations.reset();
     for (const Constraint& constraint : constraints_) {
@@ -114,7 +133,7 @@ bool PoseGraph::optimize(std::size_t first_free, int iterations) {
     double largest = 0;
     bool finite = equations.solve();
     for (std::size_t node = first; finite && node < poses_.size(); ++node) {
-      const Eigen::Vector3d& move = equations.move(node);
+      const Eigen::Vector3d move = equations.move(node);
       Pose2& pose = poses_[node];
       pose = {pose.x + move.x(), pose.y + move.y(), wrap_angle(pose.yaw + move.z())};
       largest = std::max(largest, move.cwiseAbs().maxCoeff());
