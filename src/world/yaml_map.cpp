@@ -38,8 +38,8 @@ std::string nth(const std::string& key, std::size_t i) {
 
 std::string text_of(Count count) {
   if (count.max == kAnyNumber) return std::to_string(count.min) + " or more";
-  const std::string least = count.min == count.max ? "" : std::to_string(count.min) + " to ";
-  return least + std::to_string(count.max);
+  const std::string low = count.min == count.max ? "" : std::to_string(count.min) + " to ";
+  return low + std::to_string(count.max);
 }
 
 }  // namespace
