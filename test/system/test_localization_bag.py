@@ -1,5 +1,6 @@
 """localization.launch with nothing but a map's file: a recording played by rosbag, and files that are no maps."""
 
+import contextlib
 import math
 import pathlib
 import tempfile
@@ -70,18 +71,23 @@ class LocalizationBag(unittest.TestCase):
         (self.folder / "no_image.yaml").write_text("image: gone.pgm\n" + good)
         (self.folder / "half.yaml").write_text("image: half.pgm\n" + good)
         (self.folder / "half.pgm").write_bytes(b"P5\n100 100\n255\n" + bytes(5000))
-        for name, what in (("absent.yaml", "absent.yaml: cannot be read"), ("broken.yaml", r"broken.yaml:\d+: not YAML"),
-                           ("no_image.yaml", "gone.pgm"), ("half.yaml", "half.pgm")):
-            with self.subTest(name=name), RosSession(self.folder / "launch.log") as session:
-                session.launch("extperfc", "localization.launch", map_file=self.folder / name, rviz="false")
-                deadline = time.monotonic() + 30
-                while session.alive() and time.monotonic() < deadline:
-                    time.sleep(0.05)
-                errors = session.errors()
-                self.assertFalse(session.alive(), "the launch must end")
-                self.assertEqual(1, len(errors), errors)
-                self.assertRegex(errors[0], what)
-                print(errors[0], flush=True)
+        wrong = {"absent.yaml": "absent.yaml: cannot be read", "broken.yaml": r"broken.yaml:\d+: not YAML",
+                 "no_image.yaml": "gone.pgm", "half.yaml": "half.pgm"}
+        with contextlib.ExitStack() as stack:
+            sessions = {}
+            for name in wrong:
+                sessions[name] = stack.enter_context(RosSession(self.folder / f"{name}.log"))
+                sessions[name].launch("extperfc", "localization.launch", map_file=self.folder / name, rviz="false")
+            deadline = time.monotonic() + 60
+            while any(session.alive() for session in sessions.values()) and time.monotonic() < deadline:
+                time.sleep(0.05)
+            for name, session in sessions.items():
+                with self.subTest(name=name):
+                    errors = session.errors()
+                    self.assertFalse(session.alive(), "the launch must end")
+                    self.assertEqual(1, len(errors), errors)
+                    self.assertRegex(errors[0], wrong[name])
+                    print(errors[0], flush=True)
 
 
 if __name__ == "__main__":
