@@ -1,13 +1,15 @@
 """Variants of the core without ROS, built in folders of their own: with sanitizers, or without optional libraries."""
 
+import concurrent.futures
 import os
+import pathlib
 import re
 import time
 
 from junit_counts import Counts, total_of
 from test_processes import REPO, ctest_list, gtest_runner, note_skipped, run, run_in_time
 
-JOBS = str(os.cpu_count() or 1)
+JOBS = os.cpu_count() or 1
 
 
 def module_of(test_name):
@@ -53,8 +55,20 @@ class Variant:
     def _run_module(self, names, log):
         """Test unit/base/x is the program test_base_x."""
         targets = ["test_" + name.split("/", 1)[1].replace("/", "_") for name in names]
-        if run(["ninja", "-C", str(self.build), "-j", JOBS, *targets], log, 3600) != 0:
+        if run(["ninja", "-C", str(self.build), "-j", str(JOBS), *targets], log, 3600) != 0:
             return Counts(0, 1, 0)
+        commands = [command for name, command in ctest_list(self.build) if name in names]
+        logs = [log.with_suffix(f".{i}.log") for i in range(len(commands))]
+        try:
+            with concurrent.futures.ThreadPoolExecutor(JOBS) as team:
+                return total_of(list(team.map(self._run_program, commands, logs)))
+        finally:
+            with open(log, "a") as whole:
+                for one in filter(pathlib.Path.exists, logs):
+                    whole.write(one.read_text(errors="replace"))
+                    one.unlink()
+
+    @staticmethod
+    def _run_program(command, log):
         # The workspace's LD_LIBRARY_PATH would put its libraries before the variant's own.
-        return total_of([gtest_runner(command, LD_LIBRARY_PATH="")(log)
-                         for name, command in ctest_list(self.build) if name in names])
+        return gtest_runner(command, LD_LIBRARY_PATH="")(log)
