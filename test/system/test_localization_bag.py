@@ -11,7 +11,7 @@ from bag_player import BagSession, end
 from drawn_room import DRIVE, between, compose, map_the_drive
 from ros_session import RosSession
 
-RATE = 6                             # simulated seconds per second
+RATE = 10                            # simulated seconds per second
 SECONDS = 60                         # of the recording
 WRONG_BY = (0.3, -0.2, 0.15)         # of the initial pose [m, m, rad]
 SETTLED_S = 3.0                      # of the recording, after which the pose must be right

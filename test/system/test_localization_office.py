@@ -9,7 +9,7 @@ from pose_errors import Pose, Summary, Track, compose, error, inverse, settled_a
 from ros_session import RosSession
 
 REPO = pathlib.Path(__file__).resolve().parents[2]
-SPEED = 2.0  # simulated seconds per second
+SPEED = 3.0  # simulated seconds per second
 
 # From the middle passage through the eastern ring of corridors and back, past the printer and among people who walk.
 ROUND = [(0.0, 3.2), (4.5, 3.55), (8.0, 3.6), (11.2, 3.2), (11.35, 0.0), (11.35, -2.2), (11.0, -3.3), (4.0, -3.5), (0.0, -3.2), (0.0, 0.0)]

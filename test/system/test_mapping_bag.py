@@ -24,7 +24,7 @@ MAP = REPO / "tools" / "extperfc-map"
 INTEL = REPO.parent / "shared" / "data" / "slam" / "intel.clf.bz2"
 INTEL_SCANS = 400
 SEEDS = (1, 2, 3, 4, 5)
-RATE = 10               # simulated seconds per second: 50 scans a second
+RATE = 30               # simulated seconds per second, as far as the mapper follows: the player waits for it
 LOOP_RATE = 4           # where the player does not wait for the mapper
 # Each pair of seeds gives one draw of how far two runs of the filter differ, and the nodelet against each seed gives
 # more of the same, when it is the same filter. Among equals the nodelet would have the largest of all differences by chance
