@@ -27,10 +27,12 @@ LONG_FILE_LIMIT_S = 7200
 # Tests of the groups ros and system that may run two at a time: each has its own master, port and ROS_HOME, and none of
 # them measures time or needs a whole processor. All others run alone.
 BESIDE_OTHERS = {
-    "ros/box_depth", "ros/detector", "ros/params", "ros/rosbag", "ros/sources", "ros/start_up", "ros/translator_node",
-    "ros/translator_params",
-    "system/detection_launch", "system/examples", "system/map_tool", "system/model_tool", "system/plain_workspace",
-    "system/render_tool", "system/translate_tool", "system/translator_calls", "system/translator_oracle", "system/translator_rospy"}
+    "ros/box_depth", "ros/detector", "ros/localizer", "ros/mapper", "ros/params", "ros/robot_interface", "ros/rosbag",
+    "ros/sources", "ros/start_up", "ros/translator_node", "ros/translator_params",
+    "system/arm_markers", "system/arm_moves", "system/arm_objects", "system/detection_launch", "system/examples",
+    "system/localization_bag", "system/localization_restart", "system/map_tool", "system/mapping_bag", "system/model_tool",
+    "system/plain_workspace", "system/render_tool", "system/translate_tool", "system/translator_calls",
+    "system/translator_connections", "system/translator_oracle", "system/translator_rospy"}
 
 # Whole tests that only `tools/test --all`, or their name, runs; and what the normal tier has of them.
 LONG = {
