@@ -210,15 +210,19 @@ class Puppet(Child):
         self._wait(lambda: len(self._events[kind, name]) >= count, seconds, f"{count} x {kind} {name}")
         return self.heard(kind, name)
 
-    def end(self):
+    def ask_to_end(self):
+        """Returns at once; end() waits for it."""
         if self.alive():
             with contextlib.suppress(OSError):
                 self.process.send_signal(signal.SIGCONT)
                 self.process.stdin.close()
-            try:
-                self.process.wait(3)
-            except subprocess.TimeoutExpired:
-                self.kill()
+
+    def end(self):
+        self.ask_to_end()
+        try:
+            self.process.wait(3)
+        except subprocess.TimeoutExpired:
+            self.kill()
         self._reader.join(2)
         self.process.stdout.close()
 

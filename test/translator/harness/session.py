@@ -35,7 +35,7 @@ class Session:
     """Starts everything; close() ends everything. Nodes start when they are first asked for."""
 
     def __init__(self, one_host=False):
-        self._closing = []
+        self._closing, self._nodes = [], {}
         try:
             self.folder = self._keep(processes.Folder())
             why_not = "asked for one host" if one_host else network.separate_networks_work()
@@ -50,13 +50,14 @@ class Session:
             self.close()
             raise
         self.eras = {era: eras.Era(processes.ERAS / era) for era in ("indigo", "noetic")}
-        self._nodes = {}
 
     def _keep(self, resource):
         self._closing.append(resource.close)
         return resource
 
     def close(self):
+        for puppet in self._nodes.values():
+            puppet.ask_to_end()
         for close in reversed(self._closing):
             close()
 
