@@ -19,7 +19,7 @@ catkin_package(
   LIBRARIES extperfc_base extperfc_world extperfc_detect extperfc_depth extperfc_sources extperfc_scan
     extperfc_robot_model extperfc_simulate_worlds extperfc_simulate_render extperfc_simulate_bodies
     extperfc_simulate_control extperfc_simulate_trajectory extperfc_translate_schema extperfc_translate_plan
-    extperfc_translate_peer extperfc_translate_bridge extperfc_mapping extperfc_localize
+    extperfc_translate_rules extperfc_translate_peer extperfc_translate_bridge extperfc_mapping extperfc_localize
     extperfc_sources_scan extperfc_offline extperfc_arm_kinematics extperfc_arm_collision
     extperfc_arm_planning extperfc_arm_trajectory extperfc_arm_constrained extperfc_arm_cartesian
     extperfc_arm_grasping extperfc_arm_perception extperfc_arm_motion

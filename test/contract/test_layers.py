@@ -12,6 +12,16 @@ ROS_HEADER = re.compile(r'#include\s*[<"](ros/(?!params|convert|health|detect|de
                         r'cv_bridge/|image_transport/|diagnostic_updater/|message_filters/|rosbag/|XmlRpc|[a-z_]+_msgs/)')
 PARAMETER_READ = re.compile(r'(?<!")' r"\b(getParam|getParamCached|param\s*<|ros::param::get)\b|\.param\s*\(")
 OWN_HEADER = re.compile(r'#include\s*[<"](?:extperfc/)?(\w+)/[\w/]+\.hpp[>"]')
+# Folders of src/translate, a library each: what lies below it, and its public headers.
+TRANSLATE = {
+    "schema": (set(), {"bytes", "schema", "definition_store"}),
+    "plan": ({"schema"}, {"plan", "rules"}),
+    "rules": ({"schema", "plan"}, set()),
+    "peer": ({"schema"}, {"event_loop", "frame", "peer", "rpc", "tcpros"}),
+    "bridge": ({"schema", "plan", "peer"}, {"bridge", "clock_offset", "sntp_client"}),
+    "tool": ({"schema", "plan", "rules", "peer"}, set()),
+}
+TRANSLATE_HEADER = re.compile(r'#include "(?:translate/(\w+)/\w+|extperfc/translate/(\w+))\.hpp"')
 # Third-party headers stay in the modules that own the library.
 OWNERS = {
     r"openvino/": {"detect"},
@@ -64,6 +74,22 @@ class Layers(unittest.TestCase):
             for included in OWN_HEADER.findall(file.read_text()):
                 if included in BELOW and included != module and included not in BELOW[module]:
                     wrong.append(f"{file.relative_to(REPO)} includes {included}/")
+        self.assertEqual([], wrong)
+
+    def test_folders_of_translate_point_one_way(self):
+        folders = {header: folder for folder, (_, headers) in TRANSLATE.items() for header in headers}
+        public = (REPO / "include/extperfc/translate").glob("*.hpp")
+        self.assertEqual(sorted(folders), sorted(file.stem for file in public))
+        wrong = []
+        for folder, (below, _) in TRANSLATE.items():
+            path = REPO / "src/translate" / folder
+            target = f"extperfc_add_library(translate_{folder}\n" if folder != "tool" else "extperfc_add_program("
+            self.assertIn(target, (path / "CMakeLists.txt").read_text())
+            for file in (*path.glob("*.[ch]pp"), path / "CMakeLists.txt"):
+                text = file.read_text()
+                used = {inner or folders[header] for inner, header in TRANSLATE_HEADER.findall(text)}
+                used |= set(re.findall(r"extperfc::translate_(\w+)", text))
+                wrong += [f"{file.relative_to(REPO)} uses {other}" for other in sorted(used - below - {folder})]
         self.assertEqual([], wrong)
 
     def test_third_party_headers_stay_in_their_module(self):

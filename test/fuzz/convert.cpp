@@ -54,7 +54,7 @@ class Routes {
   Routes() {
     const std::string folder = std::string(EXTPERFC_SOURCE_DIR) + "/config/translate/";
     require(store_.add_store(folder + "definitions").has_value(), "the shipped definitions are read");
-    const auto rules = RuleSet::load({folder + "indigo_noetic.yaml", folder + "baxter_sdk.yaml"}, store_);
+    const auto rules = load_rules({folder + "indigo_noetic.yaml", folder + "baxter_sdk.yaml"}, store_);
     require(rules.has_value(), "the shipped rules are read");
     PlanOptions plain;
     plain.max_message_bytes = 1U << 20U;

@@ -34,7 +34,7 @@ void use(const RuleSet& rules) {
 }  // namespace
 
 void run(std::string_view input) {
-  const auto rules = RuleSet::parse(std::string(input), "fuzzed.yaml", small_definitions());
+  const auto rules = parse_rules(std::string(input), "fuzzed.yaml", small_definitions());
   if (rules)
     use(*rules);
   else

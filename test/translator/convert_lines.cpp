@@ -95,7 +95,7 @@ int main(int argc, char** argv) {
     std::fprintf(stderr, "%s\n", added.error().message.c_str());
     return 1;
   }
-  const auto rules = RuleSet::load({argv + 2, argv + argc}, definitions);
+  const auto rules = load_rules({argv + 2, argv + argc}, definitions);
   if (!rules) {
     std::fprintf(stderr, "%s\n", rules.error().message.c_str());
     return 1;

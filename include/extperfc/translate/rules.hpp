@@ -33,6 +33,7 @@ struct PathStep {
   std::optional<std::size_t> index;
 };
 using Path = std::vector<PathStep>;
+[[nodiscard]] std::string to_string(const Path& path);
 
 enum class Overflow : std::uint8_t {
   kRefuse,    ///< a value that the target cannot hold refuses the message
@@ -78,21 +79,12 @@ struct MigrationRule {
 /// Rules by pair of definitions, and the chains that they form.
 class RuleSet {
  public:
-  /// Reads files, in order. A rule that does not fit its definitions (unknown type or MD5, no such field, a
-  /// value that its field cannot hold, types that do not convert) is refused: "file:line: reason"; all of
-  /// them at once.
-  [[nodiscard]] static Result<RuleSet> load(const std::vector<std::filesystem::path>& files,
-                                            const DefinitionStore& definitions);
-  /// As load(), from text; `name` stands for the file in messages.
-  [[nodiscard]] static Result<RuleSet> parse(const std::string& text, const std::string& name,
-                                             const DefinitionStore& definitions);
-
   void add(MigrationRule rule);
   /// Two names of one type ("tf/tfMessage", "tf2_msgs/TFMessage") or of one package ("multimaster_msgs_fkie",
   /// "fkie_multimaster_msgs"). A rule between types of different names says it for its two types. A
   /// package is never another name of a type: such a pair is ignored.
   void add_rename(const std::string& from, const std::string& to);
-  /// A definition that chains may pass through. load() and parse() add those of their rules.
+  /// A definition that chains may pass through. load_rules() adds those of its rules.
   void add_schema(const SchemaPtr& schema);
   [[nodiscard]] std::size_t size() const { return rules_.size(); }
   [[nodiscard]] const std::vector<MigrationRule>& rules() const { return rules_; }
@@ -121,5 +113,14 @@ class RuleSet {
   std::map<Key, SchemaPtr> schemas_;
   std::vector<std::pair<std::string, std::string>> renames_;  ///< of types and of packages
 };
+
+/// Reads files, in order. A rule that does not fit its definitions (unknown type or MD5, no such field, a
+/// value that its field cannot hold, types that do not convert) is refused: "file:line: reason"; all of
+/// them at once.
+[[nodiscard]] Result<RuleSet> load_rules(const std::vector<std::filesystem::path>& files,
+                                         const DefinitionStore& definitions);
+/// As load_rules(), from text; `name` stands for the file in messages.
+[[nodiscard]] Result<RuleSet> parse_rules(const std::string& text, const std::string& name,
+                                          const DefinitionStore& definitions);
 
 }  // namespace extperfc::translate

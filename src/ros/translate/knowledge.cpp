@@ -100,7 +100,7 @@ Result<Knowledge> load_knowledge(const ros_params::TranslatorParams& params, con
   if (!definitions) return tl::unexpected(definitions.error());
   const auto files = rule_files(params.rules, package);
   if (!files) return tl::unexpected(files.error());
-  auto rules = translate::RuleSet::load(*files, *definitions);
+  auto rules = translate::load_rules(*files, *definitions);
   if (!rules) return tl::unexpected(rules.error());
   knowledge.definitions = std::move(*definitions);
   knowledge.rules = std::move(*rules);

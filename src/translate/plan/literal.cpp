@@ -7,7 +7,7 @@
 
 #include "extperfc/translate/plan.hpp"
 
-#include "translate/plan/compiler.hpp"
+#include "translate/plan/field_size.hpp"
 #include "translate/plan/numbers.hpp"
 
 namespace extperfc::translate {
@@ -15,7 +15,6 @@ namespace extperfc::translate {
 namespace {
 
 constexpr std::size_t kMaxBytes = 0xFFFFFFFF;  // of a message: its length is a uint32
-constexpr std::int64_t kNanosecondsPerSecond = 1'000'000'000;
 
 tl::unexpected<Error> refuse(const std::string& text, const Field& field) {
   return fail(ErrorCode::kInvalidArgument, "'" + text + "' is not a value of " + to_string(field));
@@ -75,15 +74,16 @@ std::optional<std::int64_t> parse_seconds(std::string_view text) {
   const auto seconds = parse_whole<std::uint32_t>(text.substr(0, point), 10);
   const auto rest = parse_whole<std::uint32_t>(fraction, 10);
   if (!seconds || !rest) return std::nullopt;
-  const auto whole = static_cast<std::int64_t>(*seconds) * kNanosecondsPerSecond + *rest;
+  const auto whole = static_cast<std::int64_t>(*seconds) * plan::kNanosecondsPerSecond + *rest;
   return negative ? -whole : whole;
 }
 
 bool append_stamp(std::string_view text, Primitive to, ByteBuffer& out) {
   const auto whole = parse_seconds(text);
   if (!whole) return false;
-  const auto rest = (*whole % kNanosecondsPerSecond + kNanosecondsPerSecond) % kNanosecondsPerSecond;
-  const auto seconds = (*whole - rest) / kNanosecondsPerSecond;
+  const auto rest =
+      (*whole % plan::kNanosecondsPerSecond + plan::kNanosecondsPerSecond) % plan::kNanosecondsPerSecond;
+  const auto seconds = (*whole - rest) / plan::kNanosecondsPerSecond;
   const auto half = to == Primitive::kTime ? Primitive::kUint32 : Primitive::kInt32;
   return append_as(Primitive::kInt64, half, seconds, out) && append_as(Primitive::kInt64, half, rest, out);
 }

@@ -11,6 +11,8 @@
 /// Numbers of one primitive as another, on little-endian bytes without alignment.
 namespace extperfc::translate::plan {
 
+inline constexpr std::int64_t kNanosecondsPerSecond = 1'000'000'000;
+
 [[nodiscard]] constexpr bool is_number(Primitive primitive) {
   return primitive <= Primitive::kFloat64;
 }

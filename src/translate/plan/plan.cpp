@@ -32,7 +32,7 @@ bool is_pass(const plan::Stages& stages) {
 /// Through one rule, no rule, or a chain of them.
 Result<plan::Chain> compile_stages(const SchemaPtr& from, const SchemaPtr& to, const RuleSet& rules,
                                    const PlanOptions& options) {
-  plan::Budget budget;
+  plan::CompileBudget budget;
   const bool same = from->type() == to->type() && from->md5() == to->md5();
   const auto* rule = same ? nullptr : rules.find(*from, *to);
   if (!same && rule == nullptr) {

@@ -30,6 +30,15 @@ std::string renamed(const std::string& type, const std::string& from, const std:
 
 }  // namespace
 
+std::string to_string(const Path& path) {
+  std::string text;
+  for (const PathStep& step : path) {
+    text += (text.empty() ? "" : ".") + step.field;
+    if (step.index) text += "[" + std::to_string(*step.index) + "]";
+  }
+  return text;
+}
+
 void RuleSet::add(MigrationRule rule) {
   from_[source_of(rule)].push_back(rules_.size());
   if (rule.from_type != rule.to_type) add_rename(rule.from_type, rule.to_type);

@@ -1,6 +1,8 @@
 #include "translate/plan/runner.hpp"
 
 #include <algorithm>
+#include <cstring>
+#include <functional>
 
 #include "translate/plan/numbers.hpp"
 #include "translate/plan/pose.hpp"
@@ -18,28 +20,35 @@ std::uint32_t load_count(const std::uint8_t* bytes) {
   return count;
 }
 
+constexpr std::size_t kStampSize = 8;
+constexpr std::int64_t kMaxSeconds = 0xFFFFFFFF;
+constexpr std::int64_t kMaxNanoseconds = kMaxSeconds * kNanosecondsPerSecond + kNanosecondsPerSecond - 1;
+
+struct Stamp {
+  std::uint32_t seconds{0};
+  std::uint32_t nanoseconds{0};
+};
+static_assert(sizeof(Stamp) == kStampSize);
+
+/// The stamp later by `by_ns`, within what a stamp can say. Zero means "no time" and stays.
+Stamp shifted(Stamp stamp, std::int64_t by_ns) {
+  if (stamp.seconds == 0 && stamp.nanoseconds == 0) return stamp;
+  const std::int64_t before = stamp.seconds * kNanosecondsPerSecond + stamp.nanoseconds;
+  std::int64_t after = 0;
+  if (__builtin_add_overflow(before, by_ns, &after)) after = by_ns > 0 ? kMaxNanoseconds : 0;
+  after = std::clamp<std::int64_t>(after, 0, kMaxNanoseconds);
+  return {static_cast<std::uint32_t>(after / kNanosecondsPerSecond),
+          static_cast<std::uint32_t>(after % kNanosecondsPerSecond)};
+}
+
+/// A time or duration is shown by its seconds.
+std::string value_text(Primitive primitive, const std::uint8_t* bytes) {
+  if (primitive == Primitive::kTime) return number_text(Primitive::kUint32, bytes) + " s";
+  if (primitive == Primitive::kDuration) return number_text(Primitive::kInt32, bytes) + " s";
+  return number_text(primitive, bytes);
+}
+
 }  // namespace
-
-Output::Output(ByteBuffer& buffer, std::size_t max_bytes, std::size_t expected)
-    : buffer_(buffer), start_(buffer.size()), max_bytes_(max_bytes) {
-  buffer_.reserve(start_ + std::min(expected, max_bytes));
-  at_ = buffer_.data() + start_;
-  update_end();
-}
-
-void Output::update_end() {
-  const auto capacity = buffer_.capacity() - start_;
-  end_ = buffer_.data() + start_ + std::min(capacity, max_bytes_);
-}
-
-bool Output::grow(std::size_t bytes) {
-  const auto used = written();
-  if (bytes > max_bytes_ - used) return false;
-  buffer_.reserve(start_ + std::min(max_bytes_, std::max(used + bytes, 2 * used)));
-  at_ = buffer_.data() + start_ + used;
-  update_end();
-  return true;
-}
 
 Runner::Runner(const Code& code, ByteView source, Output& out, std::int64_t time_shift_ns, Failure& failure)
     : code_(code),
@@ -291,6 +300,39 @@ bool Runner::numbers(const Op& op, std::size_t count) {
   return fitted == count || fail_value(op, source + fitted * size, fitted);
 }
 
+bool Runner::shift(const Op& op, std::size_t count) {
+  const auto size = count * kStampSize;
+  if (left() < size) return fail(Failure::Kind::kEnds, op, left(), size);
+  if (!out_.fits(size)) return fail(Failure::Kind::kTooLong, op, 0, out_.max_bytes());
+  auto* target = out_.take(size);
+  if (time_shift_ns_ == 0) {
+    if (size != 0) std::memcpy(target, at_, size);
+  } else {
+    for (std::size_t i = 0; i < count; ++i) {
+      Stamp stamp;
+      std::memcpy(&stamp, at_ + i * kStampSize, kStampSize);
+      stamp = shifted(stamp, time_shift_ns_);
+      std::memcpy(target + i * kStampSize, &stamp, kStampSize);
+    }
+  }
+  at_ += size;
+  anchor_ = at_;
+  return true;
+}
+
+/// Both are two numbers of 32 bits; a time has no sign, so each may lack the other's values.
+bool Runner::signed_time(const Op& op) {
+  const auto* source = replace(kStampSize, op);
+  if (source == nullptr) return false;
+  if ((source[3] & 0x80U) != 0) {  // the seconds' sign, or more seconds than a duration has
+    if ((op.flags & kSaturate) == 0) return fail_value(op, source, 0);
+    const bool to_time = op.to == Primitive::kTime;
+    const Stamp nearest = to_time ? Stamp{} : Stamp{0x7FFFFFFF, kNanosecondsPerSecond - 1};
+    return emit(op, &nearest, kStampSize);
+  }
+  return emit(op, source, kStampSize);
+}
+
 /// Copies a string without its leading slashes, or with one where none was (`kAddSlash`; an empty one stays
 /// empty). What was wanted before it is copied first. False after a failure: the bytes end too early, or the
 /// output is full.
@@ -354,6 +396,39 @@ bool Runner::chain(const Op& op) {
   const auto& around = code_.remarks[static_cast<std::size_t>(&op - code_.ops.data())].first;
   failure_.path = failure_.path.empty() ? around : around + "." + failure_.path;
   return false;
+}
+
+bool Runner::fail(Failure::Kind kind, const Op& op, std::uint64_t number, std::uint64_t limit) {
+  failure_.kind = kind;
+  failure_.number = number;
+  failure_.limit = limit;
+  const auto* first = code_.ops.data();
+  const auto* last = first + code_.ops.size();
+  if (std::less_equal<>()(first, &op) && std::less<>()(&op, last)) {
+    const auto& remark = code_.remarks[static_cast<std::size_t>(&op - first)];
+    failure_.path = remark.last.empty() ? remark.first : remark.first + " ... " + remark.last;
+  }
+  return false;
+}
+
+bool Runner::fail_value(const Op& op, const std::uint8_t* value, std::size_t index) {
+  failure_.value = value_text(op.from, value) + " does not fit " + to_string(op.to);
+  if ((op.flags & kListed) != 0) indices_.push_back(index);
+  return fail(Failure::Kind::kValue, op);
+}
+
+/// Writes the indices into the brackets of the path, outermost first.
+void Runner::fill_indices() {
+  auto& path = failure_.path;
+  std::size_t from = 0;
+  while (!indices_.empty()) {
+    const auto brackets = path.find("[]", from);
+    if (brackets == std::string::npos) return;
+    const auto number = std::to_string(indices_.back());
+    path.insert(brackets + 1, number);
+    from = brackets + number.size() + 2;
+    indices_.pop_back();
+  }
 }
 
 bool run_stages(const Stages& stages, ByteView source, Output& out, std::int64_t time_shift_ns,

@@ -3,69 +3,15 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
-#include <cstring>
-#include <string>
 #include <vector>
 
-#include "extperfc/base/error.hpp"
 #include "extperfc/translate/bytes.hpp"
 
 #include "translate/plan/code.hpp"
+#include "translate/plan/failure.hpp"
+#include "translate/plan/output.hpp"
 
 namespace extperfc::translate::plan {
-
-/// Why a conversion stopped. Filled on failure only.
-struct Failure {
-  enum class Kind : std::uint8_t {
-    kNone,
-    kEnds,      ///< the bytes end early
-    kTrailing,  ///< bytes are left
-    kCount,     ///< more elements than the bytes left can hold
-    kTooLong,   ///< the converted message exceeds its bound
-    kValue,     ///< a value does not fit
-    kLength,    ///< an array has not the length that the target's has
-    kIndex,     ///< an array is shorter than a rule needs
-  };
-  Kind kind{Kind::kNone};
-  std::string path;   ///< with indices
-  std::string value;  ///< that does not fit
-  std::uint64_t number{0};
-  std::uint64_t limit{0};
-};
-[[nodiscard]] Error to_error(const Failure& failure);
-
-/// Where converted bytes go: the end of a buffer, which grows as needed up to a bound.
-class Output {
- public:
-  /// Up to `max_bytes` may be written; memory for `expected` bytes is reserved at once.
-  Output(ByteBuffer& buffer, std::size_t max_bytes, std::size_t expected);
-
-  [[nodiscard]] bool fits(std::size_t bytes) {
-    return static_cast<std::size_t>(end_ - at_) >= bytes || grow(bytes);
-  }
-  /// Only after fits().
-  [[nodiscard]] std::uint8_t* take(std::size_t bytes) {
-    auto* begin = at_;
-    at_ += bytes;
-    return begin;
-  }
-  [[nodiscard]] std::size_t written() const {
-    return static_cast<std::size_t>(at_ - buffer_.data()) - start_;
-  }
-  [[nodiscard]] std::size_t max_bytes() const { return max_bytes_; }
-  /// Makes what was written part of the buffer.
-  void finish() { buffer_.resize(start_ + written()); }
-
- private:
-  bool grow(std::size_t bytes);
-  void update_end();
-
-  ByteBuffer& buffer_;
-  std::size_t start_;
-  std::size_t max_bytes_;
-  std::uint8_t* at_{nullptr};
-  std::uint8_t* end_{nullptr};  ///< of the capacity, or of what may be written
-};
 
 /// Runs one Code over one message. Every read is checked against the end.
 class [[gnu::visibility("hidden")]] Runner {  // of this library alone: calls may be inlined
@@ -111,8 +57,9 @@ class [[gnu::visibility("hidden")]] Runner {  // of this library alone: calls ma
   /// there.
   const std::uint8_t* replace(std::size_t bytes, const Op& op);
 
-  bool fail(Failure::Kind kind, const Op& op, std::uint64_t number = 0, std::uint64_t limit = 0);
-  bool fail_value(const Op& op, const std::uint8_t* value, std::size_t index);
+  [[gnu::cold]] bool fail(Failure::Kind kind, const Op& op, std::uint64_t number = 0,
+                          std::uint64_t limit = 0);
+  [[gnu::cold]] bool fail_value(const Op& op, const std::uint8_t* value, std::size_t index);
   void fill_indices();
 
   const Code& code_;

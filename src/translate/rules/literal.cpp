@@ -7,6 +7,7 @@
 #include "extperfc/translate/plan.hpp"
 #include "extperfc/world/yaml_map.hpp"
 
+#include "translate/plan/field_size.hpp"
 #include "translate/rules/path.hpp"
 
 namespace extperfc::translate::rules {
@@ -51,7 +52,7 @@ Result<void> resolve_names(Literal& literal, const Field& field, const MessageSc
     if (!value) return tl::unexpected<Error>(value.error());
     literal.scalar = *value;
   }
-  const Field element = element_of(field);
+  const Field element = plan::element_of(field);
   for (Literal& item : literal.list)
     if (auto done = resolve_names(item, element, owner); !done) return done;
   if (field.primitive != Primitive::kMessage) return {};

@@ -120,16 +120,16 @@ Result<RuleSet> assemble(std::vector<Page> pages) {
 
 }  // namespace
 
-Result<RuleSet> RuleSet::load(const std::vector<std::filesystem::path>& files,
-                              const DefinitionStore& definitions) {
+Result<RuleSet> load_rules(const std::vector<std::filesystem::path>& files,
+                           const DefinitionStore& definitions) {
   std::vector<Page> pages;
   pages.reserve(files.size());
   for (const auto& file : files) pages.push_back(read_file(file, definitions));
   return assemble(std::move(pages));
 }
 
-Result<RuleSet> RuleSet::parse(const std::string& text, const std::string& name,
-                               const DefinitionStore& definitions) {
+Result<RuleSet> parse_rules(const std::string& text, const std::string& name,
+                            const DefinitionStore& definitions) {
   std::vector<Page> pages;
   pages.push_back(read_page(text, name, definitions));
   return assemble(std::move(pages));

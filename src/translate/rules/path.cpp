@@ -79,15 +79,6 @@ Result<Path> parse_path(const std::string& text) {
               in_quotes(text) + " is not a field path: write it like pose.position.x or names[0]");
 }
 
-std::string to_string(const Path& path) {
-  std::string text;
-  for (const PathStep& step : path) {
-    text += (text.empty() ? "" : ".") + step.field;
-    if (step.index) text += "[" + std::to_string(*step.index) + "]";
-  }
-  return text;
-}
-
 Result<PathEnd> resolve(const Path& path, const MessageSchema& root) {
   PathEnd end{nullptr, &root, false};
   for (const PathStep& step : path) {
@@ -105,13 +96,6 @@ std::vector<std::string> field_names(const MessageSchema& schema) {
   std::vector<std::string> names;
   for (const Field& field : schema.fields()) names.push_back(field.name);
   return names;
-}
-
-Field element_of(const Field& field) {
-  Field element = field;
-  element.arity = Arity::kSingle;
-  element.fixed_count = 0;
-  return element;
 }
 
 }  // namespace extperfc::translate::rules

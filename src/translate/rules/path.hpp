@@ -8,7 +8,6 @@ namespace extperfc::translate::rules {
 
 /// Reads "claimed_resources[0].hardware_interface". The error says what is wrong with the text.
 [[nodiscard]] Result<Path> parse_path(const std::string& text);
-[[nodiscard]] std::string to_string(const Path& path);
 
 /// Where a path ends.
 struct PathEnd {
@@ -20,7 +19,5 @@ struct PathEnd {
 [[nodiscard]] Result<PathEnd> resolve(const Path& path, const MessageSchema& root);
 
 [[nodiscard]] std::vector<std::string> field_names(const MessageSchema& schema);
-/// The field as one element of it.
-[[nodiscard]] Field element_of(const Field& field);
 
 }  // namespace extperfc::translate::rules

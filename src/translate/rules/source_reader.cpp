@@ -1,12 +1,17 @@
 #include "translate/rules/source_reader.hpp"
 
 #include "extperfc/base/text.hpp"
+#include "translate/plan/field_size.hpp"
 
 namespace extperfc::translate::rules {
 
 namespace {
 
 constexpr const char* kPose = "geometry_msgs/Pose";
+
+bool is_arithmetic(Primitive primitive) {
+  return primitive >= Primitive::kInt8 && primitive <= Primitive::kFloat64;
+}
 
 bool is_pose(const Field& field) {
   return field.primitive == Primitive::kMessage && field.message->type() == kPose;
@@ -100,14 +105,14 @@ void SourceReader::read_arithmetic(YamlMap& map, const PathEnd& end, Source& sou
   source.scale = map.number("scale", kFinite, 1.0);
   source.offset = map.number("offset", kFinite, 0.0);
   if (source.scale == 0.0) map.problem("scale", "must not be 0: use {value: ...} for a constant");
-  if (end.field != nullptr && !is_number(end.field->primitive))
+  if (end.field != nullptr && !is_arithmetic(end.field->primitive))
     map.problem(map.has("scale") ? "scale" : "offset",
                 "is for numbers, but " + to_string(source.path) + " is " + to_string(*end.field));
 }
 
 void SourceReader::read_constants(YamlMap& map, Target target, const PathEnd& end, Source& source) {
-  const Field key = end.field != nullptr ? element_of(*end.field) : Field{};
-  const Field value = target.field != nullptr ? element_of(*target.field) : Field{};
+  const Field key = end.field != nullptr ? plan::element_of(*end.field) : Field{};
+  const Field value = target.field != nullptr ? plan::element_of(*target.field) : Field{};
   const Target key_target{end.field != nullptr ? &key : nullptr, end.owner};
   const Target value_target{target.field != nullptr ? &value : nullptr, target.owner};
   if (const auto* constants = map.find("map")) {
@@ -155,7 +160,7 @@ void SourceReader::read_list(YamlMap& map, Target target, int depth, Source& sou
     map.problem("list", "must be a list, not " + shown(list->value));
     return;
   }
-  const Field element = target.field != nullptr ? element_of(*target.field) : Field{};
+  const Field element = target.field != nullptr ? plan::element_of(*target.field) : Field{};
   const Target element_target{target.field != nullptr ? &element : nullptr, target.owner};
   for (const auto& item : list->value)
     source.list.push_back(

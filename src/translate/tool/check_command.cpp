@@ -17,7 +17,7 @@
 namespace extperfc::translate::tool {
 namespace {
 
-constexpr const char* kHelp = R"(Compares the definitions of two sides, and lists what needs a rule.
+constexpr const char* kCheckHelp = R"(Compares the definitions of two sides, and lists what needs a rule.
 
   extperfc-translate check                                        the shipped sets: indigo and noetic
   extperfc-translate check --from-set SET --to-set SET            two sets of definitions
@@ -104,7 +104,7 @@ Result<int> run_check(const Tokens& tokens) {
                                {"--all", "--fields", "--json", "--help"}});
   if (!arguments) return tl::unexpected(arguments.error());
   if (arguments->has("--help")) {
-    std::cout << kHelp;
+    std::cout << kCheckHelp;
     return kFine;
   }
   auto store = open_store(*arguments);
@@ -116,7 +116,7 @@ Result<int> run_check(const Tokens& tokens) {
   if (!to) return tl::unexpected(to.error());
   const auto files = rule_files(*arguments);
   if (!files) return tl::unexpected(files.error());
-  const auto rules = RuleSet::load(*files, *store);
+  const auto rules = load_rules(*files, *store);
   if (!rules) return tl::unexpected(rules.error());
   const auto comparison = compare(from->side, to->side, *rules);
   const ReportOptions options{arguments->has("--all"), arguments->has("--fields"), from->name, to->name};

@@ -18,7 +18,7 @@
 namespace extperfc::translate::tool {
 namespace {
 
-constexpr const char* kHelp = R"(Prints the MD5 of a message, service or action, as genmsg computes it.
+constexpr const char* kMd5Help = R"(Prints the MD5 of a message, service or action, as genmsg computes it.
 
   extperfc-translate md5 TYPE                    of every definition in the store, with the sets that contain it
   extperfc-translate md5 TYPE --set SET          of the definition in the set
@@ -105,7 +105,7 @@ Result<int> run_md5(const Tokens& tokens) {
       Arguments::read(tokens, {0, 1, {"--set", "--tree", "--file", "--kind", "--config"}, {"--help"}});
   if (!arguments) return tl::unexpected(arguments.error());
   if (arguments->has("--help")) {
-    std::cout << kHelp;
+    std::cout << kMd5Help;
     return kFine;
   }
   if (arguments->operands().empty())

@@ -10,7 +10,6 @@
 namespace extperfc::translate::tool {
 namespace {
 
-constexpr std::size_t kColumns = 100;
 constexpr std::size_t kShortMd5 = 8;
 
 std::string short_md5(const std::string& md5) {
@@ -53,7 +52,7 @@ struct Counts {
 void print_fields(std::ostream& out, const char* title, const std::vector<std::string>& fields) {
   std::string text = title;
   for (const auto& field : fields) text += " " + field;
-  if (!fields.empty()) out << wrapped(text, kColumns, "    ");
+  if (!fields.empty()) out << wrapped(text, "    ");
 }
 
 void print_details(std::ostream& out, const Row& row, bool with_fields) {
@@ -62,10 +61,9 @@ void print_details(std::ostream& out, const Row& row, bool with_fields) {
     print_fields(out, "default:", row.added);
     print_fields(out, "left out:", row.dropped);
   }
-  for (const auto& reason : row.reasons) out << wrapped(reason, kColumns, "    ");
-  if (!row.robot_where.empty()) out << wrapped("robot: " + row.robot_where, kColumns, "    ");
-  if (!row.workstation_where.empty())
-    out << wrapped("workstation: " + row.workstation_where, kColumns, "    ");
+  for (const auto& reason : row.reasons) out << wrapped(reason, "    ");
+  if (!row.robot_where.empty()) out << wrapped("robot: " + row.robot_where, "    ");
+  if (!row.workstation_where.empty()) out << wrapped("workstation: " + row.workstation_where, "    ");
 }
 
 }  // namespace
@@ -78,17 +76,17 @@ bool all_well(const Comparison& comparison) {
          std::all_of(comparison.renamed.begin(), comparison.renamed.end(), well);
 }
 
-std::string wrapped(const std::string& text, std::size_t columns, const std::string& indent) {
+std::string wrapped(const std::string& text, const std::string& indent) {
   std::istringstream tokens(text);
   std::string lines;
   std::string line = indent;
   for (std::string token; tokens >> token;) {
-    for (const auto width = columns - indent.size() - 2; token.size() > width; token.erase(0, width)) {
+    for (const auto width = kColumns - indent.size() - 2; token.size() > width; token.erase(0, width)) {
       if (line.size() > indent.size()) lines += line + "\n";
       lines += indent + "  " + token.substr(0, width) + "\n";
       line = indent;
     }
-    if (line.size() > indent.size() && line.size() + 1 + token.size() > columns) {
+    if (line.size() > indent.size() && line.size() + 1 + token.size() > kColumns) {
       lines += line + "\n";
       line = indent + "  ";
     } else if (line.size() > indent.size()) {

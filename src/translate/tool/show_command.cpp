@@ -18,7 +18,7 @@
 namespace extperfc::translate::tool {
 namespace {
 
-constexpr const char* kHelp = R"(Shows how a message, service or action is converted.
+constexpr const char* kShowHelp = R"(Shows how a message, service or action is converted.
 
   extperfc-translate show TYPE --from SET|MD5 --to SET|MD5
 
@@ -35,7 +35,6 @@ Options:
 Exit status: 0 there is a plan, 1 a rule is needed, 2 an error occurred.
 )";
 
-constexpr std::size_t kColumns = 100;
 constexpr std::size_t kHalf = 47;
 
 std::vector<std::string> lines_of(const MessageSchema& schema) {
@@ -135,7 +134,7 @@ bool print_plan(const std::string& title, const SchemaPtr& from, const SchemaPtr
   print_side_by_side(*from, *to);
   const auto plan = Plan::compile(from, to, rules);
   if (!plan) {
-    std::cout << "\n" << wrapped("needs a rule: " + plan.error().message, kColumns, "  ") << "\n";
+    std::cout << "\n" << wrapped("needs a rule: " + plan.error().message, "  ") << "\n";
     return false;
   }
   std::cout << "\n  plan: " << to_string((*plan)->kind()) << "\n";
@@ -147,7 +146,7 @@ bool print_plan(const std::string& title, const SchemaPtr& from, const SchemaPtr
     }
     std::cout << wrapped(
         std::string(to_text(note.kind)) + " " + note.path + (note.text.empty() ? "" : ": ") + note.text,
-        kColumns, "    ");
+        "    ");
   }
   if (kept != 0) std::cout << "    kept: " << kept << (kept == 1 ? " field\n" : " fields\n");
   std::cout << "  steps:\n";
@@ -198,7 +197,7 @@ Result<int> run_show(const Tokens& tokens) {
       tokens, {0, 1, {"--from", "--to", "--to-type", "--kind", "--rules", "--config"}, {"--help"}});
   if (!arguments) return tl::unexpected(arguments.error());
   if (arguments->has("--help")) {
-    std::cout << kHelp;
+    std::cout << kShowHelp;
     return kFine;
   }
   if (arguments->operands().empty() || !arguments->has("--from") || !arguments->has("--to"))
@@ -208,7 +207,7 @@ Result<int> run_show(const Tokens& tokens) {
   if (!store) return tl::unexpected(store.error());
   const auto files = rule_files(*arguments);
   if (!files) return tl::unexpected(files.error());
-  const auto rules = RuleSet::load(*files, *store);
+  const auto rules = load_rules(*files, *store);
   if (!rules) return tl::unexpected(rules.error());
   return show(*store, *rules, *arguments);
 }

@@ -23,7 +23,7 @@
 namespace extperfc::translate::tool {
 namespace {
 
-constexpr const char* kHelp =
+constexpr const char* kStatusHelp =
     R"(Prints the status of a running translator: both masters, clocks, and a line for each topic and service.
 
   extperfc-translate status [--node NAME] [--master URI] [--timeout SEC]
@@ -133,7 +133,7 @@ Result<int> run_status(const Tokens& tokens) {
   const auto arguments = Arguments::read(tokens, {0, 0, {"--node", "--master", "--timeout"}, {"--help"}});
   if (!arguments) return tl::unexpected(arguments.error());
   if (arguments->has("--help")) {
-    std::cout << kHelp;
+    std::cout << kStatusHelp;
     return kFine;
   }
   const auto seconds = arguments->number("--timeout", 0.1, 60.0);

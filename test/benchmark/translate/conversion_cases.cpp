@@ -202,7 +202,7 @@ std::vector<Case> make_cases(const DefinitionStore& store) {
 Result<std::vector<ConversionTime>> time_conversions(const std::filesystem::path& config) {
   DefinitionStore store;
   if (auto read = store.add_store(config / "definitions"); !read) return tl::unexpected<Error>(read.error());
-  const auto rules = RuleSet::load({config / "indigo_noetic.yaml", config / "baxter_sdk.yaml"}, store);
+  const auto rules = load_rules({config / "indigo_noetic.yaml", config / "baxter_sdk.yaml"}, store);
   if (!rules) return tl::unexpected<Error>(rules.error());
   std::vector<ConversionTime> times;
   for (const auto& one : make_cases(store)) {

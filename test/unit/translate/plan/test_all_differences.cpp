@@ -81,7 +81,7 @@ class AllDifferences : public testing::Test {
   void SetUp() override {
     const auto read = store_.add_store(kConfig / "definitions");
     ASSERT_TRUE(read) << read.error().message;
-    auto rules = RuleSet::load({kConfig / "indigo_noetic.yaml", kConfig / "baxter_sdk.yaml"}, store_);
+    auto rules = load_rules({kConfig / "indigo_noetic.yaml", kConfig / "baxter_sdk.yaml"}, store_);
     ASSERT_TRUE(rules) << rules.error().message;
     rules_ = std::move(*rules);
   }

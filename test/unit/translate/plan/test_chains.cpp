@@ -32,9 +32,9 @@ class PlanChains : public testing::Test {
       return "- type: p/Speed\n  from: " + md5(from) + "\n  to: " + md5(to) + "\n  forward: {" + targets +
              "}\n";
     };
-    auto rules = RuleSet::parse("rules:\n" + entry("one", "two", "per_mille: {from: percent, scale: 10}") +
-                                    entry("two", "three", "ratio: {from: per_mille, scale: 0.001}"),
-                                "chain.yaml", store_);
+    auto rules = parse_rules("rules:\n" + entry("one", "two", "per_mille: {from: percent, scale: 10}") +
+                                 entry("two", "three", "ratio: {from: per_mille, scale: 0.001}"),
+                             "chain.yaml", store_);
     ASSERT_TRUE(rules) << rules.error().message;
     rules_ = std::move(*rules);
   }

@@ -18,7 +18,7 @@ class ShippedTest : public testing::Test {
     definitions = new DefinitionStore();
     const auto read = definitions->add_store(folder + "definitions");
     ASSERT_TRUE(read) << read.error().message;
-    auto loaded = RuleSet::load({folder + "indigo_noetic.yaml", folder + "baxter_sdk.yaml"}, *definitions);
+    auto loaded = load_rules({folder + "indigo_noetic.yaml", folder + "baxter_sdk.yaml"}, *definitions);
     ASSERT_TRUE(loaded) << loaded.error().message;
     rules = new RuleSet(std::move(*loaded));
   }

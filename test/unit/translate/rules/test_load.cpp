@@ -52,14 +52,14 @@ class LoadTest : public testing::Test {
            "\n" + rest;
   }
   [[nodiscard]] std::string problem(const std::string& text) const {
-    const auto rules = RuleSet::parse(text, "r.yaml", store.definitions);
+    const auto rules = parse_rules(text, "r.yaml", store.definitions);
     return rules ? "" : rules.error().message;
   }
   void expect_problem(const std::string& text, const std::string& expected) const {
     expect_has(problem(text), expected);
   }
   [[nodiscard]] RuleSet good(const std::string& text) const {
-    auto rules = RuleSet::parse(text, "r.yaml", store.definitions);
+    auto rules = parse_rules(text, "r.yaml", store.definitions);
     EXPECT_TRUE(rules) << rules.error().message;
     return rules ? *rules : RuleSet();
   }
@@ -305,13 +305,13 @@ TEST_F(LoadTest, FilesAreReadInOrderAndMissingOnesReported) {
   std::ofstream(second) << "rules:\n"
                         << "  - {type: p/Head, from: " << store.md5("old", "p/Head")
                         << ", to: " << store.md5("new", "p/Head") << "}\n";
-  EXPECT_TRUE(RuleSet::load({first}, store.definitions));
-  EXPECT_TRUE(RuleSet::load({}, store.definitions));
-  const auto twice = RuleSet::load({first, second}, store.definitions);
+  EXPECT_TRUE(load_rules({first}, store.definitions));
+  EXPECT_TRUE(load_rules({}, store.definitions));
+  const auto twice = load_rules({first, second}, store.definitions);
   ASSERT_FALSE(twice);
   expect_has(twice.error().message, second.string() + ":2: ");
   expect_has(twice.error().message, "the first is at " + first.string() + ":1");
-  const auto missing = RuleSet::load({store.folder() / "c.yaml", store.folder()}, store.definitions);
+  const auto missing = load_rules({store.folder() / "c.yaml", store.folder()}, store.definitions);
   ASSERT_FALSE(missing);
   expect_has(missing.error().message, "c.yaml: cannot be read");
 }
