@@ -12,8 +12,8 @@ namespace {
 constexpr int kBins = 512;
 constexpr double kRelativeWidth = 0.02;  // of a bin where noise does not matter: slant and shape of an object
 constexpr double kNoiseWidth = 2.0;      // of a bin where noise rules, in standard deviations
-constexpr float kMinFraction = 0.15F;    // of all samples in a mode; less is a flying pixel or an edge
-constexpr float kEdgeFraction = 0.35F;   // of the mode's height, down to which its slopes belong to it
+constexpr float kMinModeFraction = 0.15F;  // of all samples in a mode; less is a flying pixel or an edge
+constexpr float kEdgeFraction = 0.35F;     // of the mode's height, down to which its slopes belong to it
 
 /// Depth axis on which a bin is `width(z) = kRelativeWidth * z + kNoiseWidth * sigma(z)` wide everywhere.
 /// With sigma(z) = c z^2 the position is the closed integral of dz / width(z).
@@ -50,7 +50,7 @@ int find_mode(const Histogram& h, float total) {
     const float before = b > 0 ? h[i - 1] : 0.0F;
     const float after = b + 1 < kBins ? h[i + 1] : 0.0F;
     const bool peak = h[i] > 0.0F && h[i] >= before && h[i] >= after;
-    if (peak && before + h[i] + after >= kMinFraction * total) return b;
+    if (peak && before + h[i] + after >= kMinModeFraction * total) return b;
     if (h[i] > h[static_cast<std::size_t>(largest)]) largest = b;
   }
   return largest;

@@ -7,6 +7,8 @@
 #include <Eigen/Cholesky>
 #include <Eigen/Core>
 
+#include "depth/cauchy.hpp"
+
 namespace extperfc::depth {
 
 namespace {
@@ -15,22 +17,22 @@ constexpr int kIterations = 4;
 constexpr double kQuantum = 0.001 / 3.4641016151377544;  // sigma of rounding to 1 mm [m]: 1 mm / sqrt(12)
 
 /// Inverse depth as an affine function of position, in units of the spatial scale.
-using Plane = Eigen::Vector3d;
+using PlaneNumbers = Eigen::Vector3d;
 
-struct Point {
+struct WeightedPoint {
   Eigen::Vector3d basis;  // 1, u, v
   double q;               // inverse depth [1/m]
   double weight;          // by distance from the centre
 };
 
-struct Points {
-  std::array<Point, Samples::kCapacity> items;
+struct WeightedPoints {
+  std::array<WeightedPoint, Samples::kCapacity> items;
   std::size_t size{0};
-  [[nodiscard]] const Point* begin() const { return items.data(); }
-  [[nodiscard]] const Point* end() const { return items.data() + size; }
+  [[nodiscard]] const WeightedPoint* begin() const { return items.data(); }
+  [[nodiscard]] const WeightedPoint* end() const { return items.data() + size; }
 };
 
-void select(const Samples& samples, const Layer& layer, double scale_px, Points& out) {
+void select(const Samples& samples, const Layer& layer, double scale_px, WeightedPoints& out) {
   for (const auto& s : samples) {
     if (s.depth_m < layer.near_m || s.depth_m > layer.far_m) continue;
     const double u = s.dx / scale_px;
@@ -40,12 +42,7 @@ void select(const Samples& samples, const Layer& layer, double scale_px, Points&
   }
 }
 
-double cauchy(double residual, double scale) {
-  const double r = residual / scale;
-  return 1.0 / (1.0 + r * r);
-}
-
-struct Sums {
+struct PlaneSums {
   Eigen::Matrix3d normal{Eigen::Matrix3d::Zero()};
   Eigen::Vector3d right{Eigen::Vector3d::Zero()};
   double weight{0};
@@ -53,8 +50,8 @@ struct Sums {
   double residual2{0};
 };
 
-Sums accumulate(const Points& points, const Plane& plane, double scale) {
-  Sums sums;
+PlaneSums accumulate(const WeightedPoints& points, const PlaneNumbers& plane, double scale) {
+  PlaneSums sums;
   for (const auto& p : points) {
     const double residual = p.q - plane.dot(p.basis);
     const double w = p.weight * cauchy(residual, scale);
@@ -69,7 +66,7 @@ Sums accumulate(const Points& points, const Plane& plane, double scale) {
 
 /// Weighted least squares. Slopes are drawn a little towards zero: where all samples lie on one side of the
 /// centre they would be little more than noise, and the centre is extrapolated.
-Plane solve(const Sums& sums) {
+PlaneNumbers solve(const PlaneSums& sums) {
   constexpr double kRidge = 0.1;
   Eigen::Matrix3d normal = sums.normal;
   normal(1, 1) += kRidge * sums.weight;
@@ -81,16 +78,16 @@ Plane solve(const Sums& sums) {
 
 SurfaceFit fit_surface(const Samples& samples, const Layer& layer, const BoxDepthParams& params) {
   const double scale_px = 0.5 * params.window_px;
-  Points points;
+  WeightedPoints points;
   select(samples, layer, scale_px, points);
 
   const double q_near = 1.0 / layer.near_m;
   const double q_far = 1.0 / layer.far_m;
-  Plane plane(0.5 * (q_near + q_far), 0.0, 0.0);
+  PlaneNumbers plane(0.5 * (q_near + q_far), 0.0, 0.0);
   const double rounding = kQuantum * plane[0] * plane[0];
   const double narrowest = 2.0 * std::hypot(params.noise.sigma_inverse_depth(), rounding);
   double scale = std::max(narrowest, 0.5 * (q_near - q_far));
-  Sums sums;
+  PlaneSums sums;
   for (int i = 0; i < kIterations; ++i) {
     sums = accumulate(points, plane, scale);
     plane = solve(sums);

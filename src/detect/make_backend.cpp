@@ -18,7 +18,7 @@ using LoadedBackend = Result<std::unique_ptr<InferenceBackend>>;
 
 constexpr int kWarmUps = 2;
 constexpr int kTimedInferences = 10;
-constexpr float kGrey = 114.0F;
+constexpr float kPaddingGrey = 114.0F;
 
 struct Library {
   const char* name;
@@ -43,7 +43,8 @@ Result<void> try_out(const ModelSpec& spec, InferenceBackend& backend) {
   const auto plane = static_cast<std::size_t>(spec.input.width) * static_cast<std::size_t>(spec.input.height);
   for (int slot = 0; slot < backend.slots(); ++slot)
     for (std::size_t c = 0; c < 3; ++c)
-      std::fill_n(backend.input(slot) + c * plane, plane, (kGrey - spec.input.mean[c]) * spec.input.scale[c]);
+      std::fill_n(backend.input(slot) + c * plane, plane,
+                  (kPaddingGrey - spec.input.mean[c]) * spec.input.scale[c]);
   const auto outputs = backend.infer(0);
   if (!outputs) return tl::unexpected(outputs.error());
   return check_outputs(spec, *outputs);

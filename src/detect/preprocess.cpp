@@ -27,7 +27,7 @@ struct FormatTraits {
 constexpr int kDirect = -1;
 constexpr std::array<int, 3> kRgb{0, 1, 2};
 constexpr std::array<int, 3> kBgr{2, 1, 0};
-constexpr std::array<int, 3> kGrey{0, 0, 0};
+constexpr std::array<int, 3> kGreyOrder{0, 0, 0};
 
 // OpenCV names a Bayer pattern after the second row's second and third pixel, ROS after the first 2 x 2
 // pixels.
@@ -42,9 +42,9 @@ FormatTraits traits_of(PixelFormat format) {
     case PixelFormat::kBgra8:
       return {CV_8UC4, kDirect, kBgr};
     case PixelFormat::kMono8:
-      return {CV_8UC1, kDirect, kGrey};
+      return {CV_8UC1, kDirect, kGreyOrder};
     case PixelFormat::kMono16:
-      return {CV_16UC1, kDirect, kGrey};
+      return {CV_16UC1, kDirect, kGreyOrder};
     case PixelFormat::kBayerRggb8:
       return {CV_8UC1, cv::COLOR_BayerBG2BGR, kBgr};
     case PixelFormat::kBayerBggr8:
@@ -61,7 +61,7 @@ FormatTraits traits_of(PixelFormat format) {
     case PixelFormat::kDepth32M:
       break;
   }
-  return {CV_8UC1, kDirect, kGrey};
+  return {CV_8UC1, kDirect, kGreyOrder};
 }
 
 Result<void> check_image(const ImageView& image) {

@@ -12,14 +12,11 @@
 
 #include "localize/monte_carlo.hpp"
 #include "localize/pose_bins.hpp"
+#include "localize/wrong.hpp"
 
 namespace extperfc::localize {
 
 namespace {
-
-tl::unexpected<Error> wrong(const std::string& what) {
-  return fail(ErrorCode::kInvalidArgument, "localizer: " + what);
-}
 
 Result<void> check_map(const std::shared_ptr<const OccupancyGrid>& map) {
   constexpr std::size_t kLongestSide =

@@ -4,6 +4,8 @@
 
 #include "extperfc/localize/localizer.hpp"
 
+#include "localize/wrong.hpp"
+
 namespace extperfc::localize {
 
 namespace {
@@ -39,10 +41,6 @@ constexpr std::array kRealRanges{
     RealRange{"odom_alpha3", &LocalizerParams::odom_alpha3, 0, kAny, true},
     RealRange{"odom_alpha4", &LocalizerParams::odom_alpha4, 0, kAny, true},
     RealRange{"odom_alpha5", &LocalizerParams::odom_alpha5, 0, kAny, true}};
-
-tl::unexpected<Error> wrong(const std::string& what) {
-  return fail(ErrorCode::kInvalidArgument, "localizer: " + what);
-}
 
 Result<void> check_integers(const LocalizerParams& p) {
   constexpr int kMaxParticles = 1'000'000;

@@ -10,7 +10,7 @@ namespace extperfc::mapping {
 namespace {
 
 constexpr double kMovedCells = 0.4;  // of a key frame, before it is redrawn
-constexpr double kMovedRad = 0.004;
+constexpr double kRedrawnRad = 0.004;
 constexpr double kFarthestM = 5000.0;  // larger coordinates are invalid
 
 std::uint64_t key_of(int tile_column, int tile_row) {
@@ -31,7 +31,7 @@ bool MapRenderer::update(const std::vector<KeyFrame>& frames, const std::vector<
     if (!is_new) {
       const double away = std::hypot(poses[i].x - drawn_[i].x, poses[i].y - drawn_[i].y);
       if (away < kMovedCells * resolution_m_ &&
-          std::abs(wrap_angle(poses[i].yaw - drawn_[i].yaw)) < kMovedRad)
+          std::abs(wrap_angle(poses[i].yaw - drawn_[i].yaw)) < kRedrawnRad)
         continue;
     }
     if (cells >= max_cells) return false;

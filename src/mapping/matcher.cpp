@@ -18,12 +18,12 @@ constexpr double kOnSurfaceM = 0.1;  // a point this near to its line counts as 
 constexpr int kIterations = 14;
 constexpr int kCoarseIterations = 3;    // with the full reach
 constexpr double kLongestStepM = 0.15;  // of one iteration
-constexpr double kSettledM = 1e-4;
-constexpr double kSettledRad = 5e-5;
+constexpr double kMatchedM = 1e-4;
+constexpr double kMatchedRad = 5e-5;
 constexpr double kPointWeight = 0.3;  // of a point without normal against one with a line
 
 /// Normal equations of one iteration, in x, y, yaw.
-struct Equations {
+struct MatchEquations {
   Eigen::Matrix3d h{Eigen::Matrix3d::Zero()};
   Eigen::Vector3d g{Eigen::Vector3d::Zero()};
   int used{0};
@@ -36,14 +36,14 @@ double robust_weight(double error_m, double scale_m) {
   return weight * weight;
 }
 
-void add_row(Equations& equations, const Eigen::Vector3d& jacobian, double error, double weight) {
+void add_row(MatchEquations& equations, const Eigen::Vector3d& jacobian, double error, double weight) {
   equations.h.noalias() += weight * jacobian * jacobian.transpose();
   equations.g.noalias() += weight * error * jacobian;
 }
 
-Equations linearize(const SurfaceMap& map, const ScanPoints& points, const Pose2& pose, int reach_cells,
-                    double scale_m) {
-  Equations equations;
+MatchEquations linearize(const SurfaceMap& map, const ScanPoints& points, const Pose2& pose, int reach_cells,
+                         double scale_m) {
+  MatchEquations equations;
   Eigen::Matrix2f rotation;
   const auto c = static_cast<float>(std::cos(pose.yaw));
   const auto s = static_cast<float>(std::sin(pose.yaw));
@@ -87,7 +87,7 @@ int cells(double reach_m) {
   return std::max(1, static_cast<int>(std::lround(reach_m / SurfaceMap::kCellM)));
 }
 
-ScanMatch summarize(const Equations& equations, const ScanPoints& points, const Pose2& pose) {
+ScanMatch summarize(const MatchEquations& equations, const ScanPoints& points, const Pose2& pose) {
   ScanMatch result;
   result.pose = pose;
   result.information = equations.h;
@@ -98,7 +98,7 @@ ScanMatch summarize(const Equations& equations, const ScanPoints& points, const 
 }
 
 /// One damped Newton step; false when the equations cannot be solved.
-bool step(const Equations& equations, const PosePrior& prior, Pose2& pose, bool& settled) {
+bool step(const MatchEquations& equations, const PosePrior& prior, Pose2& pose, bool& settled) {
   const double per_m = 1.0 / (prior.sigma_m * prior.sigma_m);
   const double per_rad = 1.0 / (prior.sigma_rad * prior.sigma_rad);
   const Eigen::Vector2d along = prior.along / prior.sigma_along_m;
@@ -111,7 +111,7 @@ bool step(const Equations& equations, const PosePrior& prior, Pose2& pose, bool&
   if (solver.info() != Eigen::Success) return false;
   Eigen::Vector3d move = -solver.solve(equations.g + weights * away);
   if (!move.allFinite()) return false;
-  settled = move.head<2>().norm() < kSettledM && std::abs(move.z()) < kSettledRad;
+  settled = move.head<2>().norm() < kMatchedM && std::abs(move.z()) < kMatchedRad;
   move *= std::min(1.0, kLongestStepM / std::max(1e-9, move.head<2>().norm()));
   pose = {pose.x + move.x(), pose.y + move.y(), wrap_angle(pose.yaw + move.z())};
   return true;

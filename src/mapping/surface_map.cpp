@@ -10,7 +10,7 @@ namespace {
 constexpr float kSameSide = 0.6F;      // cosine between normals of one surface
 constexpr float kMaxWeight = 60.0F;    // limits how slowly a cell follows new scans
 constexpr int kDirectoryMargin = 8;    // tiles; so that the directory is not widened for every ray
-constexpr float kFarthestM = 5000.0F;  // points beyond are not of this robot's world
+constexpr float kMaxPointM = 5000.0F;  // points beyond are not of this robot's world
 
 int cell_index(float coordinate_m) {
   return static_cast<int>(std::floor(coordinate_m * (1.0F / SurfaceMap::kCellM)));
@@ -38,7 +38,7 @@ void SurfaceMap::add(const ScanPoints& points, const Pose2& map_T_base) {
   const Eigen::Vector2f shift(static_cast<float>(map_T_base.x), static_cast<float>(map_T_base.y));
   for (const SurfacePoint& point : points.surface) {
     const Eigen::Vector2f position = rotation * point.position + shift;
-    if (!(position.cwiseAbs().maxCoeff() < kFarthestM)) continue;
+    if (!(position.cwiseAbs().maxCoeff() < kMaxPointM)) continue;
     const Eigen::Vector2f normal = rotation * point.normal;
     Surface& surface = make(cell_index(position.x()), cell_index(position.y()));
     if (!goes_with(surface.normal, normal)) {

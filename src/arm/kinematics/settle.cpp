@@ -8,7 +8,7 @@
 namespace extperfc::arm::ik {
 namespace {
 
-constexpr int kMaxSteps = 50;
+constexpr int kMaxSettleSteps = 50;
 constexpr int kMaxHalvings = 12;
 constexpr double kMinChange = 1e-7;     // [rad] or [m]
 constexpr double kMinGain = 1e-9;       // of the value
@@ -29,7 +29,7 @@ Objective mid_range(const ArmChain& chain) {
 }
 
 void Settle::run(JointVector& q, const Objective& objective, const Deadline& deadline) {
-  for (int i = 0; i < kMaxSteps && !deadline.passed(); ++i) {
+  for (int i = 0; i < kMaxSettleSteps && !deadline.passed(); ++i) {
     JointVector change = direction(q, objective);
     change *= longest_step(q, change);
     if (change.cwiseAbs().maxCoeff() < kMinChange || !advance(q, change, objective, deadline)) return;

@@ -46,11 +46,11 @@ Result<Eigen::Vector3d> surface_point(const ImageView& depth, const CameraModel&
 }
 
 /// Pixels of the box that rise above the support, in the support's frame.
-std::vector<fit::Sample> standing_out(const fit::Points& points, const fit::SupportPlane& support,
-                                      const ObjectFitParams& params) {
+std::vector<fit::SurfaceSample> standing_out(const fit::Points& points, const fit::SupportPlane& support,
+                                             const ObjectFitParams& params) {
   const Pose plane_T_camera = support.camera_T_plane.inverse();
   const Eigen::Vector3d normal = support.camera_T_plane.linear().col(2);
-  std::vector<fit::Sample> samples;
+  std::vector<fit::SurfaceSample> samples;
   for (const fit::Point& point : points.items) {
     if (!point.in_box) continue;
     const Eigen::Vector3d position = plane_T_camera * point.position;

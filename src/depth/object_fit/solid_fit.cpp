@@ -8,6 +8,8 @@
 
 #include <Eigen/Cholesky>
 
+#include "depth/cauchy.hpp"
+
 namespace extperfc::depth::fit {
 namespace {
 
@@ -21,11 +23,6 @@ constexpr double kWidthSigmaM = 0.001;  // and that many metres
 constexpr std::array<double, 18> kScales{32, 32, 32, 16, 16, 16, 8, 8, 8, 4, 4, 4, 2, 2, 2, 2, 2, 2};
 
 using Row = Eigen::Matrix<double, 1, Eigen::Dynamic, 1, 1, kMaxNumbers>;
-
-double cauchy(double residual, double scale) {
-  const double r = residual / scale;
-  return 1.0 / (1.0 + r * r);
-}
 
 Row gradient(FitShape shape, const Numbers& numbers, const Eigen::Vector3d& point) {
   Row row(numbers.size());
@@ -57,7 +54,7 @@ struct Silhouette {
 /// silhouette helps.
 struct Problem {
   FitShape shape;
-  const std::vector<Sample>& samples;
+  const std::vector<SurfaceSample>& samples;
   double independent;
   Silhouette silhouette;
 };
@@ -91,7 +88,7 @@ Sums accumulate(const Problem& problem, const Numbers& numbers, double scale) {
   const FitShape shape = problem.shape;
   Sums sums{NumbersCovariance::Zero(n, n), Numbers::Zero(n)};
   add_silhouette(problem, numbers, sums);
-  for (const Sample& sample : problem.samples) {
+  for (const SurfaceSample& sample : problem.samples) {
     const double residual = distance(shape, numbers, sample.position);
     const double weight = cauchy(residual / sample.sigma_m, scale) / (sample.sigma_m * sample.sigma_m);
     const Row row = gradient(shape, numbers, sample.position);
@@ -118,9 +115,9 @@ void advance(FitShape shape, Numbers& numbers, const Sums& sums) {
   }
 }
 
-double robust_cost(FitShape shape, const Numbers& numbers, const std::vector<Sample>& samples) {
+double robust_cost(FitShape shape, const Numbers& numbers, const std::vector<SurfaceSample>& samples) {
   double cost = 0;
-  for (const Sample& sample : samples) {
+  for (const SurfaceSample& sample : samples) {
     const double r = distance(shape, numbers, sample.position) / sample.sigma_m / kScales.back();
     cost += std::log1p(r * r);
   }
@@ -136,7 +133,7 @@ void measure(const Problem& problem, SolidFit& fit) {
   double squares = 0;
   double squares_m = 0;
   int fitting = 0;
-  for (const Sample& sample : problem.samples) {
+  for (const SurfaceSample& sample : problem.samples) {
     const double residual = distance(problem.shape, fit.numbers, sample.position);
     if (std::abs(residual) > kFits * sample.sigma_m) continue;
     ++fitting;
@@ -152,9 +149,9 @@ void measure(const Problem& problem, SolidFit& fit) {
 }
 
 /// About so many of the samples, spread evenly: enough to compare the starts.
-std::vector<Sample> thinned(const std::vector<Sample>& samples, std::size_t count) {
+std::vector<SurfaceSample> thinned(const std::vector<SurfaceSample>& samples, std::size_t count) {
   const std::size_t step = 1 + samples.size() / count;
-  std::vector<Sample> few;
+  std::vector<SurfaceSample> few;
   for (std::size_t i = 0; i < samples.size(); i += step) few.push_back(samples[i]);
   return few;
 }
@@ -176,13 +173,13 @@ Numbers best_start(const Problem& few, const std::vector<Numbers>& starts) {
 
 }  // namespace
 
-SolidFit fit_solid(FitShape shape, const std::vector<Sample>& samples, double independent) {
+SolidFit fit_solid(FitShape shape, const std::vector<SurfaceSample>& samples, double independent) {
   constexpr std::size_t kFew = 120;
   std::vector<Eigen::Vector3d> positions;
   positions.reserve(samples.size());
-  for (const Sample& sample : samples) positions.push_back(sample.position);
+  for (const SurfaceSample& sample : samples) positions.push_back(sample.position);
   const Silhouette silhouette = silhouette_of(shape, positions);
-  const std::vector<Sample> few = thinned(samples, kFew);
+  const std::vector<SurfaceSample> few = thinned(samples, kFew);
   const Numbers start = best_start({shape, few, independent, silhouette}, starts(shape, positions));
   const Problem problem{shape, samples, independent, silhouette};
   SolidFit fit;

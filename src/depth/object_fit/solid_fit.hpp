@@ -9,7 +9,7 @@
 namespace extperfc::depth::fit {
 
 /// A point in the support's frame.
-struct Sample {
+struct SurfaceSample {
   Eigen::Vector3d position;  ///< [m]
   double sigma_m{0};         ///< standard deviation [m], > 0
 };
@@ -26,6 +26,7 @@ struct SolidFit {
 
 /// The solid of this shape that lies nearest to the samples; the best of several starts. `independent`: how
 /// many measurements a sample counts for.
-[[nodiscard]] SolidFit fit_solid(FitShape shape, const std::vector<Sample>& samples, double independent);
+[[nodiscard]] SolidFit fit_solid(FitShape shape, const std::vector<SurfaceSample>& samples,
+                                 double independent);
 
 }  // namespace extperfc::depth::fit

@@ -13,9 +13,9 @@ namespace extperfc::depth::fit {
 namespace {
 
 constexpr int kRounds = 80;
-constexpr double kInlier = 3.0;         // standard deviations
-constexpr double kMaxTiltSigmas = 3.0;  // of the normal against `up`
-constexpr double kRoughness = 0.0005;   // of a surface that is called flat [m]
+constexpr double kInlier = 3.0;            // standard deviations
+constexpr double kMaxTiltSigmas = 3.0;     // of the normal against `up`
+constexpr double kFlatRoughness = 0.0005;  // of a surface that is called flat [m]
 constexpr int kRefinements = 3;
 constexpr double kMinFraction = 0.1;  // of the pixels around the box that the support must hold
 
@@ -28,7 +28,7 @@ struct Plane {
 
 /// Standard deviation of a point's height over a plane [m].
 double height_sigma(const Point& point, const Eigen::Vector3d& normal) {
-  return std::hypot(point.sigma_m * normal.dot(point.position.normalized()), kRoughness);
+  return std::hypot(point.sigma_m * normal.dot(point.position.normalized()), kFlatRoughness);
 }
 
 bool lies_on(const Plane& plane, const Point& point) {

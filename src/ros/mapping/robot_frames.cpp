@@ -12,8 +12,9 @@ namespace extperfc {
 
 namespace {
 
-constexpr double kAliveS = 1.0;    ///< older odometry counts as stopped
-constexpr double kRanBackS = 0.5;  ///< transforms so much later than a scan are from before time ran back
+constexpr double kAliveS = 1.0;  ///< older odometry counts as stopped
+constexpr double kStaleAfterScanS =
+    0.5;                           ///< transforms so much later than a scan are from before time ran back
 constexpr int kHopefulMisses = 3;  ///< scans that wait for an odometry that never came
 constexpr double kPollS = 0.002;
 
@@ -90,7 +91,7 @@ void RobotFrames::ran_back_to(const ros::Time& stamp, const std::string& sensor_
   bool stale = false;
   for (const auto& latest :
        {newest(odom_frame_, base_frame_), newest(base_frame_, convert::without_slash(sensor_frame))})
-    stale = stale || (latest && latest->toSec() > stamp.toSec() + kRanBackS);
+    stale = stale || (latest && latest->toSec() > stamp.toSec() + kStaleAfterScanS);
   if (stale) buffer_.clear();
 }
 

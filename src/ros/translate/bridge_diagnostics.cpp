@@ -23,7 +23,7 @@ std::string number(double value, int decimals) {
   return text;
 }
 
-std::string milliseconds(double seconds) {
+std::string milliseconds_text(double seconds) {
   return number(1e3 * seconds, 3);
 }
 
@@ -150,8 +150,8 @@ std::string row(const ServiceStatus& service) {
   const auto problem = problem_of(service);
   return "  server on the " + std::string(translate::to_string(service.from)) + " side  " +
          std::to_string(service.calls) + " calls, " + std::to_string(service.failed) + " failed, " +
-         milliseconds(service.latency_mean_s) + " ms mean  " + service.service + " [" + service.type + " " +
-         short_md5(service.md5) + "]" + (problem.empty() ? "" : "  PROBLEM: " + problem) + "\n";
+         milliseconds_text(service.latency_mean_s) + " ms mean  " + service.service + " [" + service.type +
+         " " + short_md5(service.md5) + "]" + (problem.empty() ? "" : "  PROBLEM: " + problem) + "\n";
 }
 
 }  // namespace
@@ -188,8 +188,8 @@ DiagnosticStatus topic_status(const TopicStatus& topic, const ReportParams& para
         target.plan + ", subscribers: " + std::to_string(target.subscribers));
   add(status, "publishers", std::to_string(topic.publishers));
   add(status, "rate [Hz]", number(topic.rate_hz, 1));
-  add(status, "latency mean [ms]", milliseconds(topic.latency_mean_s));
-  add(status, "latency max [ms]", milliseconds(topic.latency_max_s));
+  add(status, "latency mean [ms]", milliseconds_text(topic.latency_mean_s));
+  add(status, "latency max [ms]", milliseconds_text(topic.latency_max_s));
   add(status, "messages", std::to_string(topic.messages));
   add(status, "bytes", std::to_string(topic.bytes));
   add(status, "dropped", std::to_string(topic.dropped));
@@ -208,7 +208,7 @@ DiagnosticStatus service_status(const ServiceStatus& service, const ReportParams
   add(status, "type", service.type + " " + short_md5(service.md5));
   add(status, "calls", std::to_string(service.calls));
   add(status, "failed", std::to_string(service.failed));
-  add(status, "latency mean [ms]", milliseconds(service.latency_mean_s));
+  add(status, "latency mean [ms]", milliseconds_text(service.latency_mean_s));
   return status;
 }
 

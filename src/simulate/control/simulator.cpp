@@ -21,10 +21,10 @@ namespace {
 
 /// The description's limits of head and fingers are placeholders (10,000 rad/s, 5 m/s): these are what the
 /// real ones do.
-constexpr double kHeadSpeed = 1.0;     // [rad/s]
-constexpr double kHeadAccel = 4.0;     // [rad/s^2]
-constexpr double kFingerSpeed = 0.08;  // [m/s]
-constexpr double kFingerAccel = 1.0;   // [m/s^2]
+constexpr double kHeadSpeed = 1.0;      // [rad/s]
+constexpr double kHeadAccel = 4.0;      // [rad/s^2]
+constexpr double kGripperSpeed = 0.08;  // [m/s]
+constexpr double kFingerAccel = 1.0;    // [m/s^2]
 
 /// Everything that moves, as it is after a start; made anew by a reset.
 struct Parts {
@@ -46,7 +46,7 @@ std::array<MotionLimits, kArmJoints> arm_limits(const RobotModel& robot, const R
 
 MotionLimits finger_limits(const Joint& joint) {
   MotionLimits limits = motion_limits(joint, kFingerAccel);
-  limits.max_velocity = kFingerSpeed;
+  limits.max_velocity = kGripperSpeed;
   return limits;
 }
 

@@ -56,7 +56,7 @@ float intensity(const Scene& scene, const RayPacket& packet, int k, float range)
     length2 += world * world;
   }
   const float cosine = length2 > 0.0F ? std::abs(dot) / std::sqrt(length2) : 1.0F;
-  const Surface& surface = scene.surfaces()[record.surface];
+  const TriangleSurface& surface = scene.surfaces()[record.surface];
   const float far = range * (1.0F / 80.0F);
   const float diffuse = 100.0F * surface.brightness * cosine / (1.0F + far * far);
   float mirrored = cosine * cosine;  // to the power of 32: gloss sends light back only when hit squarely

@@ -35,7 +35,7 @@ class Scene {
   void pose(const Snapshot& snapshot);
 
   [[nodiscard]] const RayScene& rays() const { return *rays_; }
-  [[nodiscard]] const std::vector<Surface>& surfaces() const { return stage_.surfaces; }
+  [[nodiscard]] const std::vector<TriangleSurface>& surfaces() const { return stage_.surfaces; }
   [[nodiscard]] const std::vector<Instance>& instances() const { return stage_.instances; }
   [[nodiscard]] std::size_t triangles() const { return records_.size(); }
   [[nodiscard]] const MeshFrame& frame(std::uint32_t mesh_instance) const { return frames_[mesh_instance]; }

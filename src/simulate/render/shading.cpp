@@ -104,7 +104,7 @@ void gather(const Scene& scene, const RayPacket& packet, Tile& tile) {
       continue;
     }
     const TriangleRecord& record = scene.record(hit.mesh_instance[k], hit.triangle[k]);
-    const Surface& surface = scene.surfaces()[record.surface];
+    const TriangleSurface& surface = scene.surfaces()[record.surface];
     const float u = hit.u[k];
     const float v = hit.v[k];
     const float w = 1.0F - u - v;

@@ -36,7 +36,7 @@ float luminance(const std::array<float, 3>& linear) {
 }
 
 std::uint32_t Builder::add_surface(const Material& material, std::uint16_t instance) {
-  Surface surface;
+  TriangleSurface surface;
   for (int i = 0; i < 3; ++i) {
     const float c = std::clamp(material.colour[i], 0.0F, 1.0F);
     surface.albedo[static_cast<std::size_t>(i)] = c * c;  // sRGB's curve is close to a square

@@ -15,7 +15,7 @@
 namespace extperfc::simulate::render {
 
 /// What a ray finds on a triangle.
-struct Surface {
+struct TriangleSurface {
   std::array<float, 3> albedo{};  ///< linear, texture not included
   float gloss{0};
   const std::uint32_t* texture{nullptr};  ///< pixels of a MipTexture; null: none
@@ -39,7 +39,7 @@ struct MeshInstance {
 /// world.
 struct Stage {
   std::vector<MeshInstance> mesh_instances;
-  std::vector<Surface> surfaces;
+  std::vector<TriangleSurface> surfaces;
   std::vector<Instance> instances;
 };
 

@@ -15,7 +15,8 @@
 namespace extperfc::simulate::render_tool {
 
 namespace {
-constexpr int kTries = 25;  // views that are looked at before the last one is taken
+
+constexpr int kMaxViews = 25;  // views that are looked at before the last one is taken
 constexpr int kPreviewRows = 60;
 constexpr double kElsewhere = 0.04;  // fraction of the images that look anywhere in the room
 constexpr double kOccluded = 0.95;
@@ -131,7 +132,7 @@ Pose ImageMaker::choose_view(Rng& rng, const CameraParams& params) {
     min_visible = 0;
   }
   Pose view = Pose::Identity();
-  for (int attempt = 0; attempt < kTries; ++attempt) {
+  for (int attempt = 0; attempt < kMaxViews; ++attempt) {
     view = random_view(rng, *world_, targets);
     rig_->camera(preview, view, preview_);
     if (bad_fraction(preview_, 0.25F) > 0.03)

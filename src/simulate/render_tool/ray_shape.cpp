@@ -10,7 +10,7 @@ namespace extperfc::simulate::render_tool {
 namespace {
 
 /// Part of a ray, by its parameter.
-struct Span {
+struct RaySpan {
   double from{0};
   double to{std::numeric_limits<double>::infinity()};
 
@@ -22,7 +22,7 @@ struct Span {
 };
 
 /// Where |origin + t direction| <= half along one axis.
-void cut_slab(Span& span, double origin, double direction, double half) {
+void cut_slab(RaySpan& span, double origin, double direction, double half) {
   if (direction == 0) {
     if (std::abs(origin) > half) span.to = -1;
     return;
@@ -33,7 +33,7 @@ void cut_slab(Span& span, double origin, double direction, double half) {
 }
 
 /// Where a t^2 + 2 b t + c <= 0, for a > 0.
-void cut_quadric(Span& span, double a, double b, double c) {
+void cut_quadric(RaySpan& span, double a, double b, double c) {
   const double root = b * b - a * c;
   if (a <= 0) {  // along a cylinder's axis
     if (c > 0) span.to = -1;
@@ -45,7 +45,7 @@ void cut_quadric(Span& span, double a, double b, double c) {
 }
 
 bool meets_cone(const Ray& ray, const Cone& cone) {
-  Span span;
+  RaySpan span;
   cut_slab(span, ray.origin.z(), ray.direction.z(), cone.height_m / 2);
   if (span.empty()) return false;
   // x^2 + y^2 <= (k (tip - z))^2 within the slab. Not convex in t in general: the ends and the least value
@@ -62,13 +62,13 @@ bool meets_cone(const Ray& ray, const Cone& cone) {
 }
 
 bool meets_box(const Ray& ray, const Eigen::Vector3d& half) {
-  Span span;
+  RaySpan span;
   for (int axis = 0; axis < 3; ++axis) cut_slab(span, ray.origin[axis], ray.direction[axis], half[axis]);
   return !span.empty();
 }
 
 bool meets_cylinder(const Ray& ray, const Cylinder& cylinder) {
-  Span span;
+  RaySpan span;
   cut_slab(span, ray.origin.z(), ray.direction.z(), cylinder.length_m / 2);
   cut_quadric(span, ray.direction.head<2>().squaredNorm(), ray.origin.head<2>().dot(ray.direction.head<2>()),
               ray.origin.head<2>().squaredNorm() - cylinder.radius_m * cylinder.radius_m);
@@ -76,7 +76,7 @@ bool meets_cylinder(const Ray& ray, const Cylinder& cylinder) {
 }
 
 bool meets_sphere(const Ray& ray, double radius) {
-  Span span;
+  RaySpan span;
   cut_quadric(span, ray.direction.squaredNorm(), ray.origin.dot(ray.direction),
               ray.origin.squaredNorm() - radius * radius);
   return !span.empty();

@@ -11,8 +11,6 @@ namespace extperfc::simulate::worlds {
 
 namespace {
 
-constexpr double kQuarter = 1.57079632679489662;  // [rad]
-
 Material paint(float red, float green, float blue, float gloss = 0.05F) {
   return {{red, green, blue}, Texture::kNone, 1.0F, gloss};
 }
@@ -88,7 +86,7 @@ ObjectModel desk(const Eigen::Vector3d& size_m, const Material& top, const Mater
   ObjectModel block;
   add_box(block, drawers, centre, body);
   add_fronts(block, drawers, centre, 3, body);
-  const Pose rotation = make_pose(Eigen::Vector3d::Zero(), {0, 0, 2 * kQuarter});
+  const Pose rotation = make_pose(Eigen::Vector3d::Zero(), {0, 0, 2 * kRightAngle});
   for (const Shape& shape : block.shapes)
     add(model, shape.geometry, rotation * shape.body_T_shape, shape.material);
   for (const double x : {-1.0, 1.0})
@@ -116,7 +114,7 @@ ObjectModel office_chair(double seat_m, const Material& cushion) {
   model.mobility = Mobility::kMovable;
   const Material& metal = known_materials().at("dark_metal");
   for (int i = 0; i < 5; ++i) {
-    const double angle = 4 * kQuarter * i / 5;
+    const double angle = 4 * kRightAngle * i / 5;
     const Eigen::Vector2d foot(std::cos(angle), std::sin(angle));
     add(model, Box{{0.28, 0.045, 0.035}}, {0.15 * foot.x(), 0.15 * foot.y(), 0.075}, metal, angle);
     add(model, Box{{0.06, 0.025, 0.06}}, {0.28 * foot.x(), 0.28 * foot.y(), 0.03},
@@ -215,7 +213,7 @@ ObjectModel plant(double height_m, std::uint64_t seed) {
       paint(0.35F, 0.24F, 0.14F));
   const Eigen::Vector3d middle(0, 0, height_m * 0.72);
   for (int i = 0; i < 34; ++i) {
-    const double yaw = rng.uniform(0, 4 * kQuarter);
+    const double yaw = rng.uniform(0, 4 * kRightAngle);
     const double rise = rng.uniform(-0.5, 1.4);
     const Pose stalk = make_pose(middle, {0, -rise, yaw});
     const Pose leaf =

@@ -9,6 +9,8 @@
 
 namespace extperfc::simulate::worlds {
 
+inline constexpr double kRightAngle = 1.57079632679489662;  ///< [rad]
+
 /// A flat place on an object where objects can stand.
 struct Surface {
   double z_m{0};                                      ///< above the object's underside

@@ -9,8 +9,7 @@ namespace extperfc::simulate::worlds {
 
 namespace {
 
-constexpr double kQuarter = 1.57079632679489662;  // [rad]
-constexpr double kHollow = 0.35;                  // fraction of the volume that cups, cans and bottles weigh
+constexpr double kHollow = 0.35;  // fraction of the volume that cups, cans and bottles weigh
 
 ObjectModel loose(const Geometry& geometry, const Pose& pose, const Material& material, const char* label) {
   ObjectModel model;
@@ -37,7 +36,7 @@ ObjectModel lying_cone(double diameter_m, double height_m, const Material& mater
   // Tip and rim touch the ground: the axis falls towards the tip by half the opening angle.
   const double fall = std::atan2(diameter_m / 2, height_m);
   const double z = height_m / 2 * std::sin(fall);  // of the middle of the axis above the tip
-  return loose(Cone{diameter_m / 2, height_m}, make_pose({0, 0, z}, {0, kQuarter + fall, 0}), material,
+  return loose(Cone{diameter_m / 2, height_m}, make_pose({0, 0, z}, {0, kRightAngle + fall, 0}), material,
                "cone");
 }
 
@@ -64,7 +63,7 @@ ObjectModel cylinder(double diameter_m, double height_m, const Material& materia
 }
 
 ObjectModel roll(double diameter_m, double length_m, const Material& material) {
-  return loose(Cylinder{diameter_m / 2, length_m}, make_pose({0, 0, diameter_m / 2}, {kQuarter, 0, 0}),
+  return loose(Cylinder{diameter_m / 2, length_m}, make_pose({0, 0, diameter_m / 2}, {kRightAngle, 0, 0}),
                material, "");
 }
 

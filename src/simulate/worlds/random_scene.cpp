@@ -12,8 +12,7 @@ namespace extperfc::simulate::worlds {
 
 namespace {
 
-constexpr double kQuarter = 1.57079632679489662;  // [rad]
-constexpr int kTries = 12;
+constexpr int kFurnitureTries = 12;
 
 /// A wall seen from inside the room: origin at its middle on the floor, x into the room.
 struct WallSide {
@@ -25,13 +24,13 @@ WallSide wall_side(const Eigen::Vector2d& min, const Eigen::Vector2d& max, int s
   const Eigen::Vector2d middle = (min + max) / 2;
   switch (side) {
     case 0:
-      return {upright(max.x(), middle.y(), 0, 2 * kQuarter), max.y() - min.y()};
+      return {upright(max.x(), middle.y(), 0, 2 * kRightAngle), max.y() - min.y()};
     case 1:
-      return {upright(middle.x(), max.y(), 0, -kQuarter), max.x() - min.x()};
+      return {upright(middle.x(), max.y(), 0, -kRightAngle), max.x() - min.x()};
     case 2:
       return {upright(min.x(), middle.y(), 0, 0), max.y() - min.y()};
     default:
-      return {upright(middle.x(), min.y(), 0, kQuarter), max.x() - min.x()};
+      return {upright(middle.x(), min.y(), 0, kRightAngle), max.x() - min.x()};
   }
 }
 
@@ -173,7 +172,7 @@ void furnish_walls(RandomScene& scene, const Eigen::Vector2d& min_m, const Eigen
   Rng& rng = scene.rng();
   for (int i = 0; i < count; ++i) {
     const Furniture furniture = random_furniture_model(rng);
-    for (int attempt = 0; attempt < kTries; ++attempt) {
+    for (int attempt = 0; attempt < kFurnitureTries; ++attempt) {
       const WallSide wall = wall_side(min_m, max_m, rng.integer(0, 3));
       const double along = rng.uniform(-1, 1) * (wall.length_m - furniture.size_m.y() - 0.1) / 2;
       const double off = furniture.size_m.x() / 2 + 0.04;

@@ -13,11 +13,11 @@ namespace {
 
 using namespace worlds;  // NOLINT: the scene's parts
 
-constexpr int kMaxObjects = 40;
+constexpr int kMaxRandomObjects = 40;
 constexpr double kRobotFront = 0.5;  // [m] from its origin
 
 Result<void> check(const RandomWorldParams& params) {
-  const auto counts = [](int low, int high) { return low >= 0 && low <= high && high <= kMaxObjects; };
+  const auto counts = [](int low, int high) { return low >= 0 && low <= high && high <= kMaxRandomObjects; };
   const auto fraction = [](double value) { return value >= 0 && value <= 1; };
   if (!counts(params.min_objects, params.max_objects) ||
       !counts(params.min_distractors, params.max_distractors))

@@ -14,18 +14,18 @@ constexpr auto kQuiet = std::chrono::seconds(2);   // between two complaints of 
 constexpr double kMinPatienceS =
     0.3;  // for an acknowledgement: one lost packet is sent again after 0.2 s at least
 
-std::chrono::milliseconds milliseconds(double seconds) {
+std::chrono::milliseconds to_milliseconds(double seconds) {
   return std::chrono::milliseconds(static_cast<std::int64_t>(seconds * 1000.0));
 }
 
 SendParams send_params(const TopicProfile& profile) {
   SendParams params;
   params.queue = profile.queue;
-  params.max_age = milliseconds(profile.max_age_s);
+  params.max_age = to_milliseconds(profile.max_age_s);
   params.priority = profile.priority;
   // What the kernel still holds when a network returns is delivered then. For commands that must not happen.
   if (profile.max_age_s > 0)
-    params.unacknowledged = std::max(milliseconds(profile.max_age_s), milliseconds(kMinPatienceS));
+    params.unacknowledged = std::max(to_milliseconds(profile.max_age_s), to_milliseconds(kMinPatienceS));
   return params;
 }
 
@@ -98,7 +98,7 @@ void TopicRoute::on_request(const std::shared_ptr<SubscriberRequest>& request) {
   if (!sources_.empty()) return answer(*request);
   // The plan depends on a definition that no publisher has sent yet.
   Waiting waiting{request, 0};
-  const auto patience = milliseconds(context_.params.schema_patience_s);
+  const auto patience = to_milliseconds(context_.params.schema_patience_s);
   waiting.deadline = context_.loop.after(patience, [this, held = std::weak_ptr(request)] {
     const auto late = held.lock();
     waiting_.erase(std::remove_if(waiting_.begin(), waiting_.end(),

@@ -4,10 +4,12 @@
 #include <charconv>
 #include <utility>
 
+#include "translate/peer/blanks.hpp"
+
 namespace extperfc::translate {
 namespace {
 
-constexpr std::string_view kBlanks = " \t";
+constexpr std::string_view kHeaderBlanks = " \t";
 constexpr std::size_t kLongestSizeLine = 256;  ///< of a chunk, with extensions [bytes]
 
 std::string lower(std::string_view text) {
@@ -15,12 +17,6 @@ std::string lower(std::string_view text) {
   for (auto& c : out)
     if (c >= 'A' && c <= 'Z') c = static_cast<char>(c - 'A' + 'a');
   return out;
-}
-
-std::string_view trimmed(std::string_view text) {
-  const auto first = text.find_first_not_of(kBlanks);
-  if (first == std::string_view::npos) return {};
-  return text.substr(first, text.find_last_not_of(kBlanks) - first + 1);
 }
 
 /// A whole number without sign; false if it is not a number or does not fit.
@@ -167,7 +163,7 @@ bool HttpReader::parse_field(std::string_view line) {
   const auto colon = line.find(':');
   if (colon == std::string_view::npos || colon == 0) return false;
   const auto name = lower(line.substr(0, colon));
-  const auto value = std::string(trimmed(line.substr(colon + 1)));
+  const auto value = std::string(trimmed(line.substr(colon + 1), kHeaderBlanks));
   const auto [place, is_new] = message_.headers.emplace(name, value);
   if (!is_new && name == "content-length" && place->second != value) return false;
   if (name == "connection") {
@@ -237,7 +233,7 @@ HttpReader::Step HttpReader::read_chunk_size(std::string& bytes) {
     return bytes.size() > kLongestSizeLine ? broken(400, "a chunk without a size") : Step::kMore;
   auto line = std::string_view(bytes).substr(0, end);
   if (!line.empty() && line.back() == '\r') line.remove_suffix(1);
-  if (!parse_size(trimmed(line.substr(0, line.find(';'))), 16, missing_))
+  if (!parse_size(trimmed(line.substr(0, line.find(';')), kHeaderBlanks), 16, missing_))
     return broken(400, "a chunk without a size");
   if (missing_ > limits_.body_bytes - message_.body.size()) return too_long();
   bytes.erase(0, end + 1);

@@ -12,6 +12,8 @@
 /// HTTP/1.0 and 1.1 as far as XML-RPC needs it. Source: RFC 9112.
 namespace extperfc::translate {
 
+inline constexpr std::size_t kReadAtOnce = 64U << 10U;  ///< bytes taken from a connection in one call
+
 struct HttpMessage {
   std::string method;  ///< of a request
   int status{0};       ///< of a response

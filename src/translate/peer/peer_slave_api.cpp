@@ -35,7 +35,7 @@ std::int32_t number(std::uint64_t value) {
 }
 
 /// Names without the slash at the end that rosmaster appends to parameters.
-std::string trimmed(std::string name) {
+std::string without_trailing_slashes(std::string name) {
   while (name.size() > 1 && name.back() == '/') name.pop_back();
   return name;
 }
@@ -88,14 +88,15 @@ XmlValue publisher_update(PeerCore& core, const XmlCall& call) {
 XmlValue param_update(PeerCore& core, const XmlCall& call) {
   const auto* key = text_at(call, 1);
   if (key == nullptr || call.arguments.size() < 3) return refusal("paramUpdate takes caller id, name, value");
-  core.loop.post([weak = core.weak_from_this(), name = trimmed(*key), value = call.arguments[2]] {
-    const auto self = weak.lock();
-    if (!self || self->closed) return;
-    const auto watches = self->param_watches;
-    for (const auto& watch : watches) {
-      if (within(name, watch->prefix) || within(watch->prefix, name)) watch->on_change(name, value);
-    }
-  });
+  core.loop.post(
+      [weak = core.weak_from_this(), name = without_trailing_slashes(*key), value = call.arguments[2]] {
+        const auto self = weak.lock();
+        if (!self || self->closed) return;
+        const auto watches = self->param_watches;
+        for (const auto& watch : watches) {
+          if (within(name, watch->prefix) || within(watch->prefix, name)) watch->on_change(name, value);
+        }
+      });
   return success(0);
 }
 

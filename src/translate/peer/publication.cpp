@@ -12,16 +12,16 @@ namespace extperfc::translate {
 namespace {
 
 /// What the owner holds of a connection that waits for our header.
-class Request : public SubscriberRequest {
+class PublicationRequest : public SubscriberRequest {
  public:
-  Request(std::weak_ptr<PublicationState> state, LinkId id, Incoming incoming)
+  PublicationRequest(std::weak_ptr<PublicationState> state, LinkId id, Incoming incoming)
       : state_(std::move(state)),
         id_(id),
         header_(std::move(incoming.header)),
         address_(std::move(incoming.remote_address)) {}
-  ~Request() override { Request::refuse("the topic is not available"); }
-  Request(const Request&) = delete;
-  Request& operator=(const Request&) = delete;
+  ~PublicationRequest() override { PublicationRequest::refuse("the topic is not available"); }
+  PublicationRequest(const PublicationRequest&) = delete;
+  PublicationRequest& operator=(const PublicationRequest&) = delete;
   const ConnectionHeader& header() const override { return header_; }
   const std::string& remote_address() const override { return address_; }
   LinkId accept(const std::string& type, const std::string& md5, const std::string& definition,
@@ -104,7 +104,7 @@ void PublicationState::incoming(Incoming incoming) {
   watch_pending(id, pending);
 
   const auto keep = shared_from_this();
-  handlers_.on_request(std::make_shared<Request>(keep, id, std::move(incoming)));
+  handlers_.on_request(std::make_shared<PublicationRequest>(keep, id, std::move(incoming)));
 }
 
 void PublicationState::watch_pending(LinkId id, Pending& pending) {

@@ -16,7 +16,6 @@
 namespace extperfc::translate {
 namespace {
 
-constexpr std::size_t kReadAtOnce = 64U << 10U;
 /// How long an unused connection is kept: longer than the period at which masters are asked whether they
 /// live.
 constexpr std::chrono::milliseconds kKeptOpen{5'000};

@@ -15,7 +15,6 @@
 namespace extperfc::translate {
 namespace {
 
-constexpr std::size_t kReadAtOnce = 64U << 10U;
 constexpr int kAcceptAtOnce = 32;
 constexpr std::chrono::milliseconds kNoDescriptors{100};  ///< pause when the process has no descriptor left
 constexpr int kFaultCode = -1;

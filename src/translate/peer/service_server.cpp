@@ -38,13 +38,13 @@ class ReplyOnce {
   std::uint64_t call_;
 };
 
-class Request : public ServiceRequest {
+class ServerRequest : public ServiceRequest {
  public:
-  Request(std::weak_ptr<ServiceServerState> server, LinkId link, ConnectionHeader header)
+  ServerRequest(std::weak_ptr<ServiceServerState> server, LinkId link, ConnectionHeader header)
       : server_(std::move(server)), link_(link), header_(std::move(header)) {}
-  ~Request() override { Request::refuse("the service is not available"); }
-  Request(const Request&) = delete;
-  Request& operator=(const Request&) = delete;
+  ~ServerRequest() override { ServerRequest::refuse("the service is not available"); }
+  ServerRequest(const ServerRequest&) = delete;
+  ServerRequest& operator=(const ServerRequest&) = delete;
 
   const ConnectionHeader& header() const override { return header_; }
   bool probe() const override { return value_of(header_, "probe") == "1"; }
@@ -116,7 +116,7 @@ void ServiceServerState::incoming(Incoming incoming) {
   clients_.emplace(id, client);
   watch(id, *client);
   const auto keep = shared_from_this();
-  handlers_.on_request(std::make_shared<Request>(weak, id, std::move(incoming.header)));
+  handlers_.on_request(std::make_shared<ServerRequest>(weak, id, std::move(incoming.header)));
 }
 
 void ServiceServerState::watch(LinkId id, Client& client) {

@@ -2,6 +2,7 @@
 #include <cstdint>
 
 #include "translate/peer/base64.hpp"
+#include "translate/peer/blanks.hpp"
 
 namespace extperfc::translate {
 namespace {
@@ -17,10 +18,6 @@ constexpr std::array<std::uint8_t, 256> make_values() {
   return values;
 }
 constexpr auto kValues = make_values();
-
-bool is_blank(char c) {
-  return c == ' ' || c == '\n' || c == '\r' || c == '\t';
-}
 
 }  // namespace
 

@@ -8,20 +8,13 @@
 #include "extperfc/translate/rpc.hpp"
 
 #include "translate/peer/base64.hpp"
+#include "translate/peer/blanks.hpp"
 #include "translate/peer/xml_scanner.hpp"
 
 namespace extperfc::translate {
 namespace {
 
 using Token = XmlScanner::Token;
-
-constexpr std::string_view kBlanks = " \t\r\n";
-
-std::string_view trimmed(std::string_view text) {
-  const auto first = text.find_first_not_of(kBlanks);
-  if (first == std::string_view::npos) return {};
-  return text.substr(first, text.find_last_not_of(kBlanks) - first + 1);
-}
 
 Result<XmlValue> read_int(std::string_view text) {
   if (!text.empty() && text[0] == '+') text.remove_prefix(1);

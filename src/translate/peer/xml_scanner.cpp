@@ -6,12 +6,10 @@
 #include <cstdint>
 #include <utility>
 
+#include "translate/peer/blanks.hpp"
+
 namespace extperfc::translate {
 namespace {
-
-bool is_blank(char c) {
-  return c == ' ' || c == '\t' || c == '\r' || c == '\n';
-}
 
 struct Entity {
   std::string_view name;

@@ -99,7 +99,7 @@ class Describer {
     const auto& stages = code_.chains[op.extra];
     for (std::size_t i = 0; i < stages.size(); ++i) {
       line(indent + 1, "rule " + std::to_string(i + 1) + ":");
-      for (const auto& inner : describe(stages[i])) line(indent + 2, inner);
+      for (const auto& inner : describe_code(stages[i])) line(indent + 2, inner);
     }
   }
 
@@ -157,7 +157,7 @@ class Describer {
 
 }  // namespace
 
-std::vector<std::string> describe(const Code& code) {
+std::vector<std::string> describe_code(const Code& code) {
   return Describer(code).all();
 }
 

@@ -8,6 +8,6 @@
 namespace extperfc::translate::plan {
 
 /// Code as text, one line per step; what belongs to a step is indented below it.
-[[nodiscard]] std::vector<std::string> describe(const Code& code);
+[[nodiscard]] std::vector<std::string> describe_code(const Code& code);
 
 }  // namespace extperfc::translate::plan

@@ -101,11 +101,11 @@ Result<void> Plan::convert(ByteView message, ByteBuffer& out, std::int64_t time_
 std::vector<std::string> Plan::describe() const {
   const auto& stages = program_->stages;
   if (kind() == Kind::kPass) return {"pass: forward every message as it is"};
-  if (stages.size() == 1) return plan::describe(stages.front());
+  if (stages.size() == 1) return plan::describe_code(stages.front());
   std::vector<std::string> lines;
   for (std::size_t i = 0; i < stages.size(); ++i) {
     lines.push_back("rule " + std::to_string(i + 1) + " of " + std::to_string(stages.size()) + ":");
-    for (const auto& line : plan::describe(stages[i])) lines.push_back("  " + line);
+    for (const auto& line : plan::describe_code(stages[i])) lines.push_back("  " + line);
   }
   return lines;
 }

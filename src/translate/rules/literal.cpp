@@ -47,7 +47,7 @@ Result<std::string> constant_value(const std::string& name, const MessageSchema&
 Result<void> resolve_names(Literal& literal, const Field& field, const MessageSchema& owner) {
   if (literal.kind == Literal::Kind::kScalar) {
     if (is_float(field.primitive)) literal.scalar = plain_float(literal.scalar);
-    if (!is_number(field.primitive) || !is_constant_name(literal.scalar)) return {};
+    if (!is_arithmetic(field.primitive) || !is_constant_name(literal.scalar)) return {};
     auto value = constant_value(literal.scalar, owner);
     if (!value) return tl::unexpected<Error>(value.error());
     literal.scalar = *value;

@@ -18,6 +18,10 @@ struct PathEnd {
 /// Follows a path from a message. The error names the step, and the nearest field when there is no such one.
 [[nodiscard]] Result<PathEnd> resolve(const Path& path, const MessageSchema& root);
 
+/// Numbers that can be scaled: all but bool.
+[[nodiscard]] constexpr bool is_arithmetic(Primitive primitive) {
+  return primitive >= Primitive::kInt8 && primitive <= Primitive::kFloat64;
+}
 [[nodiscard]] std::vector<std::string> field_names(const MessageSchema& schema);
 
 }  // namespace extperfc::translate::rules

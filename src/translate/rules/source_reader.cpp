@@ -9,10 +9,6 @@ namespace {
 
 constexpr const char* kPose = "geometry_msgs/Pose";
 
-bool is_arithmetic(Primitive primitive) {
-  return primitive >= Primitive::kInt8 && primitive <= Primitive::kFloat64;
-}
-
 bool is_pose(const Field& field) {
   return field.primitive == Primitive::kMessage && field.message->type() == kPose;
 }

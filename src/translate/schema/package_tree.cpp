@@ -13,8 +13,6 @@ namespace extperfc::translate {
 namespace {
 
 namespace fs = std::filesystem;
-constexpr std::array<DefinitionKind, 3> kKinds{DefinitionKind::kMessage, DefinitionKind::kService,
-                                               DefinitionKind::kAction};
 
 /// The name in package.xml, else the folder's.
 std::string package_name(const fs::path& folder) {
@@ -42,7 +40,7 @@ class PackageFinder {
     };
     if (has("CATKIN_IGNORE")) return;
     bool is_package = has("package.xml");
-    for (const auto kind : kKinds)
+    for (const auto kind : kDefinitionKinds)
       if (has(to_string(kind))) is_package = read_definitions(real, kind) || is_package;
     if (is_package || depth == 0) return;
     for (const auto& child : found) visit_child(child, depth - 1);

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <filesystem>
 #include <string>
 #include <string_view>
@@ -10,6 +11,8 @@
 namespace extperfc::translate {
 
 enum class DefinitionKind : unsigned char { kMessage, kService, kAction };
+inline constexpr std::array<DefinitionKind, 3> kDefinitionKinds{
+    DefinitionKind::kMessage, DefinitionKind::kService, DefinitionKind::kAction};
 /// "msg", "srv" or "action": the folder and the suffix.
 [[nodiscard]] const char* to_string(DefinitionKind kind);
 

@@ -63,7 +63,7 @@ std::string_view first_token(std::string_view text) {
 }
 
 /// What a stranger wrote, short enough and without control characters, for an error's text.
-std::string quoted(std::string_view text) {
+std::string in_single_quotes(std::string_view text) {
   constexpr std::size_t kShown = 60;
   std::string shown = "'";
   for (const char c : text.substr(0, kShown)) shown += static_cast<unsigned char>(c) < 0x20 ? '?' : c;
@@ -154,16 +154,17 @@ class LineReader {
     const auto written = first_token(code);
     const auto primitive = find_builtin(written);
     if (!primitive || *primitive == Primitive::kTime || *primitive == Primitive::kDuration)
-      return refuse(quoted(written) + " is not a type for a constant: use a number, bool or string");
+      return refuse(in_single_quotes(written) +
+                    " is not a type for a constant: use a number, bool or string");
     // A string goes to the end of the line: no comments there.
     const auto whole = *primitive == Primitive::kString ? line : code;
     const auto equals = whole.find('=');
     const auto name =
         strip(code.substr(written.size(), code.find('=') - std::min(written.size(), code.find('='))));
     const auto value = strip(whole.substr(equals + 1));
-    if (!valid_name(name)) return refuse(quoted(name) + " is not a name for a constant");
+    if (!valid_name(name)) return refuse(in_single_quotes(name) + " is not a name for a constant");
     if (!valid_constant(*primitive, value))
-      return refuse("constant " + std::string(name) + ": " + quoted(value) + " does not fit " +
+      return refuse("constant " + std::string(name) + ": " + in_single_quotes(value) + " does not fit " +
                     std::string(written));
     raw_.constants.push_back({std::string(written), std::string(name), std::string(value)});
     return {};
@@ -172,8 +173,8 @@ class LineReader {
   Result<void> read_field(std::string_view code) {
     const auto written = first_token(code);
     const auto name = strip(code.substr(written.size()));
-    if (name.empty()) return refuse("a field needs a type and a name, not only " + quoted(code));
-    if (!valid_name(name)) return refuse(quoted(name) + " is not a name for a field");
+    if (name.empty()) return refuse("a field needs a type and a name, not only " + in_single_quotes(code));
+    if (!valid_name(name)) return refuse(in_single_quotes(name) + " is not a name for a field");
     if (!names_.insert(std::string(name)).second)
       return refuse("field " + std::string(name) + " appears twice");
     RawField raw;
@@ -202,7 +203,7 @@ class LineReader {
       raw.embedded = package_ + "/" + std::string(base);
     else
       raw.embedded = std::string(base);
-    if (!valid_type_name(raw.embedded)) return refuse(quoted(base) + " is not a type name");
+    if (!valid_type_name(raw.embedded)) return refuse(in_single_quotes(base) + " is not a type name");
     return {};
   }
 
@@ -214,7 +215,7 @@ class LineReader {
     const bool closed = brackets.size() > 2 && brackets.back() == ']';
     const auto digits = closed ? brackets.substr(1, brackets.size() - 2) : std::string_view();
     if (!holds<std::uint32_t>(digits) || (digits.size() > 1 && digits.front() == '0'))
-      return refuse(quoted(brackets) + " is not an array: write [] or [count], one dimension");
+      return refuse(in_single_quotes(brackets) + " is not an array: write [] or [count], one dimension");
     std::from_chars(digits.data(), digits.data() + digits.size(), field.fixed_count);
     field.arity = Arity::kFixed;
     if (field.fixed_count > limits_.fixed_count)
@@ -279,7 +280,8 @@ std::vector<TextPart> split_at_dashes(std::string_view text) {
 
 Result<RawDefinition> parse_lines(const std::string& type, const TextPart& part, const SchemaLimits& limits) {
   if (!valid_type_name(type))
-    return fail(ErrorCode::kInvalidArgument, quoted(type) + " is not a type name: write package/Name");
+    return fail(ErrorCode::kInvalidArgument,
+                in_single_quotes(type) + " is not a type name: write package/Name");
   if (part.text.size() > limits.text_bytes)
     return fail(ErrorCode::kCorrupt, type + ": a definition of " + std::to_string(part.text.size()) +
                                          " bytes; the limit is " + std::to_string(limits.text_bytes));

@@ -16,8 +16,6 @@ namespace extperfc::translate {
 namespace {
 
 namespace fs = std::filesystem;
-constexpr std::array<DefinitionKind, 3> kKinds{DefinitionKind::kMessage, DefinitionKind::kService,
-                                               DefinitionKind::kAction};
 constexpr std::string_view kEmbeds = "# embeds ";
 
 struct StoredFile {
@@ -92,10 +90,10 @@ class StoreReader {
   }
 
   Result<void> list_file(const std::string& package, const fs::path& path) {
-    const auto kind = std::find_if(kKinds.begin(), kKinds.end(), [&](DefinitionKind each) {
-      return path.extension() == std::string(".") + to_string(each);
-    });
-    if (kind == kKinds.end()) return {};
+    const auto kind = std::find_if(
+        kDefinitionKinds.begin(), kDefinitionKinds.end(),
+        [&](DefinitionKind each) { return path.extension() == std::string(".") + to_string(each); });
+    if (kind == kDefinitionKinds.end()) return {};
     const auto stem = path.stem().string();
     const auto dot = stem.find('.');
     StoredFile file{package + "/" + stem.substr(0, dot), dot == std::string::npos ? "" : stem.substr(dot + 1),

@@ -6,6 +6,8 @@
 #include <fstream>
 #include <system_error>
 
+#include "world/robot/stl_format.hpp"
+
 namespace extperfc {
 
 namespace {
@@ -13,16 +15,13 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr const char* kScheme = "package://extperfc/";
-// Binary STL: 80 bytes of text, the number of triangles, 50 bytes for each.
-constexpr std::uintmax_t kHeaderBytes = 84;
-constexpr std::uintmax_t kTriangleBytes = 50;
 
 /// Number of triangles that the header states (little-endian).
 std::uint32_t stated_triangles(std::ifstream& stl) {
-  std::array<unsigned char, kHeaderBytes> header{};
+  std::array<unsigned char, kStlHeaderBytes> header{};
   stl.read(reinterpret_cast<char*>(header.data()), header.size());
   std::uint32_t count = 0;
-  for (std::size_t i = 0; i < 4; ++i) count |= std::uint32_t{header[80 + i]} << (8 * i);
+  for (std::size_t i = 0; i < 4; ++i) count |= std::uint32_t{header[kStlTextBytes + i]} << (8 * i);
   return count;
 }
 
@@ -32,8 +31,8 @@ Result<void> check_stl(const fs::path& file) {
   std::ifstream stl(file, std::ios::binary);
   if (error || !stl)
     return fail(ErrorCode::kNotFound, "mesh " + file.string() + " is missing or cannot be read");
-  const std::uint32_t triangles = bytes < kHeaderBytes ? 0 : stated_triangles(stl);
-  if (triangles == 0 || bytes != kHeaderBytes + triangles * kTriangleBytes)
+  const std::uint32_t triangles = bytes < kStlHeaderBytes ? 0 : stated_triangles(stl);
+  if (triangles == 0 || bytes != kStlHeaderBytes + triangles * kStlTriangleBytes)
     return fail(ErrorCode::kCorrupt,
                 "mesh " + file.string() + " is not a binary STL file with triangles: export it as one");
   return {};

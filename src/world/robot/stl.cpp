@@ -6,14 +6,12 @@
 #include <iterator>
 #include <string>
 
+#include "world/robot/stl_format.hpp"
+
 namespace extperfc {
 namespace {
 
-// 80 bytes of text, the number of triangles, and for each its normal, three corners and two bytes more.
-constexpr std::size_t kTextBytes = 80;
-constexpr std::size_t kHeaderBytes = kTextBytes + sizeof(std::uint32_t);
 constexpr std::size_t kNormalBytes = 12;
-constexpr std::size_t kTriangleBytes = 50;
 constexpr std::size_t kMaxTriangles = 2'000'000;
 
 tl::unexpected<Error> corrupt(const std::filesystem::path& path, const std::string& what) {
@@ -26,7 +24,7 @@ Result<std::vector<char>> read_bytes(const std::filesystem::path& path) {
   std::ifstream file(path, std::ios::binary);
   if (problem || !file)
     return fail(ErrorCode::kNotFound, "mesh " + path.string() + " cannot be read; does the file exist?");
-  if (size > kHeaderBytes + kTriangleBytes * kMaxTriangles)
+  if (size > kStlHeaderBytes + kStlTriangleBytes * kMaxTriangles)
     return fail(ErrorCode::kUnsupported, "mesh " + path.string() + " has more than " +
                                              std::to_string(kMaxTriangles) + " triangles; simplify it");
   return std::vector<char>(std::istreambuf_iterator<char>(file), {});
@@ -45,10 +43,10 @@ Triangle triangle_at(const char* bytes) {
 Result<std::vector<Triangle>> read_stl_triangles(const std::filesystem::path& path) {
   const auto bytes = read_bytes(path);
   if (!bytes) return tl::unexpected(bytes.error());
-  if (bytes->size() < kHeaderBytes) return corrupt(path, "too short for a binary STL");
+  if (bytes->size() < kStlHeaderBytes) return corrupt(path, "too short for a binary STL");
   std::uint32_t count = 0;
-  std::memcpy(&count, bytes->data() + kTextBytes, sizeof(count));
-  if (bytes->size() != kHeaderBytes + kTriangleBytes * count)
+  std::memcpy(&count, bytes->data() + kStlTextBytes, sizeof(count));
+  if (bytes->size() != kStlHeaderBytes + kStlTriangleBytes * count)
     return corrupt(path, "its length of " + std::to_string(bytes->size()) + " bytes does not fit the " +
                              std::to_string(count) +
                              " triangles that its header names (or it is a text STL)");
@@ -56,7 +54,7 @@ Result<std::vector<Triangle>> read_stl_triangles(const std::filesystem::path& pa
   std::vector<Triangle> triangles;
   triangles.reserve(count);
   for (std::size_t i = 0; i < count; ++i) {
-    triangles.push_back(triangle_at(bytes->data() + kHeaderBytes + kTriangleBytes * i));
+    triangles.push_back(triangle_at(bytes->data() + kStlHeaderBytes + kStlTriangleBytes * i));
     for (const auto& corner : triangles.back())
       if (!corner.allFinite())
         return corrupt(path, "triangle " + std::to_string(i) + " has a corner that is not finite");
