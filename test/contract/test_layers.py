@@ -22,6 +22,7 @@ TRANSLATE = {
     "tool": ({"schema", "plan", "rules", "peer"}, set()),
 }
 TRANSLATE_HEADER = re.compile(r'#include "(?:translate/(\w+)/\w+|extperfc/translate/(\w+))\.hpp"')
+NAMESPACE = re.compile(r"^(?:inline )?namespace (\w[\w:]*) \{", re.MULTILINE)
 # Third-party headers stay in the modules that own the library.
 OWNERS = {
     r"openvino/": {"detect"},
@@ -48,6 +49,14 @@ def core_files():
         for folder in (REPO / "src" / module, REPO / "include" / "extperfc" / module):
             for file in sorted(folder.rglob("*.[ch]pp")):
                 yield module, file
+
+
+def namespace_of(file):
+    """The only namespace with a name that a source or header of the package may open."""
+    folders = file.relative_to(REPO / "src" if REPO / "src" in file.parents else REPO / "include" / "extperfc").parts
+    if folders[0] == "ros":
+        return f"extperfc::ros_{folders[1]}"
+    return "extperfc" if folders[0] in ("base", "world") else f"extperfc::{folders[0]}"
 
 
 def violations(pattern, files):
@@ -90,6 +99,12 @@ class Layers(unittest.TestCase):
                 used = {inner or folders[header] for inner, header in TRANSLATE_HEADER.findall(text)}
                 used |= set(re.findall(r"extperfc::translate_(\w+)", text))
                 wrong += [f"{file.relative_to(REPO)} uses {other}" for other in sorted(used - below - {folder})]
+        self.assertEqual([], wrong)
+
+    def test_namespaces_are_modules(self):
+        files = [file for top in ("src", "include") for file in sorted((REPO / top).rglob("*.[ch]pp"))]
+        wrong = [f"{file.relative_to(REPO)} opens {name}, not {namespace_of(file)}" for file in files
+                 for name in NAMESPACE.findall(file.read_text()) if name != namespace_of(file)]
         self.assertEqual([], wrong)
 
     def test_third_party_headers_stay_in_their_module(self):
