@@ -55,6 +55,9 @@ struct Blocks {
   std::vector<ToolConstraint> constraints;
 };
 
+/// Errors: those of PathConstraint::make().
+[[nodiscard]] Result<Blocks> make_blocks(const RobotModel& robot, const PathConstraintParams& params);
+
 /// The vector whose length gives the error: its first part of positions [m], its second of directions (unit).
 /// Zero where a constraint has no such part. Directions: a - target for an axis, the rotation matrix less the
 /// identity, divided by sqrt(2), for orientations; both have the length 2 sin(angle / 2).

@@ -208,10 +208,8 @@ class Builder {
 
 }  // namespace
 
-Result<PathConstraint> PathConstraint::make(const RobotModel& robot, const PathConstraintParams& params) {
-  auto blocks = Builder(robot, params).build();
-  if (!blocks) return tl::unexpected(blocks.error());
-  return PathConstraint(std::make_shared<const Blocks>(*std::move(blocks)));
+Result<Blocks> constrained::make_blocks(const RobotModel& robot, const PathConstraintParams& params) {
+  return Builder(robot, params).build();
 }
 
 }  // namespace extperfc::arm
