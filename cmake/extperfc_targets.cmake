@@ -53,6 +53,7 @@ function(extperfc_add_library module)
   cmake_parse_arguments(ARG "" "" "SOURCES;LINK;PRIVATE_LINK" ${ARGN})
   add_library(extperfc_${module} SHARED ${ARG_SOURCES})
   add_library(extperfc::${module} ALIAS extperfc_${module})
+  set_target_properties(extperfc_${module} PROPERTIES DEFINE_SYMBOL "")  # a macro per library would fit no shared header
   target_include_directories(extperfc_${module}
     PUBLIC $<BUILD_INTERFACE:${PROJECT_SOURCE_DIR}/include> $<INSTALL_INTERFACE:include>
     PRIVATE ${PROJECT_SOURCE_DIR}/src)
