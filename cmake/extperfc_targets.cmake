@@ -11,8 +11,9 @@ if(NOT EXTPERFC_LIB_DESTINATION MATCHES "^lib$")
   list(APPEND CMAKE_INSTALL_RPATH "$ORIGIN/../../${EXTPERFC_LIB_DESTINATION}")
 endif()
 
-# Flags of all our targets.
+# Flags of all our targets. Includes are rooted: "<module>/..." in src, "extperfc/..." in include, "test/...".
 add_library(extperfc_flags INTERFACE)
+target_include_directories(extperfc_flags INTERFACE ${PROJECT_SOURCE_DIR}/src ${PROJECT_SOURCE_DIR})
 target_compile_features(extperfc_flags INTERFACE cxx_std_17)
 target_compile_options(extperfc_flags INTERFACE
   -Wall -Wextra -Wpedantic -Wshadow -Wnon-virtual-dtor -Woverloaded-virtual -Wconversion -Wno-sign-conversion
@@ -53,10 +54,11 @@ function(extperfc_add_library module)
   cmake_parse_arguments(ARG "" "" "SOURCES;LINK;PRIVATE_LINK" ${ARGN})
   add_library(extperfc_${module} SHARED ${ARG_SOURCES})
   add_library(extperfc::${module} ALIAS extperfc_${module})
-  set_target_properties(extperfc_${module} PROPERTIES DEFINE_SYMBOL "")  # a macro per library would fit no shared header
+  set_target_properties(extperfc_${module} PROPERTIES
+    DEFINE_SYMBOL ""  # a macro per library would fit no shared header
+    UNITY_BUILD ${EXTPERFC_UNITY})
   target_include_directories(extperfc_${module}
-    PUBLIC $<BUILD_INTERFACE:${PROJECT_SOURCE_DIR}/include> $<INSTALL_INTERFACE:include>
-    PRIVATE ${PROJECT_SOURCE_DIR}/src)
+    PUBLIC $<BUILD_INTERFACE:${PROJECT_SOURCE_DIR}/include> $<INSTALL_INTERFACE:include>)
   target_link_libraries(extperfc_${module}
     PUBLIC ${ARG_LINK} PRIVATE $<BUILD_INTERFACE:extperfc_flags> ${ARG_PRIVATE_LINK})
   target_compile_features(extperfc_${module} PUBLIC cxx_std_17)
@@ -70,7 +72,6 @@ endfunction()
 function(extperfc_add_program name)
   cmake_parse_arguments(ARG "NO_INSTALL" "" "SOURCES;LINK" ${ARGN})
   add_executable(${name} ${ARG_SOURCES})
-  target_include_directories(${name} PRIVATE ${PROJECT_SOURCE_DIR}/src)
   target_link_libraries(${name} PRIVATE extperfc_flags ${ARG_LINK})
   target_precompile_headers(${name} REUSE_FROM ${EXTPERFC_HEADERS_FROM})
   if(NOT ARG_NO_INSTALL)
@@ -83,7 +84,6 @@ function(extperfc_add_test name)
   cmake_parse_arguments(ARG "" "" "SOURCES;LINK" ${ARGN})
   string(REPLACE "/" "_" target test_${name})
   add_executable(${target} ${ARG_SOURCES})
-  target_include_directories(${target} PRIVATE ${PROJECT_SOURCE_DIR}/src ${PROJECT_SOURCE_DIR}/test/support)
   target_link_libraries(${target} PRIVATE extperfc_test_flags ${ARG_LINK} GTest::gtest_main)
   target_precompile_headers(${target} REUSE_FROM extperfc_test_headers)
   target_compile_definitions(${target} PRIVATE

@@ -3,7 +3,7 @@
 
 #include "extperfc/detect/detector.hpp"
 
-#include "example.hpp"
+#include "examples/example.hpp"
 
 using namespace extperfc;
 

@@ -4,7 +4,7 @@
 #include "extperfc/depth/box_depth.hpp"
 #include "extperfc/world/camera_model.hpp"
 
-#include "example.hpp"
+#include "examples/example.hpp"
 
 using namespace extperfc;
 

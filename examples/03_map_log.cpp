@@ -3,7 +3,7 @@
 #include "extperfc/sources/scan_log.hpp"
 #include "extperfc/world/map_file.hpp"
 
-#include "example.hpp"
+#include "examples/example.hpp"
 
 using namespace extperfc;
 

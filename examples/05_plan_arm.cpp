@@ -1,7 +1,7 @@
 // Plans a motion of the left arm over a table, from the request to the trajectory for a controller.
 #include "extperfc/arm/motion_pipeline.hpp"
 
-#include "robot.hpp"
+#include "examples/robot.hpp"
 
 using namespace extperfc;
 

@@ -2,7 +2,7 @@
 #include "extperfc/arm/collision_checker.hpp"
 #include "extperfc/arm/motion_pipeline.hpp"
 
-#include "robot.hpp"
+#include "examples/robot.hpp"
 
 using namespace extperfc;
 

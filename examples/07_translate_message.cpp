@@ -2,7 +2,7 @@
 #include "extperfc/translate/definition_store.hpp"
 #include "extperfc/translate/plan.hpp"
 
-#include "example.hpp"
+#include "examples/example.hpp"
 
 using namespace extperfc;
 

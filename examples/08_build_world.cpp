@@ -1,7 +1,7 @@
 // Builds a world in a program, simulates the robot in it for two seconds, and looks where a ball went.
 #include "extperfc/simulate/simulator.hpp"
 
-#include "example.hpp"
+#include "examples/example.hpp"
 
 using namespace extperfc;
 

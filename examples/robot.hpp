@@ -2,7 +2,7 @@
 
 #include "extperfc/arm/robot_arms.hpp"
 
-#include "example.hpp"
+#include "examples/example.hpp"
 
 namespace extperfc::examples {
 

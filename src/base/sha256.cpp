@@ -6,7 +6,7 @@
 
 #include <openssl/evp.h>
 
-#include "hex.hpp"
+#include "base/hex.hpp"
 
 namespace extperfc {
 

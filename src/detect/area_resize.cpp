@@ -1,4 +1,4 @@
-#include "area_resize.hpp"
+#include "detect/area_resize.hpp"
 
 #include <algorithm>
 #include <cstddef>

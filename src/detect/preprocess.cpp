@@ -8,7 +8,7 @@
 
 #include <opencv2/imgproc.hpp>
 
-#include "area_resize.hpp"
+#include "detect/area_resize.hpp"
 
 namespace extperfc::detect {
 

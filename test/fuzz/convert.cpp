@@ -4,7 +4,7 @@
 
 #include "extperfc/translate/plan.hpp"
 
-#include "target.hpp"
+#include "test/fuzz/target.hpp"
 
 namespace extperfc::fuzz {
 

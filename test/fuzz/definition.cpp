@@ -1,7 +1,7 @@
 // Definitions as strangers send them: the full text of a message, and the texts of services and actions.
 #include "extperfc/translate/schema.hpp"
 
-#include "target.hpp"
+#include "test/fuzz/target.hpp"
 
 namespace extperfc::fuzz {
 

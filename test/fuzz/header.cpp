@@ -1,7 +1,7 @@
 // Connection headers of TCPROS.
 #include "extperfc/translate/tcpros.hpp"
 
-#include "target.hpp"
+#include "test/fuzz/target.hpp"
 
 namespace extperfc::fuzz {
 

@@ -3,7 +3,7 @@
 #include <filesystem>
 #include <fstream>
 
-#include "target.hpp"
+#include "test/fuzz/target.hpp"
 
 /// Writes the seeds into the folder that the variable EXTPERFC_FUZZ_SEEDS names, and ends.
 extern "C" int LLVMFuzzerInitialize(int* /*argc*/, char*** /*argv*/) {

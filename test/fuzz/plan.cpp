@@ -4,7 +4,7 @@
 #include <cstring>
 #include <memory>
 
-#include "target.hpp"
+#include "test/fuzz/target.hpp"
 
 namespace extperfc::fuzz {
 

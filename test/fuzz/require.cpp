@@ -1,7 +1,7 @@
 #include <cstdio>
 #include <cstdlib>
 
-#include "target.hpp"
+#include "test/fuzz/target.hpp"
 
 namespace extperfc::fuzz {
 

@@ -3,8 +3,8 @@
 
 #include "extperfc/translate/plan.hpp"
 
-#include "small_definitions.hpp"
-#include "target.hpp"
+#include "test/fuzz/small_definitions.hpp"
+#include "test/fuzz/target.hpp"
 
 namespace extperfc::fuzz {
 

@@ -1,7 +1,7 @@
-#include "small_definitions.hpp"
+#include "test/fuzz/small_definitions.hpp"
 
-#include "target.hpp"
-#include "temporary_folder.hpp"
+#include "test/fuzz/target.hpp"
+#include "test/support/temporary_folder.hpp"
 
 namespace extperfc::fuzz {
 

@@ -9,7 +9,7 @@
 
 #include "extperfc/base/rng.hpp"
 
-#include "target.hpp"
+#include "test/fuzz/target.hpp"
 
 namespace extperfc::fuzz {
 namespace {

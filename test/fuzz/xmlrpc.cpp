@@ -1,7 +1,7 @@
 // Calls and responses of XML-RPC, and the HTTP around them.
 #include "extperfc/translate/rpc.hpp"
 
-#include "target.hpp"
+#include "test/fuzz/target.hpp"
 #include "translate/peer/http_message.hpp"
 
 namespace extperfc::fuzz {

@@ -11,10 +11,10 @@
 #include <vision_msgs/Detection3DArray.h>
 #include <visualization_msgs/MarkerArray.h>
 
-#include "images.hpp"
-#include "inbox.hpp"
-#include "manager.hpp"
-#include "watch.hpp"
+#include "test/ros/support/images.hpp"
+#include "test/ros/support/inbox.hpp"
+#include "test/ros/support/manager.hpp"
+#include "test/ros/support/watch.hpp"
 
 namespace extperfc::ros_test {
 

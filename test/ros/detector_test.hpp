@@ -7,10 +7,10 @@
 #include <sensor_msgs/Image.h>
 #include <vision_msgs/Detection2DArray.h>
 
-#include "images.hpp"
-#include "inbox.hpp"
-#include "manager.hpp"
-#include "watch.hpp"
+#include "test/ros/support/images.hpp"
+#include "test/ros/support/inbox.hpp"
+#include "test/ros/support/manager.hpp"
+#include "test/ros/support/watch.hpp"
 
 namespace extperfc::ros_test {
 

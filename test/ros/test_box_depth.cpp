@@ -8,7 +8,7 @@
 #include <tf2_ros/static_transform_broadcaster.h>
 #include <vision_msgs/VisionInfo.h>
 
-#include "box_depth_test.hpp"
+#include "test/ros/box_depth_test.hpp"
 
 namespace extperfc::ros_test {
 namespace {

@@ -1,8 +1,8 @@
 // What box_depth says when its inputs do not fit together, and that it goes on when they do again.
 #include <vision_msgs/VisionInfo.h>
 
-#include "box_depth_test.hpp"
-#include "simulated_time.hpp"
+#include "test/ros/box_depth_test.hpp"
+#include "test/ros/support/simulated_time.hpp"
 
 namespace extperfc::ros_test {
 namespace {

@@ -6,8 +6,8 @@
 
 #include "extperfc/detect/inference.hpp"
 
-#include "detector_test.hpp"
-#include "simulated_time.hpp"
+#include "test/ros/detector_test.hpp"
+#include "test/ros/support/simulated_time.hpp"
 
 namespace extperfc::ros_test {
 namespace {

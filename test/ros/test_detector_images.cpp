@@ -1,5 +1,5 @@
 // What the detector finds in images of all kinds, and what it says about those that it cannot read.
-#include "detector_test.hpp"
+#include "test/ros/detector_test.hpp"
 
 namespace extperfc::ros_test {
 namespace {

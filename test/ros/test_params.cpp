@@ -10,12 +10,12 @@
 #include <ros/param.h>
 #include <yaml-cpp/yaml.h>
 
-#include "recording.hpp"
 #include "ros/params/box_depth_params.hpp"
 #include "ros/params/detector_params.hpp"
 #include "ros/params/param_reader.hpp"
 #include "ros/params/source_params.hpp"
-#include "temporary_folder.hpp"
+#include "test/ros/support/recording.hpp"
+#include "test/support/temporary_folder.hpp"
 
 namespace extperfc::ros_test {
 namespace {

@@ -9,10 +9,10 @@
 
 #include "extperfc/detect/inference.hpp"
 
-#include "manager.hpp"
-#include "recording.hpp"
-#include "temporary_folder.hpp"
-#include "watch.hpp"
+#include "test/ros/support/manager.hpp"
+#include "test/ros/support/recording.hpp"
+#include "test/ros/support/watch.hpp"
+#include "test/support/temporary_folder.hpp"
 
 namespace extperfc::ros_test {
 namespace {

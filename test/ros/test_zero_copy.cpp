@@ -4,12 +4,12 @@
 #include <vision_msgs/Detection2DArray.h>
 #include <vision_msgs/Detection3DArray.h>
 
-#include "images.hpp"
-#include "inbox.hpp"
-#include "manager.hpp"
-#include "recording.hpp"
-#include "temporary_folder.hpp"
-#include "watch.hpp"
+#include "test/ros/support/images.hpp"
+#include "test/ros/support/inbox.hpp"
+#include "test/ros/support/manager.hpp"
+#include "test/ros/support/recording.hpp"
+#include "test/ros/support/watch.hpp"
+#include "test/support/temporary_folder.hpp"
 
 namespace extperfc::ros_test {
 namespace {

@@ -3,7 +3,7 @@
 #include <control_msgs/FollowJointTrajectoryAction.h>
 #include <moveit_msgs/PickupAction.h>
 
-#include "puppet_bytes.hpp"
+#include "test/translator/puppet_bytes.hpp"
 
 namespace puppet {
 namespace {

@@ -2,7 +2,7 @@
 
 #include <ros/serialization.h>
 
-#include "puppet.hpp"
+#include "test/translator/puppet.hpp"
 
 namespace puppet {
 

@@ -14,8 +14,8 @@
 #include <ros/spinner.h>
 #include <std_msgs/Float64.h>
 
-#include "puppet.hpp"
-#include "puppet_bytes.hpp"
+#include "test/translator/puppet.hpp"
+#include "test/translator/puppet_bytes.hpp"
 
 namespace puppet {
 

@@ -12,7 +12,7 @@
 #include <tf2_msgs/TFMessage.h>
 #include <visualization_msgs/Marker.h>
 
-#include "puppet_bytes.hpp"
+#include "test/translator/puppet_bytes.hpp"
 
 namespace puppet {
 namespace {

@@ -3,7 +3,7 @@
 #include <gazebo_msgs/GetModelState.h>
 #include <std_srvs/Trigger.h>
 
-#include "puppet_bytes.hpp"
+#include "test/translator/puppet_bytes.hpp"
 
 namespace puppet {
 namespace {

@@ -14,9 +14,7 @@
 
 namespace extperfc::arm {
 
-namespace cartesian {
 class ArmInGroup;
-}
 
 /// How a straight path ended; stable numbers, they cross action results.
 enum class CartesianEnd {
@@ -106,10 +104,10 @@ class CartesianPlanner {
   [[nodiscard]] CartesianResult plan(const CartesianRequest& request);
 
  private:
-  CartesianPlanner(CollisionChecker& checker, cartesian::ArmInGroup arm, const CartesianParams& params);
+  CartesianPlanner(CollisionChecker& checker, ArmInGroup arm, const CartesianParams& params);
 
   CollisionChecker* checker_;
-  std::unique_ptr<const cartesian::ArmInGroup> arm_;
+  std::unique_ptr<const ArmInGroup> arm_;
   CartesianParams params_;
 };
 

@@ -13,9 +13,7 @@
 
 namespace extperfc::arm {
 
-namespace collision {
 class Checks;
-}
 
 struct CollisionCheckerParams {
   /// motion_free() gives up on a piece of a motion that is shorter than this (Euclidean length of the joint
@@ -97,8 +95,8 @@ class CollisionChecker {
   [[nodiscard]] const CollisionCounters& counters() const;
 
  private:
-  explicit CollisionChecker(std::unique_ptr<collision::Checks> checks);
-  std::unique_ptr<collision::Checks> checks_;
+  explicit CollisionChecker(std::unique_ptr<Checks> checks);
+  std::unique_ptr<Checks> checks_;
 };
 
 }  // namespace extperfc::arm

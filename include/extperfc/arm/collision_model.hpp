@@ -15,9 +15,7 @@
 
 namespace extperfc::arm {
 
-namespace collision {
 struct Bodies;
-}
 
 /// Unordered pairs of names (links, objects) whose contact is allowed.
 class AllowedPairs {
@@ -68,11 +66,11 @@ class CollisionModel {
   /// Spheres that cover the moving links.
   [[nodiscard]] int sphere_count() const;
 
-  [[nodiscard]] const collision::Bodies& bodies() const { return *bodies_; }
+  [[nodiscard]] const Bodies& bodies() const { return *bodies_; }
 
  private:
-  explicit CollisionModel(std::shared_ptr<const collision::Bodies> bodies) : bodies_(std::move(bodies)) {}
-  std::shared_ptr<const collision::Bodies> bodies_;
+  explicit CollisionModel(std::shared_ptr<const Bodies> bodies) : bodies_(std::move(bodies)) {}
+  std::shared_ptr<const Bodies> bodies_;
 };
 
 }  // namespace extperfc::arm

@@ -12,10 +12,8 @@
 
 namespace extperfc::arm {
 
-namespace collision {
 struct ConvexPart;
 using Parts = std::vector<std::shared_ptr<const ConvexPart>>;
-}  // namespace collision
 
 /// An object of the world. Meshes are treated as their convex hulls.
 struct WorldObject {
@@ -53,11 +51,11 @@ class CollisionWorld {
 
   struct Placed {
     WorldObject object;
-    collision::Parts parts;
+    Parts parts;
   };
   struct Carried {
     AttachedObject object;
-    collision::Parts parts;
+    Parts parts;
   };
   [[nodiscard]] const std::map<std::string, std::shared_ptr<const Placed>>& objects() const {
     return objects_;

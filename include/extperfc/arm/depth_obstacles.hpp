@@ -18,9 +18,7 @@
 
 namespace extperfc::arm {
 
-namespace perception {
 class VoxelMemory;
-}
 
 struct DepthObstaclesParams {
   /// Corners of the observed box, in the frame of the robot's root [m]; at most 8 million voxels.
@@ -97,8 +95,8 @@ class DepthObstacles {
   void clear();
 
  private:
-  explicit DepthObstacles(std::unique_ptr<perception::VoxelMemory> memory);
-  std::unique_ptr<perception::VoxelMemory> memory_;
+  explicit DepthObstacles(std::unique_ptr<VoxelMemory> memory);
+  std::unique_ptr<VoxelMemory> memory_;
 };
 
 }  // namespace extperfc::arm

@@ -16,9 +16,7 @@
 
 namespace extperfc::arm {
 
-namespace ik {
-struct Geometry;
-}
+struct ChainGeometry;
 
 /// 6 x joints: the velocity of the tip's origin (rows 0..2, [m/s]) and of the tip (rows 3..5, [rad/s]) per
 /// unit velocity of each joint.
@@ -61,7 +59,7 @@ class ArmChain {
   /// The same chain for KDL's solvers: one segment per joint of the description, named after its child link.
   [[nodiscard]] const KDL::Chain& kdl() const { return *kdl_; }
   /// For the solvers of this library.
-  [[nodiscard]] const ik::Geometry& geometry() const { return *geometry_; }
+  [[nodiscard]] const ChainGeometry& geometry() const { return *geometry_; }
 
  private:
   std::string root_link_, tip_link_;
@@ -70,7 +68,7 @@ class ArmChain {
   JointLimits limits_;
   JointVector max_velocity_;
   std::shared_ptr<const KDL::Chain> kdl_;
-  std::shared_ptr<const ik::Geometry> geometry_;
+  std::shared_ptr<const ChainGeometry> geometry_;
 };
 
 [[nodiscard]] KDL::Frame to_kdl(const Pose& pose);

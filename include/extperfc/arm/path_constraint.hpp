@@ -16,9 +16,7 @@
 
 namespace extperfc::arm {
 
-namespace constrained {
 struct Blocks;
-}
 
 /// What a tool has to keep; the numbers are those of extperfc/ToolConstraint.
 enum class ToolConstraintKind {
@@ -123,9 +121,9 @@ class PathConstraint {
                                     const JointLimits& limits) const;
 
  private:
-  explicit PathConstraint(std::shared_ptr<const constrained::Blocks> blocks) : blocks_(std::move(blocks)) {}
+  explicit PathConstraint(std::shared_ptr<const Blocks> blocks) : blocks_(std::move(blocks)) {}
   void check_size(const JointVector& joints) const;
-  std::shared_ptr<const constrained::Blocks> blocks_;
+  std::shared_ptr<const Blocks> blocks_;
 };
 
 }  // namespace extperfc::arm

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cstddef>
 
-namespace extperfc::arm::cartesian {
+namespace extperfc::arm {
 
 Result<ArmInGroup> ArmInGroup::make(const ArmChain& chain, const std::vector<std::string>& group_joints) {
   std::vector<int> places;
@@ -28,4 +28,4 @@ JointVector ArmInGroup::put(const JointVector& arm, JointVector group) const {
   return group;
 }
 
-}  // namespace extperfc::arm::cartesian
+}  // namespace extperfc::arm

@@ -7,7 +7,7 @@
 #include "extperfc/arm/kinematics.hpp"
 #include "extperfc/base/error.hpp"
 
-namespace extperfc::arm::cartesian {
+namespace extperfc::arm {
 
 /// Which joints of a group are those of one arm.
 class ArmInGroup {
@@ -33,4 +33,4 @@ class ArmInGroup {
   std::vector<int> places_;
 };
 
-}  // namespace extperfc::arm::cartesian
+}  // namespace extperfc::arm

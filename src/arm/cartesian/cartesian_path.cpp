@@ -18,12 +18,6 @@ namespace extperfc::arm {
 
 namespace {
 
-using cartesian::ArmInGroup;
-using cartesian::Course;
-using cartesian::Follower;
-using cartesian::Station;
-using cartesian::Stop;
-using cartesian::ToolPath;
 using Route = std::vector<Station>;
 
 /// The first is for every arm, the others for redundant ones. Of 600 random lines of Baxter's left arm (0.1
@@ -58,13 +52,13 @@ std::optional<CartesianResult> refuse_shape(const CartesianRequest& request, int
                   "the start needs " + std::to_string(joints) + " finite joint values");
   if (request.poses.empty()) return failed(CartesianEnd::kInvalidRequest, "no pose was given");
   for (std::size_t i = 0; i < request.poses.size(); ++i)
-    if (!ik::is_rigid(request.poses[i]))
+    if (!is_rigid(request.poses[i]))
       return failed(CartesianEnd::kInvalidRequest,
                     "pose " + std::to_string(i) + " is no rigid transform of finite numbers");
   return std::nullopt;
 }
 
-CartesianResult failed(CartesianEnd end, const CollisionModel& model, const collision::StateFault& fault) {
+CartesianResult failed(CartesianEnd end, const CollisionModel& model, const StateFault& fault) {
   auto result = failed(end, fault.message);
   result.contact = fault.contact;
   if (fault.joint >= 0) result.joint = model.joint_names()[static_cast<std::size_t>(fault.joint)];
@@ -75,14 +69,14 @@ CartesianResult failed(CartesianEnd end, const CollisionModel& model, const coll
 std::optional<CartesianResult> refuse_start(CollisionChecker& checker, double repair_rad,
                                             JointVector& start) {
   const CollisionModel& model = checker.model();
-  if (const auto fault = collision::outside_limits(model, model.limits(), start, repair_rad, "start"))
+  if (const auto fault = outside_limits(model, model.limits(), start, repair_rad, "start"))
     return failed(CartesianEnd::kStartOutsideLimits, model, *fault);
   start = start.cwiseMax(model.limits().lower).cwiseMin(model.limits().upper);
   if (checker.is_free(start)) return std::nullopt;
-  return failed(CartesianEnd::kStartInCollision, model, collision::in_collision(checker, start, "start"));
+  return failed(CartesianEnd::kStartInCollision, model, in_collision(checker, start, "start"));
 }
 
-std::string describe(const Stop& stop, const ArmChain& chain, double fraction) {
+std::string describe(const FollowStop& stop, const ArmChain& chain, double fraction) {
   std::ostringstream text;
   text.precision(3);
   text << "stopped after " << 100 * fraction << " % of the path: ";
@@ -121,7 +115,7 @@ class Attempts {
     while (made_ < max_attempts && worth_more()) {
       ++made_;
       Route route = cut(attempt);
-      const Stop stop = follower_.follow(kCourses[attempt % kCourses.size()], interrupted, route);
+      const FollowStop stop = follower_.follow(kCourses[attempt % kCourses.size()], interrupted, route);
       attempt = (attempt + 1) % (kCourses.size() * (kBackM.size() + 1));
       if (stop.end == CartesianEnd::kCancelled || stop.end == CartesianEnd::kTimeout) stop_ = stop;
       if (route.back().place < best_.back().place + kFartherM && stop.end != CartesianEnd::kComplete)
@@ -133,7 +127,7 @@ class Attempts {
   }
 
   [[nodiscard]] const Route& best() const { return best_; }
-  [[nodiscard]] const Stop& stop() const { return stop_; }
+  [[nodiscard]] const FollowStop& stop() const { return stop_; }
   [[nodiscard]] int made() const { return made_; }
 
  private:
@@ -153,7 +147,7 @@ class Attempts {
 
   Follower& follower_;
   Route best_;
-  Stop stop_;
+  FollowStop stop_;
   int made_{0};
 };
 

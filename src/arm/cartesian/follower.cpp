@@ -8,7 +8,7 @@
 
 #include "arm/cartesian/newton.hpp"
 
-namespace extperfc::arm::cartesian {
+namespace extperfc::arm {
 
 namespace {
 
@@ -103,8 +103,8 @@ CartesianEnd Follower::move_elbow(double angle_rad, const std::function<Cartesia
   return CartesianEnd::kComplete;
 }
 
-Stop Follower::follow(const Course& course, const std::function<CartesianEnd()>& interrupted,
-                      std::vector<Station>& route) {
+FollowStop Follower::follow(const Course& course, const std::function<CartesianEnd()>& interrupted,
+                            std::vector<Station>& route) {
   side_ = JointVector::Constant(arm_.joint_count(), 1.0);
   if (course.elbow_rad != 0 && route.back().place < path_.length())
     if (const auto end = move_elbow(course.elbow_rad, interrupted, route); end != CartesianEnd::kComplete)
@@ -127,8 +127,8 @@ Stop Follower::follow(const Course& course, const std::function<CartesianEnd()>&
   return {};
 }
 
-Stop Follower::why_blocked(const Station& from, const Station& to) {
-  Stop stop{CartesianEnd::kCollision, {}, -1};
+FollowStop Follower::why_blocked(const Station& from, const Station& to) {
+  FollowStop stop{CartesianEnd::kCollision, {}, -1};
   const JointVector next = arm_.put(to.joints, others_);
   stop.contact = checker_.contact(next);
   if (!stop.contact) stop.contact = checker_.nearest(next);
@@ -136,7 +136,7 @@ Stop Follower::why_blocked(const Station& from, const Station& to) {
   return stop;
 }
 
-Stop Follower::why_lost(const Station& at) const {
+FollowStop Follower::why_lost(const Station& at) const {
   const ArmChain& chain = arm_.chain();
   const Pose ahead = path_.at(std::min(at.place + kAheadM, path_.line_end(at.place)));
   JointVector beyond = at.joints;
@@ -158,4 +158,4 @@ Stop Follower::why_lost(const Station& at) const {
   return {CartesianEnd::kLimit, {}, joint};
 }
 
-}  // namespace extperfc::arm::cartesian
+}  // namespace extperfc::arm

@@ -10,7 +10,7 @@
 #include "arm/cartesian/arm_in_group.hpp"
 #include "arm/cartesian/tool_path.hpp"
 
-namespace extperfc::arm::cartesian {
+namespace extperfc::arm {
 
 /// Self-motion of a redundant arm while it follows the path.
 struct Course {
@@ -28,7 +28,7 @@ struct Station {
   double place{0};     ///< on the path [m]
 };
 
-struct Stop {
+struct FollowStop {
   CartesianEnd end{CartesianEnd::kComplete};
   std::optional<Contact> contact;
   int joint{-1};  ///< of the arm, for kLimit
@@ -42,8 +42,8 @@ class Follower {
            const ToolPath& path, const JointVector& others);
 
   /// Appends to `route`, which holds the start at least, until the path's end or an obstacle. O(steps).
-  [[nodiscard]] Stop follow(const Course& course, const std::function<CartesianEnd()>& interrupted,
-                            std::vector<Station>& route);
+  [[nodiscard]] FollowStop follow(const Course& course, const std::function<CartesianEnd()>& interrupted,
+                                  std::vector<Station>& route);
 
  private:
   enum class Step { kTaken, kBent, kLost, kBlocked };
@@ -55,8 +55,8 @@ class Follower {
                                         std::vector<Station>& route);
   [[nodiscard]] bool keeps_tolerance(const Station& from, const Station& to) const;
   [[nodiscard]] bool near_line(const Pose& root_T_tip, double place) const;
-  [[nodiscard]] Stop why_lost(const Station& at) const;
-  [[nodiscard]] Stop why_blocked(const Station& from, const Station& to);
+  [[nodiscard]] FollowStop why_lost(const Station& at) const;
+  [[nodiscard]] FollowStop why_blocked(const Station& from, const Station& to);
 
   CollisionChecker& checker_;
   const ArmInGroup& arm_;
@@ -66,4 +66,4 @@ class Follower {
   JointVector side_;  ///< direction of the self-motion at the last state
 };
 
-}  // namespace extperfc::arm::cartesian
+}  // namespace extperfc::arm

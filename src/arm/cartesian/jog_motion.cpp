@@ -8,7 +8,7 @@
 #include "arm/cartesian/newton.hpp"
 #include "arm/kinematics/normal_equations.hpp"
 
-namespace extperfc::arm::cartesian {
+namespace extperfc::arm {
 
 namespace {
 
@@ -77,10 +77,10 @@ void JogVelocity::follow_twist(const JogCommand& command, const JointVector& pos
   const double near = std::min(1.0, singular_value / params_.singularity_slow);
   const double damping =
       kMinDamping + (1 - near * near) * params_.singularity_stop * params_.singularity_stop;
-  wish.velocity = ik::min_norm_change(columns, twist, damping);
+  wish.velocity = min_norm_change(columns, twist, damping);
   const JointVector pull = kCentring * wish.velocity.norm() * away_from_limits(chain_.limits(), positions);
-  const ik::Vector6 moved = columns * pull;
-  wish.velocity += pull - ik::min_norm_change(columns, moved, damping);
+  const Vector6 moved = columns * pull;
+  wish.velocity += pull - min_norm_change(columns, moved, damping);
   const double speed = wish.velocity.norm();
   if (near >= 1 || speed == 0) return;
   const JointVector ahead = positions + (kProbeRad / speed) * wish.velocity;
@@ -128,4 +128,4 @@ JogMove JogBrakes::move(const JogState& now, const JointVector& velocity, double
   return move;
 }
 
-}  // namespace extperfc::arm::cartesian
+}  // namespace extperfc::arm

@@ -6,7 +6,7 @@
 
 #include "arm/cartesian/arm_in_group.hpp"
 
-namespace extperfc::arm::cartesian {
+namespace extperfc::arm {
 
 /// Where an arm is and how fast; one value per joint of the arm.
 struct JogState {
@@ -63,4 +63,4 @@ class JogBrakes {
   double acceleration_, reaction_s_;
 };
 
-}  // namespace extperfc::arm::cartesian
+}  // namespace extperfc::arm

@@ -12,13 +12,6 @@ namespace extperfc::arm {
 
 namespace {
 
-using cartesian::ArmInGroup;
-using cartesian::JogBrakes;
-using cartesian::JogMove;
-using cartesian::JogState;
-using cartesian::JogVelocity;
-using cartesian::JogWish;
-
 constexpr double kLongestStepS = 0.2;
 constexpr std::array<double, 6> kRatios{1.0, 0.75, 0.5, 0.25, 0.1, 0.03};
 constexpr double kEscapeRatio = 0.1;  // of the top speed, out of a collision

@@ -5,7 +5,7 @@
 
 #include "arm/kinematics/normal_equations.hpp"
 
-namespace extperfc::arm::cartesian {
+namespace extperfc::arm {
 
 namespace {
 
@@ -42,7 +42,7 @@ void fill_free(const Jacobian& columns, const Vector6& wish, const JointVector& 
     pull[j] = 0;
   }
   rest -= free * pull;
-  const JointVector step = pull + ik::min_norm_change(free, rest, kDamping);
+  const JointVector step = pull + min_norm_change(free, rest, kDamping);
   for (int j = 0; j < change.size(); ++j)
     if (!held[j]) change[j] = step[j];
 }
@@ -68,7 +68,7 @@ bool converge(const ArmChain& chain, const Pose& target, bool limited, JointVect
     if (limited)
       guess += bounded_step(chain, guess, columns, error, none);
     else
-      guess += ik::min_norm_change(columns, error, kDamping);
+      guess += min_norm_change(columns, error, kDamping);
     if (!guess.allFinite()) return false;
   }
   return false;
@@ -82,7 +82,7 @@ JointVector step_towards(const ArmChain& chain, const JointVector& joints, const
 JointVector self_motion(const ArmChain& chain, const JointVector& joints, const JointVector& near) {
   const Jacobian columns = chain.jacobian(joints);
   const Vector6 moved = columns * near;
-  const JointVector rest = near - ik::min_norm_change(columns, moved, kDamping);
+  const JointVector rest = near - min_norm_change(columns, moved, kDamping);
   const double norm = rest.norm();
   return norm > 1e-6 ? JointVector(rest / norm) : JointVector::Zero(near.size());
 }
@@ -96,4 +96,4 @@ JointVector from_mid_range(const JointLimits& limits, const JointVector& joints)
   return result;
 }
 
-}  // namespace extperfc::arm::cartesian
+}  // namespace extperfc::arm

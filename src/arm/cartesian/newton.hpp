@@ -4,7 +4,7 @@
 
 #include "arm/cartesian/tool_path.hpp"
 
-namespace extperfc::arm::cartesian {
+namespace extperfc::arm {
 
 /// The state near `guess` whose tip is at `target`, by damped least squares; with `limited` within the
 /// limits, where joints that would leave them are held at them and the others do the rest.
@@ -24,4 +24,4 @@ namespace extperfc::arm::cartesian {
 /// Distance of each joint from the middle of its range, in halves of the range; 0 for joints without end.
 [[nodiscard]] JointVector from_mid_range(const JointLimits& limits, const JointVector& joints);
 
-}  // namespace extperfc::arm::cartesian
+}  // namespace extperfc::arm

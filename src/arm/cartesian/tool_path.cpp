@@ -7,7 +7,7 @@
 
 #include "arm/kinematics/rotation.hpp"
 
-namespace extperfc::arm::cartesian {
+namespace extperfc::arm {
 
 namespace {
 
@@ -24,7 +24,7 @@ Eigen::Matrix3d rotation_of(const Eigen::Vector3d& rotation_vector) {
 Vector6 pose_difference(const Pose& to, const Pose& from) {
   Vector6 difference;
   difference << to.translation() - from.translation(),
-      ik::rotation_vector(to.linear() * from.linear().transpose());
+      rotation_vector(to.linear() * from.linear().transpose());
   return difference;
 }
 
@@ -64,4 +64,4 @@ Vector6 ToolPath::tangent(double place) const {
   return line.change / line.length;
 }
 
-}  // namespace extperfc::arm::cartesian
+}  // namespace extperfc::arm

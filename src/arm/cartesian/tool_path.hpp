@@ -7,7 +7,7 @@
 
 #include "extperfc/world/pose.hpp"
 
-namespace extperfc::arm::cartesian {
+namespace extperfc::arm {
 
 using Vector6 = Eigen::Matrix<double, 6, 1>;
 
@@ -39,4 +39,4 @@ class ToolPath {
   std::vector<double> ends_;  ///< of the lines
 };
 
-}  // namespace extperfc::arm::cartesian
+}  // namespace extperfc::arm

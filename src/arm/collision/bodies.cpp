@@ -4,7 +4,7 @@
 #include <array>
 #include <cmath>
 
-namespace extperfc::arm::collision {
+namespace extperfc::arm {
 
 std::optional<int> Bodies::link(const std::string& name) const {
   const auto found = std::find(links.begin(), links.end(), name);
@@ -38,8 +38,8 @@ void body_poses(const Bodies& bodies, const double* positions, std::vector<Pose>
   }
 }
 
-Reach reach_of(const Bodies& bodies, int body, const Ball& in_body) {
-  Reach reach{std::vector<double>(bodies.bodies.size(), 0.0), in_body};
+AxisReach reach_of(const Bodies& bodies, int body, const Ball& in_body) {
+  AxisReach reach{std::vector<double>(bodies.bodies.size(), 0.0), in_body};
   Ball& ball = reach.in_root;
   for (int i = body; i > 0; i = bodies.bodies[i].parent) {
     const Body& own = bodies.bodies[i];
@@ -98,4 +98,4 @@ double displacement_per_rad(const Bodies& bodies, int ancestor, int body,
   return std::sqrt(square);
 }
 
-}  // namespace extperfc::arm::collision
+}  // namespace extperfc::arm

@@ -10,7 +10,7 @@
 #include "arm/collision/convex_part.hpp"
 #include "arm/collision/sphere_cover.hpp"
 
-namespace extperfc::arm::collision {
+namespace extperfc::arm {
 
 /// A rigid body: everything between two moving joints. Body 0 does not move and has no joint.
 struct Body {
@@ -51,12 +51,12 @@ struct Bodies {
 void body_poses(const Bodies& bodies, const double* positions, std::vector<Pose>& poses);
 
 /// How far points of something on a body can be from each joint that moves it, for all positions.
-struct Reach {
+struct AxisReach {
   std::vector<double>
       from_axis;  ///< per body: largest distance from the axis of its joint; 1 if prismatic; 0 if unmoved
   Ball in_root;   ///< holds the object for all positions
 };
-[[nodiscard]] Reach reach_of(const Bodies& bodies, int body, const Ball& in_body);
+[[nodiscard]] AxisReach reach_of(const Bodies& bodies, int body, const Ball& in_body);
 
 /// The body from which both hang; one of them when it carries the other.
 [[nodiscard]] int common_ancestor(const Bodies& bodies, int a, int b);
@@ -67,14 +67,14 @@ struct MotionBound {
   double acceleration{0};  ///< of any of its points, in the ancestor's frame
   double displacement{0};  ///< of any of its points beside the motion [m]; motion_bound() leaves it 0
 };
-/// `from_axis` as in Reach, `rates` per body.
+/// `from_axis` as in AxisReach, `rates` per body.
 [[nodiscard]] MotionBound motion_bound(const Bodies& bodies, int ancestor, int body,
                                        const std::vector<double>& from_axis,
                                        const std::vector<double>& rates);
 
 /// Bound of how far points of an object are displaced against an ancestor of its body, per radian (Euclidean
-/// norm) that the joint positions differ; `from_axis` as in Reach.
+/// norm) that the joint positions differ; `from_axis` as in AxisReach.
 [[nodiscard]] double displacement_per_rad(const Bodies& bodies, int ancestor, int body,
                                           const std::vector<double>& from_axis);
 
-}  // namespace extperfc::arm::collision
+}  // namespace extperfc::arm

@@ -12,7 +12,7 @@
 
 #include "arm/collision/motion_proof.hpp"
 
-namespace extperfc::arm::collision {
+namespace extperfc::arm {
 namespace {}  // namespace
 
 Checks::Checks(const CollisionModel& model_in, const CollisionWorld& world_in,
@@ -35,7 +35,7 @@ Checks::Checks(const CollisionModel& model_in, const CollisionWorld& world_in,
   for (std::size_t body = 1; body < count; ++body) {
     // The centre of the ball about a body need not lie in any of its parts.
     const Ball centre{body_ball(scene_, static_cast<int>(body)).centre, 0};
-    const Reach reach = reach_of(model.bodies(), static_cast<int>(body), centre);
+    const AxisReach reach = reach_of(model.bodies(), static_cast<int>(body), centre);
     for (std::size_t i = 0; i < count; ++i)
       farthest_[body][i] = std::max(farthest_[body][i], reach.from_axis[i]);
   }
@@ -66,7 +66,7 @@ int Checks::run_kernel(const KernelMotion* motion) {
   return kernel_(kernel_scene_, memory_.positions(), motion, memory_.scratch());
 }
 
-bool Checks::pair_apart(int pair, const Placement& placement, double beyond_padding_m) {
+bool Checks::pair_apart(int pair, const BodyPlacement& placement, double beyond_padding_m) {
   const double gap = scene_.pairs[pair].padding_m + beyond_padding_m;
   if (exact_.rough_bound(pair, placement) > gap) return true;
   if (const auto known = exact_.remembered(pair, placement); known && known->gap_m > gap) return true;
@@ -179,4 +179,4 @@ double Checks::free_fraction(const JointVector& from, const JointVector& to, boo
   return fraction;
 }
 
-}  // namespace extperfc::arm::collision
+}  // namespace extperfc::arm

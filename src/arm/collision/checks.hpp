@@ -10,7 +10,7 @@
 #include "arm/collision/kernel_scene.hpp"
 #include "arm/collision/scene.hpp"
 
-namespace extperfc::arm::collision {
+namespace extperfc::arm {
 
 /// What a CollisionChecker holds.
 class Checks {
@@ -47,7 +47,7 @@ class Checks {
   [[nodiscard]] unsigned free_lanes(const JointVector* states, int count, bool exact);
   /// Whether GJK finds all flagged pairs of one lane apart.
   [[nodiscard]] bool lane_apart(const JointVector& positions, int flags, unsigned lane_bit);
-  [[nodiscard]] bool pair_apart(int pair, const Placement& placement, double beyond_padding_m);
+  [[nodiscard]] bool pair_apart(int pair, const BodyPlacement& placement, double beyond_padding_m);
   [[nodiscard]] bool all_apart(const JointVector& positions);
   [[nodiscard]] Contact named(int pair, double distance_m) const;
 
@@ -57,9 +57,9 @@ class Checks {
   KernelFunction kernel_;
   KernelMemory memory_;
   ExactPairs exact_;
-  std::vector<std::vector<double>> farthest_;  ///< per body: the largest Reach::from_axis of its parts
+  std::vector<std::vector<double>> farthest_;  ///< per body: the largest AxisReach::from_axis of its parts
   std::vector<bool> wraps_;                    ///< per joint: a full revolution changes nothing
-  Placement placement_;
+  BodyPlacement placement_;
 };
 
-}  // namespace extperfc::arm::collision
+}  // namespace extperfc::arm

@@ -6,13 +6,11 @@
 
 namespace extperfc::arm {
 
-using collision::Checks;
-
 Result<CollisionChecker> CollisionChecker::make(const CollisionModel& model, const CollisionWorld& world,
                                                 const CollisionCheckerParams& params) {
   if (!(params.min_step_rad >= 1e-5 && params.min_step_rad <= 0.1))
     return fail(ErrorCode::kInvalidArgument, "min_step_rad must be from 1e-5 to 0.1 rad");
-  auto scene = collision::make_scene(model.bodies(), world);
+  auto scene = make_scene(model.bodies(), world);
   if (!scene) return tl::unexpected<Error>(scene.error());
   return CollisionChecker(std::make_unique<Checks>(model, world, params, std::move(*scene)));
 }

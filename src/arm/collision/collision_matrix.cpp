@@ -12,7 +12,6 @@
 #include "arm/collision/exact_pairs.hpp"
 
 namespace extperfc::arm {
-namespace collision {
 namespace {
 constexpr int kSettledAfter = 1000;  // samples before a pair that is often apart is left alone
 
@@ -102,7 +101,7 @@ class Sampler {
   std::vector<DisabledPair> run() {
     ExactPairs exact(scene_);
     Rng rng(params_.seed);
-    Placement placement;
+    BodyPlacement placement;
     for (int i = 0; i < params_.samples; ++i) {
       placement.set(scene_, robot_.link_poses(random_positions(rng)));
       for (Tally& tally : tallies_)
@@ -145,7 +144,7 @@ class Sampler {
             {},    0,      0,       false};
   }
 
-  void count(Tally& tally, ExactPairs& exact, const Placement& placement) const {
+  void count(Tally& tally, ExactPairs& exact, const BodyPlacement& placement) const {
     ++tally.tried;
     bool touched = false;
     for (const int pair : tally.pairs) {
@@ -188,7 +187,6 @@ class Sampler {
 };
 
 }  // namespace
-}  // namespace collision
 
 Result<std::vector<DisabledPair>> find_disabled_pairs(const RobotModel& robot,
                                                       const CollisionMatrixParams& params) {
@@ -203,9 +201,9 @@ Result<std::vector<DisabledPair>> find_disabled_pairs(const RobotModel& robot,
                 "neighbour_joints must be from 0 to 10, neighbour_ratio from 0 to 1");
   if (!(params.always > 0 && params.always <= 1))
     return fail(ErrorCode::kInvalidArgument, "always must be above 0 and not above 1");
-  auto scene = collision::scene_of_links(robot);
+  auto scene = scene_of_links(robot);
   if (!scene) return tl::unexpected<Error>(scene.error());
-  return collision::Sampler(robot, params, *scene).run();
+  return Sampler(robot, params, *scene).run();
 }
 
 }  // namespace extperfc::arm

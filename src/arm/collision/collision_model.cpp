@@ -20,7 +20,6 @@ bool AllowedPairs::allows(const std::string& a, const std::string& b) const {
   return pairs_.count(std::minmax(a, b)) != 0;
 }
 
-namespace collision {
 namespace {
 
 Result<void> check_range(double value, double low, double high, const char* name) {
@@ -156,13 +155,12 @@ class Builder {
 };
 
 }  // namespace
-}  // namespace collision
 
 Result<CollisionModel> CollisionModel::make(const RobotModel& robot, const CollisionModelParams& params) {
-  if (auto ok = collision::check_numbers(params, robot); !ok) return tl::unexpected<Error>(ok.error());
-  auto moving = collision::index_moving_joints(params, robot);
+  if (auto ok = check_numbers(params, robot); !ok) return tl::unexpected<Error>(ok.error());
+  auto moving = index_moving_joints(params, robot);
   if (!moving) return tl::unexpected<Error>(moving.error());
-  auto bodies = collision::Builder(robot, params, std::move(*moving)).build();
+  auto bodies = Builder(robot, params, std::move(*moving)).build();
   if (!bodies) return tl::unexpected<Error>(bodies.error());
   return CollisionModel(std::move(*bodies));
 }
@@ -183,7 +181,7 @@ std::optional<Pose> CollisionModel::link_pose(const JointVector& positions, cons
   const auto index = bodies_->link(link);
   if (!index || positions.size() != joint_count()) return std::nullopt;
   std::vector<Pose> poses;
-  collision::body_poses(*bodies_, positions.data(), poses);
+  body_poses(*bodies_, positions.data(), poses);
   return poses[bodies_->body_of_link[*index]] * bodies_->body_T_link[*index];
 }
 

@@ -5,13 +5,12 @@
 namespace extperfc::arm {
 namespace {
 
-Result<collision::Parts> parts_of(const std::string& name, const std::vector<Shape>& shapes,
-                                  const Pose& pose) {
+Result<Parts> parts_of(const std::string& name, const std::vector<Shape>& shapes, const Pose& pose) {
   if (name.empty()) return fail(ErrorCode::kInvalidArgument, "an object needs a name");
   if (shapes.empty()) return fail(ErrorCode::kInvalidArgument, "object " + name + " has no shapes");
   if (!pose.matrix().allFinite())
     return fail(ErrorCode::kInvalidArgument, "the pose of object " + name + " is not finite");
-  return collision::make_convex_parts("object " + name, shapes);
+  return make_convex_parts("object " + name, shapes);
 }
 
 }  // namespace

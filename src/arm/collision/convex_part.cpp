@@ -9,7 +9,7 @@
 
 #include "arm/collision/hull.hpp"
 
-namespace extperfc::arm::collision {
+namespace extperfc::arm {
 namespace {
 
 constexpr double kSmallest = 1e-4;  // [m]
@@ -167,4 +167,4 @@ double distance_bound(const ConvexPart& part, const Eigen::Vector3d& point) {
   return bound;
 }
 
-}  // namespace extperfc::arm::collision
+}  // namespace extperfc::arm

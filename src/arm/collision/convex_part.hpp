@@ -9,7 +9,7 @@
 #include "extperfc/world/pose.hpp"
 #include "extperfc/world/shape.hpp"
 
-namespace extperfc::arm::collision {
+namespace extperfc::arm {
 
 enum class PartKind { kBox, kCylinder, kSphere, kCone, kHull };
 
@@ -56,4 +56,4 @@ struct Ball {
 /// sphere seen from outside. Not positive inside.
 [[nodiscard]] double distance_bound(const ConvexPart& part, const Eigen::Vector3d& point);
 
-}  // namespace extperfc::arm::collision
+}  // namespace extperfc::arm

@@ -9,7 +9,7 @@
 #include <BulletCollision/NarrowPhaseCollision/btVoronoiSimplexSolver.h>
 #include <btBulletCollisionCommon.h>
 
-namespace extperfc::arm::collision {
+namespace extperfc::arm {
 namespace {
 
 btVector3 to_bullet(const Eigen::Vector3d& v) {
@@ -83,21 +83,21 @@ struct ExactPairs::Bullet {
   }
 };
 
-void Placement::set(const Scene& scene, const std::vector<Pose>& root_T_body) {
+void BodyPlacement::set(const Scene& scene, const std::vector<Pose>& root_T_body) {
   scene_ = &scene;
   root_T_body_ = root_T_body;
   parts_.resize(scene.moving.size());
   known_.assign(scene.moving.size(), 0);
 }
 
-void Placement::set(const Bodies& bodies, const Scene& scene, const double* positions) {
+void BodyPlacement::set(const Bodies& bodies, const Scene& scene, const double* positions) {
   scene_ = &scene;
   body_poses(bodies, positions, root_T_body_);
   parts_.resize(scene.moving.size());
   known_.assign(scene.moving.size(), 0);
 }
 
-const Placement::Part& Placement::part(int index) const {
+const BodyPlacement::Part& BodyPlacement::part(int index) const {
   Part& own = parts_[index];
   if (known_[index] != 0) return own;
   const MovingPart& part = scene_->moving[index];
@@ -139,11 +139,12 @@ ExactPairs::ExactPairs(const Scene& scene) : scene_(scene), bullet_(std::make_un
 
 ExactPairs::~ExactPairs() = default;
 
-double ExactPairs::lowest(int part, const Placement& placement, const Eigen::Vector3d& m) const {
+double ExactPairs::lowest(int part, const BodyPlacement& placement, const Eigen::Vector3d& m) const {
   return -support_value(*scene_.moving[part].part, placement.part(part).root_T_part, -m);
 }
 
-double ExactPairs::highest(const PartPair& pair, const Placement& placement, const Eigen::Vector3d& m) const {
+double ExactPairs::highest(const PartPair& pair, const BodyPlacement& placement,
+                           const Eigen::Vector3d& m) const {
   if (pair.self) {
     return support_value(*scene_.moving[pair.other].part, placement.part(pair.other).root_T_part, m);
   }
@@ -151,18 +152,19 @@ double ExactPairs::highest(const PartPair& pair, const Placement& placement, con
   return support_value(*obstacle.part, obstacle.root_T_part, m);
 }
 
-Separation ExactPairs::along(const PartPair& pair, const Placement& placement,
+Separation ExactPairs::along(const PartPair& pair, const BodyPlacement& placement,
                              const Eigen::Vector3d& normal) const {
   return {normal, lowest(pair.part, placement, normal) - highest(pair, placement, normal)};
 }
 
-std::optional<Separation> ExactPairs::remembered(int index, const Placement& placement) const {
+std::optional<Separation> ExactPairs::remembered(int index, const BodyPlacement& placement) const {
   if (axes_[index].isZero()) return std::nullopt;
   const PartPair& pair = scene_.pairs[index];
   return along(pair, placement, placement.bodies()[pair.ancestor].linear() * axes_[index]);
 }
 
-Proximity ExactPairs::proximity(const PartPair& pair, const Placement& placement, double relative_tolerance) {
+Proximity ExactPairs::proximity(const PartPair& pair, const BodyPlacement& placement,
+                                double relative_tolerance) {
   ++queries_;
   const ConvexPart& part = *scene_.moving[pair.part].part;
   const Pose& part_pose = placement.part(pair.part).root_T_part;
@@ -177,7 +179,7 @@ Proximity ExactPairs::proximity(const PartPair& pair, const Placement& placement
   return gjk(lowest, apart.isZero() ? Eigen::Vector3d::UnitZ() : apart, relative_tolerance);
 }
 
-Separation ExactPairs::separation(int index, const Placement& placement) {
+Separation ExactPairs::separation(int index, const BodyPlacement& placement) {
   constexpr double kLoose = 0.01;  // of the gap: an axis need not be better
   const PartPair& pair = scene_.pairs[index];
   const Proximity found = proximity(pair, placement, kLoose);
@@ -186,7 +188,7 @@ Separation ExactPairs::separation(int index, const Placement& placement) {
   return along(pair, placement, found.axis);
 }
 
-double ExactPairs::signed_distance(int index, const Placement& placement) {
+double ExactPairs::signed_distance(int index, const BodyPlacement& placement) {
   const PartPair& pair = scene_.pairs[index];
   const Proximity found = proximity(pair, placement, 0);
   if (found.at_least_m > 0) return found.at_least_m;
@@ -197,11 +199,11 @@ double ExactPairs::signed_distance(int index, const Placement& placement) {
                                  to_bullet(placement.part(pair.part).root_T_part), other, other_pose);
 }
 
-double ExactPairs::rough_bound(int index, const Placement& placement) const {
+double ExactPairs::rough_bound(int index, const BodyPlacement& placement) const {
   const PartPair& pair = scene_.pairs[index];
-  const Placement::Part& part = placement.part(pair.part);
+  const BodyPlacement::Part& part = placement.part(pair.part);
   if (pair.self) {
-    const Placement::Part& other = placement.part(pair.other);
+    const BodyPlacement::Part& other = placement.part(pair.other);
     return ((part.root_T_part.translation() - other.root_T_part.translation()).cwiseAbs() - part.half -
             other.half)
         .maxCoeff();
@@ -238,4 +240,4 @@ bool ExactPairs::stays_apart(int index, const Moment& moment, const Separation& 
   return true;
 }
 
-}  // namespace extperfc::arm::collision
+}  // namespace extperfc::arm

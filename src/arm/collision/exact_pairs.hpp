@@ -10,7 +10,7 @@
 #include "arm/collision/gjk.hpp"
 #include "arm/collision/scene.hpp"
 
-namespace extperfc::arm::collision {
+namespace extperfc::arm {
 
 /// A direction in the root frame and how far it separates two shapes along it: every point of the first lies
 /// at least `gap_m` further along `normal` than every point of the second. Not positive: not separated.
@@ -24,7 +24,7 @@ struct Separation {
 constexpr double kMinGap_m = 1e-6;
 
 /// Where a scene's bodies are, and its moving parts as far as they were asked for. Not thread-safe.
-class Placement {
+class BodyPlacement {
  public:
   void set(const Scene& scene, const std::vector<Pose>& root_T_body);
   /// For the poses of a robot at its joint positions.
@@ -46,7 +46,7 @@ class Placement {
 
 /// Bodies at one moment of a motion, in the root frame.
 struct Moment {
-  Placement placement;
+  BodyPlacement placement;
   std::vector<Eigen::Vector3d> angular_velocity;  ///< angular velocity of each body
   std::vector<Eigen::Vector3d> sliding;  ///< velocity of the point of each body that is at the root's origin
 };
@@ -65,14 +65,14 @@ class ExactPairs {
 
   /// The separation of a pair, as GJK finds it and the support functions confirm: its gap is a lower bound of
   /// the distance, and within kGjkTolerance_m and 1 % of it. A direction that separates is remembered.
-  [[nodiscard]] Separation separation(int pair, const Placement& placement);
+  [[nodiscard]] Separation separation(int pair, const BodyPlacement& placement);
   /// The separation along the remembered direction, rotated with the common ancestor; std::nullopt the first
   /// time.
-  [[nodiscard]] std::optional<Separation> remembered(int pair, const Placement& placement) const;
+  [[nodiscard]] std::optional<Separation> remembered(int pair, const BodyPlacement& placement) const;
   /// Distance, to kGjkTolerance_m, or minus the depth of penetration (EPA) [m].
-  [[nodiscard]] double signed_distance(int pair, const Placement& placement);
+  [[nodiscard]] double signed_distance(int pair, const BodyPlacement& placement);
   /// A lower bound of the distance from bounding boxes; cheap.
-  [[nodiscard]] double rough_bound(int pair, const Placement& placement) const;
+  [[nodiscard]] double rough_bound(int pair, const BodyPlacement& placement) const;
   /// Whether the plane of `separation`, found at `moment`, keeps the pair its padding and kMinGap_m apart
   /// for all |t| <= half, when each point strays at most `bend_m` from its motion linear in t, both together.
   [[nodiscard]] bool stays_apart(int pair, const Moment& moment, const Separation& separation, double half,
@@ -82,21 +82,21 @@ class ExactPairs {
 
  private:
   struct Bullet;
-  [[nodiscard]] Proximity proximity(const PartPair& pair, const Placement& placement,
+  [[nodiscard]] Proximity proximity(const PartPair& pair, const BodyPlacement& placement,
                                     double relative_tolerance);
-  [[nodiscard]] Separation along(const PartPair& pair, const Placement& placement,
+  [[nodiscard]] Separation along(const PartPair& pair, const BodyPlacement& placement,
                                  const Eigen::Vector3d& normal) const;
   /// Smallest value of m . x over the moving part.
-  [[nodiscard]] double lowest(int part, const Placement& placement, const Eigen::Vector3d& m) const;
+  [[nodiscard]] double lowest(int part, const BodyPlacement& placement, const Eigen::Vector3d& m) const;
   /// Largest value of m . x over the pair's second shape.
-  [[nodiscard]] double highest(const PartPair& pair, const Placement& placement,
+  [[nodiscard]] double highest(const PartPair& pair, const BodyPlacement& placement,
                                const Eigen::Vector3d& m) const;
 
   const Scene& scene_;
   std::unique_ptr<Bullet> bullet_;
-  std::vector<Eigen::Vector3d> obstacle_half_;  ///< as Placement::Part::half
+  std::vector<Eigen::Vector3d> obstacle_half_;  ///< as BodyPlacement::Part::half
   std::vector<Eigen::Vector3d> axes_;  ///< per pair: the last separating direction, in the ancestor's frame
   std::uint64_t queries_{0};
 };
 
-}  // namespace extperfc::arm::collision
+}  // namespace extperfc::arm

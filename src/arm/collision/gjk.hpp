@@ -8,7 +8,7 @@
 #include <Eigen/Core>
 #include <Eigen/Geometry>
 
-namespace extperfc::arm::collision {
+namespace extperfc::arm {
 
 /// What is known of the distance between two convex sets A and B.
 struct Proximity {
@@ -161,4 +161,4 @@ Proximity gjk(const Lowest& lowest, const Eigen::Vector3d& guess, double relativ
   return result;
 }
 
-}  // namespace extperfc::arm::collision
+}  // namespace extperfc::arm

@@ -5,7 +5,7 @@
 
 #include <LinearMath/btConvexHullComputer.h>
 
-namespace extperfc::arm::collision {
+namespace extperfc::arm {
 namespace {
 
 constexpr double kThinnest = 1e-4;  // [m]
@@ -68,4 +68,4 @@ Result<ConvexPart> convex_hull(const std::vector<Eigen::Vector3d>& points) {
   return part;
 }
 
-}  // namespace extperfc::arm::collision
+}  // namespace extperfc::arm

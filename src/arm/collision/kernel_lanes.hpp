@@ -8,7 +8,7 @@
 #pragma GCC diagnostic ignored \
     "-Wpsabi"  // vectors wider than the processor's are passed inside one file only
 
-namespace extperfc::arm::collision {
+namespace extperfc::arm {
 namespace {
 
 using Lanes = float __attribute__((vector_size(4 * kLanes)));
@@ -98,4 +98,4 @@ inline void sine_cosine(Lanes angle, Lanes& sine, Lanes& cosine) {
 }
 
 }  // namespace
-}  // namespace extperfc::arm::collision
+}  // namespace extperfc::arm

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <new>
 
-namespace extperfc::arm::collision {
+namespace extperfc::arm {
 namespace {
 
 /// Rounding of the kernel: a position after a chain of 16 joints at up to 4 m from the root is off by less
@@ -175,4 +175,4 @@ KernelMemory::KernelMemory(const KernelScene& scene)
   scratch_ = {floats_.get() + inputs, bytes_.data(), flags_.data()};
 }
 
-}  // namespace extperfc::arm::collision
+}  // namespace extperfc::arm

@@ -6,7 +6,7 @@
 #include "arm/collision/scene.hpp"
 #include "arm/collision/sphere_kernel.hpp"
 
-namespace extperfc::arm::collision {
+namespace extperfc::arm {
 
 /// A Scene in the kernel's layout, rounded to the safe side: what the kernel clears in single precision is
 /// apart in exact arithmetic. Pair k of the kernel is pair k of the scene.
@@ -50,4 +50,4 @@ class KernelMemory {
   KernelScratch scratch_{};
 };
 
-}  // namespace extperfc::arm::collision
+}  // namespace extperfc::arm

@@ -4,7 +4,7 @@
 
 #include "arm/collision/kernel_lanes.hpp"
 
-namespace extperfc::arm::collision {
+namespace extperfc::arm {
 namespace {
 
 /// Where a ball's centre is, how it moves, and what it must keep.
@@ -164,4 +164,4 @@ inline Mask near_probe(const Probe& a, const Probe& b, float limit) {
 }
 
 }  // namespace
-}  // namespace extperfc::arm::collision
+}  // namespace extperfc::arm

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-namespace extperfc::arm::collision {
+namespace extperfc::arm {
 namespace {
 
 constexpr double kMaxBend = 0.002;  // [m]
@@ -158,4 +158,4 @@ bool MotionProof::halves_proven(int pair, const MotionBound& bound, double middl
   return true;
 }
 
-}  // namespace extperfc::arm::collision
+}  // namespace extperfc::arm

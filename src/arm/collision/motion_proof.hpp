@@ -5,7 +5,7 @@
 
 #include "arm/collision/checks.hpp"
 
-namespace extperfc::arm::collision {
+namespace extperfc::arm {
 
 /// The proof that a straight motion in joint space is free; the argument stands at
 /// CollisionChecker::motion_free().
@@ -50,4 +50,4 @@ class MotionProof {
   std::array<Moment, kMaxDepth> moments_;  ///< one per depth of halving
 };
 
-}  // namespace extperfc::arm::collision
+}  // namespace extperfc::arm

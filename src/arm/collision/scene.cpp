@@ -4,7 +4,7 @@
 #include <cmath>
 #include <utility>
 
-namespace extperfc::arm::collision {
+namespace extperfc::arm {
 namespace {
 
 /// Carried objects are covered more coarsely than links: they change often and are handled near others.
@@ -187,4 +187,4 @@ Result<Scene> make_scene(const Bodies& bodies, const CollisionWorld& world) {
   return SceneBuilder(bodies, world).build();
 }
 
-}  // namespace extperfc::arm::collision
+}  // namespace extperfc::arm

@@ -8,7 +8,7 @@
 
 #include "arm/collision/bodies.hpp"
 
-namespace extperfc::arm::collision {
+namespace extperfc::arm {
 
 /// A shape that moves with a body: of a link, or of an attached object.
 struct MovingPart {
@@ -18,7 +18,7 @@ struct MovingPart {
   Pose body_T_part{Pose::Identity()};
   std::vector<Ball> cover;  ///< in the body's frame
   Ball ball;                ///< in the body's frame: holds the part and the centres of the cover
-  Reach reach;              ///< of `ball`
+  AxisReach reach;          ///< of `ball`
 };
 
 /// A shape that does not move: of the world, of a link of body 0, or attached to one.
@@ -60,4 +60,4 @@ struct Scene {
 /// far apart in every position of the joints are left out.
 [[nodiscard]] Result<Scene> make_scene(const Bodies& bodies, const CollisionWorld& world);
 
-}  // namespace extperfc::arm::collision
+}  // namespace extperfc::arm

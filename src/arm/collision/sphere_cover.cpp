@@ -4,7 +4,7 @@
 #include <array>
 #include <cmath>
 
-namespace extperfc::arm::collision {
+namespace extperfc::arm {
 namespace {
 
 constexpr int kMaxBalls = 64;
@@ -69,4 +69,4 @@ std::vector<Ball> sphere_cover(const ConvexPart& part, double excess_m) {
   return rod ? cut_cylinder(part, excess_m) : cut_box(part, excess_m);
 }
 
-}  // namespace extperfc::arm::collision
+}  // namespace extperfc::arm

@@ -4,7 +4,7 @@
 
 #include "arm/collision/convex_part.hpp"
 
-namespace extperfc::arm::collision {
+namespace extperfc::arm {
 
 /// Balls, in the part's frame, whose union holds the part.
 ///
@@ -14,4 +14,4 @@ namespace extperfc::arm::collision {
 /// where a row of balls ends, it stands out further by up to the half width of a cell.
 [[nodiscard]] std::vector<Ball> sphere_cover(const ConvexPart& part, double excess_m);
 
-}  // namespace extperfc::arm::collision
+}  // namespace extperfc::arm

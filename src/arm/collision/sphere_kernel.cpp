@@ -1,6 +1,6 @@
 #include "arm/collision/sphere_kernel.hpp"
 
-namespace extperfc::arm::collision {
+namespace extperfc::arm {
 namespace {
 
 bool has_avx2() {
@@ -24,4 +24,4 @@ const char* sphere_kernel_name() {
   return has_avx2() ? "avx2" : "generic";
 }
 
-}  // namespace extperfc::arm::collision
+}  // namespace extperfc::arm

@@ -3,7 +3,7 @@
 // Plain data and functions only: this header is compiled for several instruction sets, and an inline function
 // of a library that came out of the widest one would crash older processors.
 
-namespace extperfc::arm::collision {
+namespace extperfc::arm {
 
 inline constexpr int kLanes = 8;  ///< states per batch
 
@@ -124,4 +124,4 @@ int sphere_kernel_avx2(const KernelScene& scene, const float* positions, const K
                        const KernelScratch& scratch);
 #endif
 
-}  // namespace extperfc::arm::collision
+}  // namespace extperfc::arm

@@ -4,7 +4,7 @@
 
 #include "arm/collision/kernel_shapes.hpp"
 
-namespace extperfc::arm::collision {
+namespace extperfc::arm {
 namespace {
 
 struct BodyLanes {
@@ -235,4 +235,4 @@ inline int run_batch(const KernelScene& scene, const float* positions, const Ker
 }
 
 }  // namespace
-}  // namespace extperfc::arm::collision
+}  // namespace extperfc::arm

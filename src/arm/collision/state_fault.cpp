@@ -2,7 +2,7 @@
 
 #include <sstream>
 
-namespace extperfc::arm::collision {
+namespace extperfc::arm {
 
 std::string text_of(const Contact& contact) {
   return contact.first + " touches " + contact.second;
@@ -32,4 +32,4 @@ StateFault in_collision(CollisionChecker& checker, const JointVector& state, con
   return fault;
 }
 
-}  // namespace extperfc::arm::collision
+}  // namespace extperfc::arm

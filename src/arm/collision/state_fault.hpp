@@ -5,7 +5,7 @@
 
 #include "extperfc/arm/collision_checker.hpp"
 
-namespace extperfc::arm::collision {
+namespace extperfc::arm {
 
 /// Why a state cannot be the start or the goal of a motion.
 struct StateFault {
@@ -27,4 +27,4 @@ struct StateFault {
 [[nodiscard]] StateFault in_collision(CollisionChecker& checker, const JointVector& state,
                                       const std::string& what);
 
-}  // namespace extperfc::arm::collision
+}  // namespace extperfc::arm

@@ -6,9 +6,10 @@
 #include <Eigen/Geometry>
 
 #include "extperfc/base/math.hpp"
+
 #include "arm/kinematics/rotation.hpp"
 
-namespace extperfc::arm::constrained {
+namespace extperfc::arm {
 
 namespace {
 /// Below this angle series replace quotients of small numbers [rad].
@@ -19,9 +20,9 @@ using RotationRows = Eigen::Matrix<double, 3, Eigen::Dynamic, 0, 3, kMaxJoints>;
 
 void orientation_rows(const Eigen::Matrix3d& target_R_link, const RotationRows& rotation_rows_in_link,
                       Eigen::Ref<Eigen::VectorXd> residual, ConstraintJacobian* jacobian, int row) {
-  const Eigen::Vector3d vector = ik::rotation_vector(target_R_link);
+  const Eigen::Vector3d vector = rotation_vector(target_R_link);
   residual = vector;
-  if (jacobian) jacobian->middleRows(row, 3) = ik::vector_change(-vector) * rotation_rows_in_link;
+  if (jacobian) jacobian->middleRows(row, 3) = vector_change(-vector) * rotation_rows_in_link;
 }
 
 // With s the axis across its target and c along it, F = (angle / |s|) s where tan(angle) = |s| / c, so that
@@ -40,8 +41,7 @@ void axis_rows(const Block& block, const Placed& link, Eigen::Ref<Eigen::VectorX
     residual = (small ? 1.0 : angle / length) * s;
   }
   if (!jacobian) return;
-  const RotationRows moves =
-      -ik::cross_matrix(axis) * link.jacobian.bottomRows<3>();  // of the axis per joint
+  const RotationRows moves = -cross_matrix(axis) * link.jacobian.bottomRows<3>();  // of the axis per joint
   const Eigen::Matrix<double, 2, Eigen::Dynamic, 0, 2, kMaxJoints> ds = block.across.transpose() * moves;
   auto rows = jacobian->middleRows(block.first_row, 2);
   if (small) {
@@ -69,7 +69,7 @@ void relative_rows(const Block& block, const Placed& link, const Placed& other,
     rotation_rows = link_R_root * (link.jacobian.bottomRows<3>() - other.jacobian.bottomRows<3>());
     jacobian->middleRows(block.first_row, 3) =
         other_R_root * (link.jacobian.topRows<3>() - other.jacobian.topRows<3>() +
-                        ik::cross_matrix(apart) * other.jacobian.bottomRows<3>());
+                        cross_matrix(apart) * other.jacobian.bottomRows<3>());
   }
   orientation_rows(target_R_link, rotation_rows, residual.tail<3>(), jacobian, block.first_row + 3);
 }
@@ -161,4 +161,4 @@ void evaluate(const Block& block, const Placed& link, const Placed& other,
 }
 // NOLINTEND(performance-unnecessary-value-param)
 
-}  // namespace extperfc::arm::constrained
+}  // namespace extperfc::arm

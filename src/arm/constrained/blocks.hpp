@@ -8,7 +8,7 @@
 #include "extperfc/arm/kinematics.hpp"
 #include "extperfc/arm/path_constraint.hpp"
 
-namespace extperfc::arm::constrained {
+namespace extperfc::arm {
 
 /// A link that joints of the group carry, from the robot's root.
 struct Tool {
@@ -74,4 +74,4 @@ struct Offset {
 void evaluate(const Block& block, const Placed& link, const Placed& other,
               Eigen::Ref<Eigen::VectorXd> residual, ConstraintJacobian* jacobian);
 
-}  // namespace extperfc::arm::constrained
+}  // namespace extperfc::arm

@@ -2,9 +2,9 @@
 
 #include <utility>
 
-namespace extperfc::arm::constrained {
+namespace extperfc::arm {
 
-Cbirrt::Step Cbirrt::extend(planning::Tree& tree, int from, const JointVector& target,
+Cbirrt::Step Cbirrt::extend(Tree& tree, int from, const JointVector& target,
                             const std::function<bool()>& stop, int* added) {
   const JointVector state = tree.state(from);
   if (target == state) {
@@ -21,4 +21,4 @@ Cbirrt::Step Cbirrt::extend(planning::Tree& tree, int from, const JointVector& t
   return walk.reached ? Step::kReached : Step::kAdvanced;
 }
 
-}  // namespace extperfc::arm::constrained
+}  // namespace extperfc::arm

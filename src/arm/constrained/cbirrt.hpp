@@ -6,12 +6,10 @@
 #include "arm/constrained/manifold.hpp"
 #include "arm/planning/two_trees.hpp"
 
-namespace extperfc::arm::constrained {
-
-using planning::Found;
+namespace extperfc::arm {
 
 /// Two trees on a manifold.
-class Cbirrt : public planning::TwoTrees {
+class Cbirrt : public TwoTrees {
  public:
   /// The start and all goals must be free, within the limits and on the manifold, which must outlive it.
   Cbirrt(Manifold& manifold, double range_rad, int max_states, const JointVector& start, const States& goals)
@@ -19,11 +17,11 @@ class Cbirrt : public planning::TwoTrees {
 
  private:
   [[nodiscard]] std::optional<JointVector> sample(Rng& rng) override { return manifold_.sample(rng); }
-  Step extend(planning::Tree& tree, int from, const JointVector& target, const std::function<bool()>& stop,
+  Step extend(Tree& tree, int from, const JointVector& target, const std::function<bool()>& stop,
               int* added) override;
 
   Manifold& manifold_;
   double range_rad_;
 };
 
-}  // namespace extperfc::arm::constrained
+}  // namespace extperfc::arm

@@ -22,14 +22,9 @@ namespace extperfc::arm {
 
 namespace {
 
-using constrained::Manifold;
-using constrained::States;
-using planning::Found;
-using planning::Stop;
-
 constexpr const char* kOwnPlanner = "cbirrt";
 constexpr std::array<const char*, 5> kKinds{"axis", "plane", "line", "orientation", "relative pose"};
-/// Maximum length of a direct path, relative to the distance.
+/// Maximum length of a straight path, relative to the distance.
 constexpr double kMaxDetour = 2.0;
 
 void demand(bool holds, const char* what) {
@@ -37,8 +32,8 @@ void demand(bool holds, const char* what) {
 }
 
 /// The first constraint that a state breaks.
-std::optional<planning::Violation> find_violation(const PathConstraint& constraint, double tolerance,
-                                                  const JointVector& state) {
+std::optional<Violation> find_violation(const PathConstraint& constraint, double tolerance,
+                                        const JointVector& state) {
   for (int c = 0; c < static_cast<int>(constraint.constraints().size()); ++c) {
     const double error = constraint.error(state, c);
     if (error <= tolerance) continue;
@@ -46,14 +41,14 @@ std::optional<planning::Violation> find_violation(const PathConstraint& constrai
     std::ostringstream message;
     message << "breaks constraint " << c << " (" << kKinds.at(static_cast<std::size_t>(broken.kind)) << " of "
             << broken.link << ") by " << error << ", " << tolerance << " at most";
-    return planning::Violation{c, message.str()};
+    return Violation{c, message.str()};
   }
   return std::nullopt;
 }
 
 /// Straight along the manifold to a goal, the nearest first.
-std::optional<Found> find_direct(Manifold& manifold, const planning::Checked& checked, const Stop& stop) {
-  for (const int goal : planning::by_distance(checked.start, checked.goals)) {
+std::optional<Found> find_direct(Manifold& manifold, const Checked& checked, const Stop& stop) {
+  for (const int goal : by_distance(checked.start, checked.goals)) {
     const double max_length = kMaxDetour * (checked.goals[goal] - checked.start).norm();
     auto pieces = manifold.connect(checked.start, checked.goals[goal], max_length, stop);
     if (!pieces) continue;
@@ -64,9 +59,9 @@ std::optional<Found> find_direct(Manifold& manifold, const planning::Checked& ch
 }
 
 std::optional<Found> find_path(Manifold& manifold, const ConstrainedPlannerParams& params,
-                               const planning::Checked& checked, const Stop& stop, int* states) {
-  if (auto direct = find_direct(manifold, checked, stop)) return direct;
-  constrained::Cbirrt trees(manifold, params.range_rad, params.max_states, checked.start, checked.goals);
+                               const Checked& checked, const Stop& stop, int* states) {
+  if (auto straight = find_direct(manifold, checked, stop)) return straight;
+  Cbirrt trees(manifold, params.range_rad, params.max_states, checked.start, checked.goals);
   Rng rng(params.seed);
   auto found = trees.grow(std::numeric_limits<int>::max(), rng, stop);
   *states = trees.states();
@@ -78,7 +73,7 @@ std::optional<Found> find_path(Manifold& manifold, const ConstrainedPlannerParam
 const std::vector<std::string>& constrained_planner_names() {
   static const std::vector<std::string> names = [] {
     std::vector<std::string> result{kOwnPlanner};
-    const auto& others = constrained::ompl_planners();
+    const auto& others = ompl_manifold_planners();
     result.insert(result.end(), others.begin(), others.end());
     return result;
   }();
@@ -90,9 +85,9 @@ ConstrainedPlanner::ConstrainedPlanner(CollisionChecker& checker, PathConstraint
     : checker_(checker),
       constraint_(std::move(constraint)),
       params_(params),
-      limits_(planning::bounded(checker.model().limits())) {
-  planning::demand_planner(params.planner, constrained_planner_names());
-  planning::demand_ranges(params);
+      limits_(bounded(checker.model().limits())) {
+  demand_planner(params.planner, constrained_planner_names());
+  demand_ranges(params);
   demand(constraint_.joint_count() == checker.model().joint_count(),
          "the constraint and the collision model are not about the same joints");
   demand(params.tolerance >= 1e-6 && params.tolerance <= 1e-2,
@@ -102,24 +97,23 @@ ConstrainedPlanner::ConstrainedPlanner(CollisionChecker& checker, PathConstraint
 }
 
 ConstrainedPlanResult ConstrainedPlanner::plan(const PlanRequest& request) {
-  planning::Checked checked;
+  Checked checked;
   const auto violation = [&](const JointVector& state) {
     return find_violation(constraint_, params_.tolerance, state);
   };
-  if (auto refusal =
-          planning::check_request(checker_, limits_, params_.limit_repair_rad, request, checked, violation))
+  if (auto refusal = check_request(checker_, limits_, params_.limit_repair_rad, request, checked, violation))
     return {*std::move(refusal), checked.violated, 0.0};
   Manifold manifold(checker_, constraint_, limits_, {params_.step_rad, params_.tolerance});
   const auto search = [&](const Stop& stop, int* states) -> std::optional<Found> {
     if (stop()) return std::nullopt;
     if (params_.planner != kOwnPlanner)
-      return constrained::ompl_search(checker_, manifold, params_, checked.start, checked.goals, stop);
+      return ompl_search(checker_, manifold, params_, checked.start, checked.goals, stop);
     return find_path(manifold, params_, checked, stop, states);
   };
-  const auto shorten = [&](States waypoints, Rng& rng, const Stop& stop) {
-    return constrained::shorten(manifold, std::move(waypoints), params_.shortcut_rounds, rng, stop);
+  const auto shortening = [&](States waypoints, Rng& rng, const Stop& stop) {
+    return shorten(manifold, std::move(waypoints), params_.shortcut_rounds, rng, stop);
   };
-  ConstrainedPlanResult result{planning::search_and_shorten(request, checked, params_, search, shorten)};
+  ConstrainedPlanResult result{search_and_shorten(request, checked, params_, search, shortening)};
   result.error_bound = manifold.error_bound(result.waypoints);
   return result;
 }

@@ -15,10 +15,6 @@ namespace extperfc::arm {
 
 namespace {
 
-using constrained::Block;
-using constrained::Blocks;
-using constrained::Tool;
-
 constexpr double kMinAxis = 1e-9;
 
 int rows_of(ToolConstraintKind kind) {
@@ -161,7 +157,7 @@ class Builder {
 
   Result<void> add_target(Block* block) const {
     auto& target = block->constraint.target;
-    if (target && !ik::is_rigid(*target))
+    if (target && !is_rigid(*target))
       return fail(ErrorCode::kInvalidArgument,
                   "the target of link '" + block->constraint.link + "' is no rigid transform");
     if (target) return {};
@@ -208,7 +204,7 @@ class Builder {
 
 }  // namespace
 
-Result<Blocks> constrained::make_blocks(const RobotModel& robot, const PathConstraintParams& params) {
+Result<Blocks> make_blocks(const RobotModel& robot, const PathConstraintParams& params) {
   return Builder(robot, params).build();
 }
 

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <utility>
 
-namespace extperfc::arm::constrained {
+namespace extperfc::arm {
 
 namespace {
 
@@ -119,4 +119,4 @@ bool Manifold::holds(const JointVector& from, const JointVector& to) {
   return constraint_.segment_error(from, to) <= steps_.tolerance && checker_.motion_free(from, to);
 }
 
-}  // namespace extperfc::arm::constrained
+}  // namespace extperfc::arm

@@ -8,7 +8,7 @@
 #include "extperfc/arm/path_constraint.hpp"
 #include "extperfc/base/rng.hpp"
 
-namespace extperfc::arm::constrained {
+namespace extperfc::arm {
 
 using States = std::vector<JointVector>;
 
@@ -68,4 +68,4 @@ class Manifold {
   Steps steps_;
 };
 
-}  // namespace extperfc::arm::constrained
+}  // namespace extperfc::arm

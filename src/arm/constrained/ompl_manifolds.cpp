@@ -17,7 +17,7 @@
 #include "arm/planning/ompl_common.hpp"
 #include "arm/planning/states.hpp"
 
-namespace extperfc::arm::constrained {
+namespace extperfc::arm {
 
 namespace {
 
@@ -91,7 +91,7 @@ std::optional<Found> proven(Manifold& manifold, og::PathGeometric& path, const J
   for (const auto* state : path.getStates()) coarse.push_back(to_joints(state));
   for (auto& state : coarse)
     if (const auto nearer = manifold.constraint().project(state, manifold.limits())) state = *nearer;
-  Found found{{start}, planning::nearest(goals, coarse.back())};
+  Found found{{start}, nearest(goals, coarse.back())};
   coarse.back() = goals[static_cast<std::size_t>(found.goal)];
   coarse.erase(coarse.begin());
   if (manifold.prove(start, coarse, &found.waypoints, stop) < coarse.size()) return std::nullopt;
@@ -102,7 +102,7 @@ std::optional<Found> search_once(CollisionChecker& checker, Manifold& manifold,
                                  const ob::ConstraintPtr& constraint, const ConstrainedPlannerParams& params,
                                  const JointVector& start, const States& goals,
                                  const std::function<bool()>& stop) {
-  const auto space = makers().at(params.planner)(planning::bounded_space(manifold.limits()), constraint);
+  const auto space = makers().at(params.planner)(bounded_space(manifold.limits()), constraint);
   const auto information = std::make_shared<ob::ConstrainedSpaceInformation>(space);
   const auto& limits = manifold.limits();
   information->setStateValidityChecker([&](const ob::State* state) {
@@ -112,7 +112,7 @@ std::optional<Found> search_once(CollisionChecker& checker, Manifold& manifold,
   });
   information->setup();
   const auto problem =
-      planning::make_problem(information, start, goals, [&](const JointVector& joints, ob::State* state) {
+      make_problem(information, start, goals, [&](const JointVector& joints, ob::State* state) {
         state->as<ob::ConstrainedStateSpace::StateType>()->copy(joints);
         anchor(space, state);
       });
@@ -127,15 +127,15 @@ std::optional<Found> search_once(CollisionChecker& checker, Manifold& manifold,
 
 }  // namespace
 
-const std::vector<std::string>& ompl_planners() {
-  static const std::vector<std::string> names = planning::names_of(makers());
+const std::vector<std::string>& ompl_manifold_planners() {
+  static const std::vector<std::string> names = names_of(makers());
   return names;
 }
 
 std::optional<Found> ompl_search(CollisionChecker& checker, Manifold& manifold,
                                  const ConstrainedPlannerParams& params, const JointVector& start,
                                  const States& goals, const std::function<bool()>& stop) {
-  planning::seed_ompl_once(params.seed);
+  seed_ompl_once(params.seed);
   const auto constraint = std::make_shared<Equations>(manifold.constraint());
   std::optional<Found> found;
   try {
@@ -146,4 +146,4 @@ std::optional<Found> ompl_search(CollisionChecker& checker, Manifold& manifold,
   return found;
 }
 
-}  // namespace extperfc::arm::constrained
+}  // namespace extperfc::arm

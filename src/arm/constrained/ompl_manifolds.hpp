@@ -9,10 +9,10 @@
 
 #include "arm/constrained/cbirrt.hpp"
 
-namespace extperfc::arm::constrained {
+namespace extperfc::arm {
 
 /// Names of the planners of OMPL that ompl_search() knows.
-[[nodiscard]] const std::vector<std::string>& ompl_planners();
+[[nodiscard]] const std::vector<std::string>& ompl_manifold_planners();
 
 /// A path by OMPL's RRTConnect in one of its spaces of constrained states, refined and proven as ours. What
 /// cannot be proven is thrown away and searched for again until `stop` says so. The start and all goals must
@@ -22,4 +22,4 @@ namespace extperfc::arm::constrained {
                                                const JointVector& start, const States& goals,
                                                const std::function<bool()>& stop);
 
-}  // namespace extperfc::arm::constrained
+}  // namespace extperfc::arm

@@ -16,12 +16,6 @@ namespace extperfc::arm {
 
 namespace {
 
-using constrained::Block;
-using constrained::Blocks;
-using constrained::Offset;
-using constrained::Placed;
-using constrained::Tool;
-
 /// max |t (t - 1/2) (t - 1)| / 3! over [0, 1].
 constexpr double kCubicRemainder = 0.00801875373874480;
 
@@ -31,23 +25,23 @@ Pose pose_of(const Tool& tool, const JointVector& joints) {
 
 Offset offset_at(const Blocks& blocks, const Block& block, const JointVector& joints) {
   const Pose link = pose_of(blocks.tools[block.tool], joints);
-  if (block.other_tool < 0) return constrained::offset_of(block, link, block.root_T_other);
-  return constrained::offset_of(block, link, pose_of(blocks.tools[block.other_tool], joints));
+  if (block.other_tool < 0) return offset_of(block, link, block.root_T_other);
+  return offset_of(block, link, pose_of(blocks.tools[block.other_tool], joints));
 }
 
 double error_of(const Offset& offset) {
-  return std::max(offset.position.norm(), constrained::angle_of(offset.direction.norm()));
+  return std::max(offset.position.norm(), angle_of(offset.direction.norm()));
 }
 
 /// Pose and Jacobian from one pass along the chain.
-Placed place(const Blocks& blocks, const Tool& tool, const JointVector& joints) {
+Placed placed_at(const Blocks& blocks, const Tool& tool, const JointVector& joints) {
   const JointVector own = tool.chain_joints(joints);
-  return ik::with_size(tool.chain.joint_count(), [&](auto size) {
-    const ik::Geometry& geometry = tool.chain.geometry();
-    ik::Placement<size()> at;
-    ik::place<size()>(geometry, geometry.links[0], ik::Joints<size()>(own), at);
-    ik::Columns<size()> columns;
-    ik::jacobian<size()>(geometry, at, columns);
+  return with_size(tool.chain.joint_count(), [&](auto size) {
+    const ChainGeometry& geometry = tool.chain.geometry();
+    Placement<size()> at;
+    place<size()>(geometry, geometry.links[0], Joints<size()>(own), at);
+    Columns<size()> columns;
+    chain_jacobian<size()>(geometry, at, columns);
     Placed placed;
     placed.root_T_link.linear() = at.rotation;
     placed.root_T_link.translation() = at.position;
@@ -68,7 +62,7 @@ Motion motion_of(const Blocks& blocks, const Block& block, const JointVector& di
   Motion motion;
   for (const int tool : {block.tool, block.other_tool}) {
     if (tool < 0) continue;
-    const auto rates = constrained::rates_of(blocks.tools[tool], displacement);
+    const auto rates = rates_of(blocks.tools[tool], displacement);
     motion.rotating += rates.rotating;
     motion.sliding += rates.sliding;
     motion.reach_m += blocks.tools[tool].reach_m;
@@ -89,7 +83,7 @@ double bound_of(const Blocks& blocks, const Block& block, const JointVector& dis
   double bound = 0;
   if (places || kind == ToolConstraintKind::kKeepRelative)
     bound = position + kCubicRemainder * (rotations * motion.reach_m + slides);
-  if (!places) bound = std::max(bound, constrained::angle_of(direction + kCubicRemainder * rotations));
+  if (!places) bound = std::max(bound, angle_of(direction + kCubicRemainder * rotations));
   return bound;
 }
 
@@ -139,7 +133,7 @@ bool hold(const JointVector& joints, const JointVector& step, const JointLimits&
 }  // namespace
 
 Result<PathConstraint> PathConstraint::make(const RobotModel& robot, const PathConstraintParams& params) {
-  auto blocks = constrained::make_blocks(robot, params);
+  auto blocks = make_blocks(robot, params);
   if (!blocks) return tl::unexpected(blocks.error());
   return PathConstraint(std::make_shared<const Blocks>(*std::move(blocks)));
 }
@@ -173,14 +167,14 @@ ConstraintJacobian PathConstraint::jacobian(const JointVector& joints, Constrain
   ConstraintJacobian result = ConstraintJacobian::Zero(blocks_->equations, blocks_->joints);
   ConstraintResidual all(blocks_->equations);
   for (const Block& block : blocks_->blocks) {
-    const Placed link = place(*blocks_, blocks_->tools[block.tool], joints);
+    const Placed link = placed_at(*blocks_, blocks_->tools[block.tool], joints);
     const bool relative = block.constraint.kind == ToolConstraintKind::kKeepRelative;
     const Placed other = !relative ? Placed{}
                          : block.other_tool < 0
                              ? Placed{block.root_T_other, Jacobian::Zero(6, blocks_->joints)}
-                             : place(*blocks_, blocks_->tools[block.other_tool], joints);
+                             : placed_at(*blocks_, blocks_->tools[block.other_tool], joints);
     Eigen::Matrix<double, Eigen::Dynamic, 1, 0, 6, 1> part(block.rows);
-    constrained::evaluate(block, link, other, part, &result);
+    evaluate(block, link, other, part, &result);
     all.segment(block.first_row, block.rows) = part;
   }
   if (residual) *residual = all;

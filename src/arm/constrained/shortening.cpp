@@ -5,11 +5,9 @@
 
 #include "arm/planning/shortcuts.hpp"
 
-namespace extperfc::arm::constrained {
+namespace extperfc::arm {
 
 namespace {
-
-using planning::kMinGainRad;
 
 std::vector<double> lengths_along(const States& path) {
   std::vector<double> along{0.0};
@@ -39,7 +37,7 @@ void cut(Manifold& manifold, States* path, std::size_t from, std::size_t to, dou
   States pieces;
   if (manifold.prove(first, walk.states, &pieces, stop) < walk.states.size()) return;
   if (length_of(first, pieces) > old_length - kMinGainRad) return;
-  planning::replace(path, from, to, pieces);
+  replace(path, from, to, pieces);
 }
 
 States leave_out(Manifold& manifold, const States& path, const std::function<bool()>& stop) {
@@ -58,7 +56,7 @@ States leave_out(Manifold& manifold, const States& path, const std::function<boo
 States shorten(Manifold& manifold, States waypoints, int rounds, Rng& rng,
                const std::function<bool()>& stop) {
   if (waypoints.size() < 3 || rounds <= 0) return waypoints;
-  planning::cut_at_random(&waypoints, rounds, rng, stop, [&](States* path, double from_rad, double to_rad) {
+  cut_at_random(&waypoints, rounds, rng, stop, [&](States* path, double from_rad, double to_rad) {
     const auto along = lengths_along(*path);
     const std::size_t from = index_at(along, from_rad), to = index_at(along, to_rad);
     if (to > from + 1) cut(manifold, path, from, to, along[to] - along[from], stop);
@@ -66,4 +64,4 @@ States shorten(Manifold& manifold, States waypoints, int rounds, Rng& rng,
   return leave_out(manifold, waypoints, stop);
 }
 
-}  // namespace extperfc::arm::constrained
+}  // namespace extperfc::arm

@@ -6,7 +6,7 @@
 
 #include "arm/constrained/manifold.hpp"
 
-namespace extperfc::arm::constrained {
+namespace extperfc::arm {
 
 /// A path no longer than `waypoints` with the same ends, every piece within the tolerance and proven free if
 /// those of `waypoints` are: joins random waypoints along the manifold, `rounds` times or until `stop` says
@@ -14,4 +14,4 @@ namespace extperfc::arm::constrained {
 [[nodiscard]] States shorten(Manifold& manifold, States waypoints, int rounds, Rng& rng,
                              const std::function<bool()>& stop);
 
-}  // namespace extperfc::arm::constrained
+}  // namespace extperfc::arm

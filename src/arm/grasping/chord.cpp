@@ -4,16 +4,14 @@
 #include <cmath>
 #include <limits>
 
-namespace extperfc::arm::grasping {
+namespace extperfc::arm {
 namespace {
 
-using collision::ConvexPart;
-using collision::PartKind;
-using Found = std::optional<Chord>;
+using MaybeChord = std::optional<Chord>;
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
-Found both(const Found& a, const Found& b) {
+MaybeChord both(const MaybeChord& a, const MaybeChord& b) {
   if (!a || !b) return std::nullopt;
   const Chord common{std::max(a->from, b->from), std::min(a->to, b->to)};
   if (common.from > common.to) return std::nullopt;
@@ -21,28 +19,29 @@ Found both(const Found& a, const Found& b) {
 }
 
 /// |point + t * direction| <= half, along one axis.
-Found slab(double point, double direction, double half) {
-  if (direction == 0) return std::abs(point) <= half ? Found(Chord{-kInfinity, kInfinity}) : std::nullopt;
+MaybeChord slab(double point, double direction, double half) {
+  if (direction == 0)
+    return std::abs(point) <= half ? MaybeChord(Chord{-kInfinity, kInfinity}) : std::nullopt;
   const double a = (-half - point) / direction, b = (half - point) / direction;
   return Chord{std::min(a, b), std::max(a, b)};
 }
 
 /// a t^2 + 2 b t + c <= 0 for a > 0.
-Found between_roots(double a, double b, double c) {
+MaybeChord between_roots(double a, double b, double c) {
   const double inside = b * b - a * c;
   if (inside < 0) return std::nullopt;
   const double root = std::sqrt(inside);
   return Chord{(-b - root) / a, (-b + root) / a};
 }
 
-Found round_wall(const ConvexPart& part, const Eigen::Vector3d& p, const Eigen::Vector3d& d) {
+MaybeChord round_wall(const ConvexPart& part, const Eigen::Vector3d& p, const Eigen::Vector3d& d) {
   const double a = d.head<2>().squaredNorm(), c = p.head<2>().squaredNorm() - part.half.x() * part.half.x();
-  if (a < 1e-20) return c <= 0 ? Found(Chord{-kInfinity, kInfinity}) : std::nullopt;
+  if (a < 1e-20) return c <= 0 ? MaybeChord(Chord{-kInfinity, kInfinity}) : std::nullopt;
   return between_roots(a, p.head<2>().dot(d.head<2>()), c);
 }
 
 /// x^2 + y^2 <= (k w)^2 with w = top - z >= 0.
-Found cone_wall(const ConvexPart& part, const Eigen::Vector3d& p, const Eigen::Vector3d& d) {
+MaybeChord cone_wall(const ConvexPart& part, const Eigen::Vector3d& p, const Eigen::Vector3d& d) {
   const double top = part.half.z(), k = part.half.x() / (2 * top), w = top - p.z();
   double a = d.head<2>().squaredNorm() - k * k * d.z() * d.z();
   const double b = p.head<2>().dot(d.head<2>()) + k * k * w * d.z();
@@ -53,12 +52,12 @@ Found cone_wall(const ConvexPart& part, const Eigen::Vector3d& p, const Eigen::V
   const double inside = b * b - a * c;
   const double root = std::sqrt(std::max(inside, 0.0));
   const double low = (-b + root) / a, high = (-b - root) / a;
-  return d.z() > 0 ? Found(Chord{-kInfinity, low}) : Found(Chord{high, kInfinity});
+  return d.z() > 0 ? MaybeChord(Chord{-kInfinity, low}) : MaybeChord(Chord{high, kInfinity});
 }
 
 }  // namespace
 
-Found chord(const ConvexPart& part, const Eigen::Vector3d& p, const Eigen::Vector3d& d) {
+MaybeChord chord(const ConvexPart& part, const Eigen::Vector3d& p, const Eigen::Vector3d& d) {
   const auto along_z = slab(p.z(), d.z(), part.half.z());
   switch (part.kind) {
     case PartKind::kBox:
@@ -101,4 +100,4 @@ Eigen::Vector3d outward_normal(const ConvexPart& part, const Eigen::Vector3d& p)
   return (p[axis] < 0 ? -1 : 1) * Eigen::Vector3d::Unit(axis);
 }
 
-}  // namespace extperfc::arm::grasping
+}  // namespace extperfc::arm

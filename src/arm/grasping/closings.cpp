@@ -7,11 +7,9 @@
 
 #include "extperfc/base/math.hpp"
 
-namespace extperfc::arm::grasping {
+namespace extperfc::arm {
 namespace {
 
-using collision::ConvexPart;
-using collision::PartKind;
 constexpr double kLong = 1.5;  // times the next edge: then there are grasps beside the middle too
 
 /// Unit vectors square to `axis`, half a revolution of them. The first is square to the line from the root's
@@ -109,4 +107,4 @@ std::vector<Eigen::Vector3d> approaches_of(const Eigen::Vector3d& along, const G
   return approaches;
 }
 
-}  // namespace extperfc::arm::grasping
+}  // namespace extperfc::arm

@@ -8,7 +8,7 @@
 
 #include "arm/collision/convex_part.hpp"
 
-namespace extperfc::arm::grasping {
+namespace extperfc::arm {
 
 /// A direction in which fingers can close on an object, and where. The object is its own mirror image in the
 /// plane through any of the centres across the direction.
@@ -18,7 +18,7 @@ struct Closing {
 };
 
 /// All that are tried for a part at `root_T_part`.
-[[nodiscard]] std::vector<Closing> closings_of(const collision::ConvexPart& part, const Pose& root_T_part,
+[[nodiscard]] std::vector<Closing> closings_of(const ConvexPart& part, const Pose& root_T_part,
                                                const GraspParams& params);
 
 /// Approaches square to a closing direction: unit vectors in the root frame, by the angle from the steepest
@@ -26,4 +26,4 @@ struct Closing {
 [[nodiscard]] std::vector<Eigen::Vector3d> approaches_of(const Eigen::Vector3d& along,
                                                          const GraspParams& params);
 
-}  // namespace extperfc::arm::grasping
+}  // namespace extperfc::arm

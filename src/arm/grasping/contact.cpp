@@ -6,10 +6,8 @@
 
 #include "arm/grasping/chord.hpp"
 
-namespace extperfc::arm::grasping {
+namespace extperfc::arm {
 namespace {
-
-using collision::ConvexPart;
 
 constexpr int kGrid = 17;          // odd: the middle is one of them
 constexpr double kPatch = 0.0005;  // [m], what a soft pad gives way
@@ -58,8 +56,8 @@ class Profile {
     return std::acos(std::clamp(along, 0.0, 1.0));
   }
 
-  [[nodiscard]] Contact contact() const {
-    Contact contact{largest_, lean_rad()};
+  [[nodiscard]] PadContact contact() const {
+    PadContact contact{largest_, lean_rad()};
     int hits = 0, low_x = kGrid, high_x = -1, low_z = kGrid, high_z = -1;
     for (int i = 0; i < kGrid; ++i)
       for (int k = 0; k < kGrid; ++k) {
@@ -82,7 +80,7 @@ class Profile {
   /// The farthest point of the whole part, exactly, if it is within the rectangle.
   void find_extreme() {
     const Eigen::Vector3d along = part_T_tip_.linear().col(1);
-    const Eigen::Vector3d point = part_T_tip_.inverse() * collision::support(part_, along);
+    const Eigen::Vector3d point = part_T_tip_.inverse() * support(part_, along);
     if (!rectangle_.holds(point.x(), point.z())) return;
     extreme_inside_ = true;
     largest_ = std::max(largest_, point.y());
@@ -101,14 +99,15 @@ class Profile {
 
 double half_extent_m(const ConvexPart& part, const Pose& part_T_tip) {
   const Eigen::Vector3d along = part_T_tip.linear().col(1);
-  return along.dot(collision::support(part, along) - part_T_tip.translation());
+  return along.dot(support(part, along) - part_T_tip.translation());
 }
 
-std::optional<Contact> contact_of(const ParallelHand& hand, const ConvexPart& part, const Pose& part_T_tip) {
+std::optional<PadContact> contact_of(const ParallelHand& hand, const ConvexPart& part,
+                                     const Pose& part_T_tip) {
   const FingerPart& pad = hand.parts.front();
   const Profile profile(part, part_T_tip, {pad.x_half_m, pad.z_low_m, pad.z_high_m});
   if (profile.empty()) return std::nullopt;
-  Contact contact = profile.contact();
+  PadContact contact = profile.contact();
   // Another piece of the finger may meet the part before the pad does.
   for (std::size_t i = 1; i < hand.parts.size(); ++i) {
     const FingerPart& piece = hand.parts[i];
@@ -152,4 +151,4 @@ Eigen::Vector3d pad_middle(const ParallelHand& hand) {
   return {0, 0, (pad.z_low_m + pad.z_high_m) / 2};
 }
 
-}  // namespace extperfc::arm::grasping
+}  // namespace extperfc::arm

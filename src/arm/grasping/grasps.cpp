@@ -15,8 +15,6 @@
 namespace extperfc::arm {
 namespace {
 
-using grasping::Contact;
-
 constexpr double kNoSupportGap = 1.0;      // [m]
 constexpr double kSupportFalloff = 0.005;  // [m]: at this gap the score is halved
 
@@ -32,14 +30,14 @@ std::string millimetres(double metres) {
 class Generator {
  public:
   Generator(const ParallelHand& hand, const GraspObject& object, const GraspParams& params,
-            const collision::ConvexPart& part)
+            const ConvexPart& part)
       : hand_(hand), object_(object), params_(params), part_(part) {
     root_T_part_ = object.root_T_object * part.body_T_part;
   }
 
   void run() {
-    for (const auto& closing : grasping::closings_of(part_, root_T_part_, params_))
-      for (const auto& approach : grasping::approaches_of(closing.along, params_))
+    for (const auto& closing : closings_of(part_, root_T_part_, params_))
+      for (const auto& approach : approaches_of(closing.along, params_))
         for (const auto& centre : closing.centres) look_at(closing.along, approach, centre);
   }
 
@@ -79,15 +77,15 @@ class Generator {
   [[nodiscard]] Pose cleared(const Eigen::Matrix3d& rotation, const Eigen::Vector3d& centre) const {
     Pose root_T_tip = Pose::Identity();
     root_T_tip.linear() = rotation;
-    root_T_tip.translation() = centre - rotation * grasping::pad_middle(hand_);
+    root_T_tip.translation() = centre - rotation * pad_middle(hand_);
     const Eigen::Vector3d approach = rotation.col(2);
     const Eigen::Vector3d nearest =
-        root_T_part_ * collision::support(part_, root_T_part_.linear().transpose() * -approach);
+        root_T_part_ * support(part_, root_T_part_.linear().transpose() * -approach);
     const double gap = approach.dot(nearest - root_T_tip.translation()) - hand_.palm_high.z();
     const double wanted = params_.palm_clearance_m + params_.sigmas * sigma_m(approach);
     if (gap < wanted) root_T_tip.translation() -= (wanted - gap) * approach;
     if (!object_.support_z_m) return root_T_tip;
-    const double low = grasping::lowest_z_m(hand_, root_T_tip, hand_.opening_max_m) - *object_.support_z_m;
+    const double low = lowest_z_m(hand_, root_T_tip, hand_.opening_max_m) - *object_.support_z_m;
     const Eigen::Vector3d up = Eigen::Vector3d::UnitZ() - rotation(2, 1) * rotation.col(1);
     if (low < params_.support_clearance_m && up.z() > 0.1)
       root_T_tip.translation() += (params_.support_clearance_m + 1e-9 - low) / up.z() * up;
@@ -100,25 +98,24 @@ class Generator {
     Eigen::Matrix3d rotation;
     rotation << along.cross(approach), along, approach;
     const Pose root_T_tip = cleared(rotation, centre);
-    const double gap = !object_.support_z_m ? kNoSupportGap
-                                            : grasping::lowest_z_m(hand_, root_T_tip, hand_.opening_max_m) -
-                                                  *object_.support_z_m;
+    const double gap = !object_.support_z_m
+                           ? kNoSupportGap
+                           : lowest_z_m(hand_, root_T_tip, hand_.opening_max_m) - *object_.support_z_m;
     if (gap < params_.support_clearance_m) return refuse(kNoRoom);
     const Pose part_T_tip = root_T_part_.inverse() * root_T_tip;
-    const auto contact = grasping::contact_of(hand_, part_, part_T_tip);
+    const auto contact = contact_of(hand_, part_, part_T_tip);
     if (!contact ||
         std::min(contact->overlap_x_m, 2 * hand_.parts[0].x_half_m) <
             std::min(params_.min_overlap_m, hand_.parts[0].x_half_m) ||
         contact->overlap_z_m < params_.min_overlap_m)
       return refuse(kMissed);
     // Where the widest place is between the pads there is nothing wider on the path.
-    const bool widest = contact->half_width_m >= grasping::half_extent_m(part_, part_T_tip) - 1e-9;
-    const double passage =
-        widest ? contact->half_width_m : grasping::passage_half_width_m(hand_, part_, part_T_tip);
+    const bool widest = contact->half_width_m >= half_extent_m(part_, part_T_tip) - 1e-9;
+    const double passage = widest ? contact->half_width_m : passage_half_width_m(hand_, part_, part_T_tip);
     judge(root_T_tip, *contact, 2 * passage, gap);
   }
 
-  void judge(const Pose& root_T_tip, const Contact& contact, double passage_m, double gap_m) {
+  void judge(const Pose& root_T_tip, const PadContact& contact, double passage_m, double gap_m) {
     const double needed = std::max(passage_m, 2 * contact.half_width_m) + 2 * params_.side_clearance_m;
     if (needed > hand_.opening_max_m) {
       min_width_m_ = std::min(min_width_m_, needed - 2 * params_.side_clearance_m);
@@ -140,7 +137,7 @@ class Generator {
     add(root_T_tip, contact, opening, gap_m);
   }
 
-  void add(const Pose& root_T_tip, const Contact& contact, double opening_m, double gap_m) {
+  void add(const Pose& root_T_tip, const PadContact& contact, double opening_m, double gap_m) {
     GraspCandidate candidate;
     candidate.root_T_tip = root_T_tip;
     candidate.approach = root_T_tip.linear().col(2);
@@ -161,13 +158,13 @@ class Generator {
     }
   }
 
-  [[nodiscard]] double score(const GraspCandidate& candidate, const Contact& contact) const {
+  [[nodiscard]] double score(const GraspCandidate& candidate, const PadContact& contact) const {
     const double sigma = sigma_m(candidate.root_T_tip.linear().col(1));
     const double room = (hand_.opening_max_m - candidate.closed_m) / 2;
     const double between = sigma > 0 ? std::erf(room / (std::sqrt(2.0) * sigma)) : 1;
     const double held = 1 - std::tan(candidate.lean_rad) / params_.friction;
     const double overlap = 0.6 + 0.4 * std::sqrt(contact.fraction);
-    const Eigen::Vector3d pads = candidate.root_T_tip * grasping::pad_middle(hand_);
+    const Eigen::Vector3d pads = candidate.root_T_tip * pad_middle(hand_);
     const double lever = (pads - mass_centre()).norm() / (hand_.parts[0].z_high_m - hand_.parts[0].z_low_m);
     const double top = 1 - params_.prefer_top * (1 + candidate.approach.z()) / 2;
     const double support = candidate.support_gap_m / (candidate.support_gap_m + kSupportFalloff);
@@ -175,14 +172,14 @@ class Generator {
   }
 
   [[nodiscard]] Eigen::Vector3d mass_centre() const {
-    if (part_.kind != collision::PartKind::kCone) return root_T_part_.translation();
+    if (part_.kind != PartKind::kCone) return root_T_part_.translation();
     return root_T_part_ * Eigen::Vector3d(0, 0, -part_.half.z() / 2);
   }
 
   const ParallelHand& hand_;
   const GraspObject& object_;
   const GraspParams& params_;
-  const collision::ConvexPart& part_;
+  const ConvexPart& part_;
   Pose root_T_part_{Pose::Identity()};
   std::vector<GraspCandidate> found_;
   std::array<int, kRefusals> refused_{};
@@ -213,7 +210,7 @@ Result<std::vector<GraspCandidate>> generate_grasps(const ParallelHand& hand, co
   if (auto ok = check_object(object); !ok) return tl::unexpected<Error>(ok.error());
   Shape shape;
   shape.geometry = object.geometry;
-  const auto part = collision::make_convex_part(shape);
+  const auto part = make_convex_part(shape);
   if (!part) return tl::unexpected<Error>(part.error());
   Generator generator(hand, object, params, **part);
   generator.run();

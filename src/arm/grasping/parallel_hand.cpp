@@ -11,10 +11,10 @@
 namespace extperfc::arm {
 namespace {
 
-struct Bounds {
+struct ShapeBounds {
   Eigen::Vector3d low{Eigen::Vector3d::Constant(std::numeric_limits<double>::infinity())};
   Eigen::Vector3d high{-low};
-  void add(const Bounds& other) {
+  void add(const ShapeBounds& other) {
     low = low.cwiseMin(other.low);
     high = high.cwiseMax(other.high);
   }
@@ -44,15 +44,15 @@ class View {
   [[nodiscard]] const Pose& pose(int link) const { return poses_[link]; }
 
   /// Of every collision shape of the links.
-  [[nodiscard]] Result<std::vector<Bounds>> bounds(const std::vector<int>& links) const {
-    std::vector<Bounds> all;
+  [[nodiscard]] Result<std::vector<ShapeBounds>> bounds(const std::vector<int>& links) const {
+    std::vector<ShapeBounds> all;
     for (const int link : links) {
       const auto parts =
-          collision::make_convex_parts("link " + robot_.links()[link].name, robot_.links()[link].collisions);
+          make_convex_parts("link " + robot_.links()[link].name, robot_.links()[link].collisions);
       if (!parts) return tl::unexpected<Error>(parts.error());
       for (const auto& part : *parts) {
         const Pose pose = poses_[link] * part->body_T_part;
-        const Eigen::Vector3d half = collision::rotated_half(*part, pose.linear());
+        const Eigen::Vector3d half = rotated_half(*part, pose.linear());
         all.push_back({pose.translation() - half, pose.translation() + half});
       }
     }
@@ -89,16 +89,16 @@ Result<Fingers> find_fingers(const RobotModel& robot, const std::string& tip_lin
                  rigid_group(robot, joints[*joint].child_link), rigid_group(robot, mimic->child_link)};
 }
 
-Bounds mirrored(const Bounds& bounds) {
+ShapeBounds mirrored(const ShapeBounds& bounds) {
   return {{bounds.low.x(), -bounds.high.y(), bounds.low.z()},
           {bounds.high.x(), -bounds.low.y(), bounds.high.z()}};
 }
 
-bool alike(const std::vector<Bounds>& a, const std::vector<Bounds>& b) {
+bool alike(const std::vector<ShapeBounds>& a, const std::vector<ShapeBounds>& b) {
   constexpr double kAlike = 1e-3;  // [m]
   if (a.size() != b.size()) return false;
   for (std::size_t i = 0; i < a.size(); ++i) {
-    const Bounds other = mirrored(b[i]);
+    const ShapeBounds other = mirrored(b[i]);
     // Left and right may be exchanged along x: the pieces of such fingers are rotated, not mirrored.
     const double x =
         std::min((a[i].low - other.low).cwiseAbs().x() + (a[i].high - other.high).cwiseAbs().x(),
@@ -111,12 +111,13 @@ bool alike(const std::vector<Bounds>& a, const std::vector<Bounds>& b) {
 }
 
 /// The pieces of the finger on the side y > 0 when closed. What reaches across the middle is none of them.
-void add_fingers(std::vector<Bounds> shapes, ParallelHand& hand) {
-  shapes.erase(std::remove_if(shapes.begin(), shapes.end(), [](const Bounds& b) { return b.low.y() <= 0; }),
-               shapes.end());
+void add_fingers(std::vector<ShapeBounds> shapes, ParallelHand& hand) {
+  shapes.erase(
+      std::remove_if(shapes.begin(), shapes.end(), [](const ShapeBounds& b) { return b.low.y() <= 0; }),
+      shapes.end());
   std::stable_sort(shapes.begin(), shapes.end(),
-                   [](const Bounds& a, const Bounds& b) { return a.low.y() < b.low.y(); });
-  for (const Bounds& shape : shapes)
+                   [](const ShapeBounds& a, const ShapeBounds& b) { return a.low.y() < b.low.y(); });
+  for (const ShapeBounds& shape : shapes)
     hand.parts.push_back({std::max(std::abs(shape.low.x()), std::abs(shape.high.x())), shape.low.z(),
                           shape.high.z(), shape.low.y() - shapes.front().low.y(),
                           shape.high.y() - shape.low.y()});
@@ -124,7 +125,8 @@ void add_fingers(std::vector<Bounds> shapes, ParallelHand& hand) {
 }
 
 /// What reaches across the middle when closed counts where it is then and when open.
-void add_carriage(const std::vector<Bounds>& closed, const std::vector<Bounds>& open, Bounds& palm) {
+void add_carriage(const std::vector<ShapeBounds>& closed, const std::vector<ShapeBounds>& open,
+                  ShapeBounds& palm) {
   for (std::size_t i = 0; i < closed.size(); ++i) {
     if (closed[i].low.y() > 0 || closed[i].high.y() < 0) continue;
     palm.add(closed[i]);
@@ -174,8 +176,8 @@ Result<ParallelHand> hand_of(const RobotModel& robot, const std::string& tip_lin
   hand.tip_link = tip_link;
   add_fingers(delta.y() > 0 ? *one : *two, hand);
   hand.opening_max_m = hand.opening_min_m + 2 * std::abs(delta.y());
-  Bounds palm;
-  for (const Bounds& shape : *palm_shapes) palm.add(shape);
+  ShapeBounds palm;
+  for (const ShapeBounds& shape : *palm_shapes) palm.add(shape);
   add_carriage(*one, *open.bounds(fingers->driven), palm);
   add_carriage(*two, *open.bounds(fingers->other), palm);
   hand.palm_low = palm.low;

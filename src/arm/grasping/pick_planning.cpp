@@ -39,7 +39,7 @@ class PickPlanner {
     const auto& wanted = task_.grasp;
     const std::array<Clearances, 2> clearances_to_try{
         Clearances{wanted.approach_m, wanted.lift_m, wanted.tilt_step_rad, true},
-        Clearances{grasping::shortened_m(wanted.approach_m), kMinLift * wanted.lift_m,
+        Clearances{shortened_m(wanted.approach_m), kMinLift * wanted.lift_m,
                    std::max(0.05, 0.5 * wanted.tilt_step_rad), false}};
     Status last{ArmCode::kNoGrasp, "no object to grasp"};
     for (const auto& clearances : clearances_to_try)
@@ -128,13 +128,13 @@ class PickPlanner {
       const bool known = last && last->candidate == index;
       if (known && !last->joints) return std::nullopt;
       const auto& chain = reachable.manipulator->kinematics.chain();
-      auto approach = grasping::straight_path(reachable.checker, chain, grasp, candidate.root_T_pregrasp);
+      auto approach = straight_path(reachable.checker, chain, grasp, candidate.root_T_pregrasp);
       if (!approach) return std::nullopt;
       std::reverse(approach->begin(), approach->end());
       const Pose root_T_tip = chain.forward(grasp);
       Pose lifted = root_T_tip;
       lifted.translation().z() += lift_m;
-      auto lift = grasping::straight_path(reachable.checker, chain, grasp, lifted);
+      auto lift = straight_path(reachable.checker, chain, grasp, lifted);
       if (!lift) return std::nullopt;
       StraightPaths paths{std::move(*approach), std::move(*lift), {}};
       if (task_.place.root_T_places.empty()) return paths;

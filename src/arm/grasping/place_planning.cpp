@@ -88,7 +88,7 @@ class PlacePlanner {
     std::vector<Attempt> attempts{{lower_m, 0.3927, true, false}, {lower_m, 0.3927, false, false}};
     if (task_.thorough) {
       attempts.push_back({lower_m, 0.1963, false, true});
-      attempts.push_back({grasping::shortened_m(lower_m), 0.1963, false, true});
+      attempts.push_back({shortened_m(lower_m), 0.1963, false, true});
     }
     Status last;
     for (const auto& attempt : attempts) {
@@ -118,9 +118,9 @@ class PlacePlanner {
     // Down with the object (planned backwards, from below), back without it.
     const auto paths = [&](std::size_t index, const GraspCandidate& pose,
                            const JointVector& low) -> std::optional<StraightPaths> {
-      auto down = grasping::straight_path(*full, chain_, low, pose.root_T_pregrasp);
+      auto down = straight_path(*full, chain_, low, pose.root_T_pregrasp);
       if (!down) return std::nullopt;
-      auto back = grasping::straight_path(*after, chain_, low, candidates[index].root_T_retreat);
+      auto back = straight_path(*after, chain_, low, candidates[index].root_T_retreat);
       if (!back) return std::nullopt;
       std::reverse(down->begin(), down->end());
       return StraightPaths{std::move(*down), std::move(*back), {}};

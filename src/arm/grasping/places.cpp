@@ -61,7 +61,7 @@ Result<std::vector<PlaceCandidate>> place_poses(const ParallelHand& hand, const 
   if (!request.support_z_m) return places;
   const double min_z_m = *request.support_z_m + params.support_clearance_m;
   // Turning about the vertical changes no height: either all are above the support or none is.
-  if (grasping::lowest_z_m(hand, places[0].root_T_tip, request.opening_m) < min_z_m)
+  if (lowest_z_m(hand, places[0].root_T_tip, request.opening_m) < min_z_m)
     return fail(ErrorCode::kFailed,
                 "the gripper would collide with the support: it holds the object too low for this pose");
   return places;

@@ -6,7 +6,7 @@
 
 #include "extperfc/arm/cartesian_path.hpp"
 
-namespace extperfc::arm::grasping {
+namespace extperfc::arm {
 
 /// What is accepted of an approach or a descent in tight places [m].
 [[nodiscard]] inline double shortened_m(double distance_m) {
@@ -29,4 +29,4 @@ namespace extperfc::arm::grasping {
   return std::move(path.waypoints);
 }
 
-}  // namespace extperfc::arm::grasping
+}  // namespace extperfc::arm

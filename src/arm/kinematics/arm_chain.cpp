@@ -59,40 +59,40 @@ Result<std::vector<int>> moving_joints(const RobotModel& robot, const std::vecto
   return moving;
 }
 
-ik::Link to_link(const Pose& pose) {
+ChainLink to_link(const Pose& pose) {
   return {pose.linear(), pose.translation()};
 }
 
 /// A frame whose z axis is `axis`.
-ik::Link frame_about(const Eigen::Vector3d& axis) {
-  ik::Link link;
+ChainLink frame_about(const Eigen::Vector3d& axis) {
+  ChainLink link;
   link.rotation = Eigen::Quaterniond::FromTwoVectors(Eigen::Vector3d::UnitZ(), axis).toRotationMatrix();
   return link;
 }
 
-std::shared_ptr<const ik::Geometry> to_geometry(const RobotModel& robot, const std::vector<int>& joints,
-                                                const JointLimits& limits) {
-  auto geometry = std::make_shared<ik::Geometry>();
-  ik::Link before;
+std::shared_ptr<const ChainGeometry> to_geometry(const RobotModel& robot, const std::vector<int>& joints,
+                                                 const JointLimits& limits) {
+  auto geometry = std::make_shared<ChainGeometry>();
+  ChainLink before;
   for (const int index : joints) {
     const Joint& joint = robot.joints()[index];
     before = before * to_link(joint.parent_T_joint);
     if (joint.type == JointType::kFixed) continue;
-    const ik::Link rotation = frame_about(joint.axis);
+    const ChainLink rotation = frame_about(joint.axis);
     geometry->links[geometry->count] = before * rotation;
     geometry->prismatic[geometry->count] = joint.type == JointType::kPrismatic;
     ++geometry->count;
-    before = ik::Link{rotation.rotation.transpose(), Eigen::Vector3d::Zero()};
+    before = ChainLink{rotation.rotation.transpose(), Eigen::Vector3d::Zero()};
   }
   geometry->links[geometry->count] = before;
-  geometry->reach = ik::find_reach(*geometry, limits);
+  geometry->reach = find_reach(*geometry, limits);
   return geometry;
 }
 
 template <int N>
-ik::Placement<N> placed(const ik::Geometry& geometry, const JointVector& joints) {
-  ik::Placement<N> at;
-  ik::place<N>(geometry, geometry.links[0], ik::Joints<N>(joints), at);
+Placement<N> placed(const ChainGeometry& geometry, const JointVector& joints) {
+  Placement<N> at;
+  place<N>(geometry, geometry.links[0], Joints<N>(joints), at);
   return at;
 }
 
@@ -149,7 +149,7 @@ JointVector ArmChain::difference(const JointVector& to, const JointVector& from)
   check_size(*this, from);
   JointVector delta = to - from;
   for (int i = 0; i < joint_count(); ++i)
-    if (std::isinf(limits_.lower[i])) delta[i] = std::remainder(delta[i], ik::kRevolution);
+    if (std::isinf(limits_.lower[i])) delta[i] = std::remainder(delta[i], kRevolution);
   return delta;
 }
 
@@ -160,7 +160,7 @@ bool ArmChain::within_limits(const JointVector& joints) const {
 
 Pose ArmChain::forward(const JointVector& joints) const {
   check_size(*this, joints);
-  return ik::with_size(joint_count(), [&](auto size) {
+  return with_size(joint_count(), [&](auto size) {
     const auto at = placed<size()>(*geometry_, joints);
     Pose pose = Pose::Identity();
     pose.linear() = at.rotation;
@@ -171,9 +171,9 @@ Pose ArmChain::forward(const JointVector& joints) const {
 
 Jacobian ArmChain::jacobian(const JointVector& joints) const {
   check_size(*this, joints);
-  return ik::with_size(joint_count(), [&](auto size) {
-    ik::Columns<size()> columns;
-    ik::jacobian<size()>(*geometry_, placed<size()>(*geometry_, joints), columns);
+  return with_size(joint_count(), [&](auto size) {
+    Columns<size()> columns;
+    chain_jacobian<size()>(*geometry_, placed<size()>(*geometry_, joints), columns);
     return Jacobian(columns);
   });
 }

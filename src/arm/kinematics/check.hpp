@@ -4,7 +4,7 @@
 
 #include "extperfc/arm/inverse_kinematics.hpp"
 
-namespace extperfc::arm::ik {
+namespace extperfc::arm {
 
 /// A rigid transform to rounding: finite, orthonormal, right-handed.
 [[nodiscard]] inline bool is_rigid(const Pose& pose) {
@@ -29,4 +29,4 @@ namespace extperfc::arm::ik {
   return failure;
 }
 
-}  // namespace extperfc::arm::ik
+}  // namespace extperfc::arm

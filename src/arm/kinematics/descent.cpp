@@ -5,7 +5,7 @@
 
 #include "arm/kinematics/normal_equations.hpp"
 
-namespace extperfc::arm::ik {
+namespace extperfc::arm {
 namespace {
 
 // Found by trying on random poses of a seven-joint arm; none of them matters much.
@@ -96,4 +96,4 @@ template class Descent<6>;
 template class Descent<7>;
 template class Descent<Eigen::Dynamic>;
 
-}  // namespace extperfc::arm::ik
+}  // namespace extperfc::arm

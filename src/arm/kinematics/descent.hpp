@@ -2,7 +2,7 @@
 
 #include "arm/kinematics/task.hpp"
 
-namespace extperfc::arm::ik {
+namespace extperfc::arm {
 
 /// One damped least-squares descent in a box (Levenberg-Marquardt), with a damping in proportion to the cost
 /// (Sugihara, "Solvability-unconcerned inverse kinematics by the Levenberg-Marquardt method", 2011), which
@@ -12,7 +12,7 @@ template <int N>
 class Descent {
  public:
   /// Keeps references to all three.
-  Descent(const Geometry& geometry, const Task& task, const Bounds<N>& bounds)
+  Descent(const ChainGeometry& geometry, const Task& task, const Bounds<N>& bounds)
       : geometry_(geometry), task_(task), bounds_(bounds) {}
 
   /// From `q`, which must lie in the box and is left at the best position. True when the task is done there.
@@ -26,7 +26,7 @@ class Descent {
   [[nodiscard]] Joints<N> proposal(const Joints<N>& q) const;
   [[nodiscard]] Columns<N> movable(const Joints<N>& q) const;
 
-  const Geometry& geometry_;
+  const ChainGeometry& geometry_;
   const Task& task_;
   const Bounds<N>& bounds_;
   Evaluation<N> here_, there_;
@@ -39,4 +39,4 @@ extern template class Descent<6>;
 extern template class Descent<7>;
 extern template class Descent<Eigen::Dynamic>;
 
-}  // namespace extperfc::arm::ik
+}  // namespace extperfc::arm

@@ -2,7 +2,7 @@
 
 #include <array>
 
-namespace extperfc::arm::ik {
+namespace extperfc::arm {
 namespace {
 
 /// By fixed-point iteration of g = (1 + g)^(1 / (n + 1)), which more than halves the error each time.
@@ -24,4 +24,4 @@ double spread_step(int n) {
   return steps.at(static_cast<std::size_t>(n - 1));
 }
 
-}  // namespace extperfc::arm::ik
+}  // namespace extperfc::arm

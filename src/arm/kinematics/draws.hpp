@@ -5,7 +5,7 @@
 
 #include "arm/kinematics/task.hpp"
 
-namespace extperfc::arm::ik {
+namespace extperfc::arm {
 
 template <int N>
 [[nodiscard]] Bounds<N> bounds_of(const ArmChain& chain) {
@@ -69,4 +69,4 @@ void unwind(const Bounds<N>& bounds, const Joints<N>& seed, Joints<N>& q) {
     if (std::isinf(bounds.lower[i])) q[i] = seed[i] + std::remainder(q[i] - seed[i], kRevolution);
 }
 
-}  // namespace extperfc::arm::ik
+}  // namespace extperfc::arm

@@ -9,7 +9,7 @@
 #include "extperfc/arm/joint_vector.hpp"
 
 /// Forward kinematics with sizes that the compiler knows for six and seven joints.
-namespace extperfc::arm::ik {
+namespace extperfc::arm {
 
 template <int N>
 inline constexpr int kMaxSize = N == Eigen::Dynamic ? kMaxJoints : N;
@@ -24,12 +24,12 @@ using Vector6 = Eigen::Matrix<double, 6, 1>;
 inline constexpr double kRevolution = 6.283185307179586;  // [rad]
 
 /// A fixed transform.
-struct Link {
+struct ChainLink {
   Eigen::Matrix3d rotation{Eigen::Matrix3d::Identity()};
   Eigen::Vector3d offset_m{Eigen::Vector3d::Zero()};
 };
 
-[[nodiscard]] inline Link operator*(const Link& a, const Link& b) {
+[[nodiscard]] inline ChainLink operator*(const ChainLink& a, const ChainLink& b) {
   return {a.rotation * b.rotation, a.rotation * b.offset_m + a.offset_m};
 }
 
@@ -43,9 +43,10 @@ struct Reach {
 };
 
 /// A chain whose every joint rotates about, or slides along, the z axis of its own frame.
-struct Geometry {
+struct ChainGeometry {
   int count{0};
-  std::array<Link, kMaxJoints + 1> links;  ///< to joint i's frame from the one before it; [count]: to the tip
+  std::array<ChainLink, kMaxJoints + 1>
+      links;  ///< to joint i's frame from the one before it; [count]: to the tip
   std::array<bool, kMaxJoints> prismatic{};  ///< else revolute
   Reach reach;
 };
@@ -61,7 +62,7 @@ struct Placement {
 
 /// `base` stands for geometry.links[0]. O(joints).
 template <int N>
-void place(const Geometry& geometry, const Link& base, const Joints<N>& q, Placement<N>& out) {
+void place(const ChainGeometry& geometry, const ChainLink& base, const Joints<N>& q, Placement<N>& out) {
   out.axes.resize(3, q.size());
   out.origins.resize(3, q.size());
   Eigen::Matrix3d rotation = base.rotation;
@@ -78,7 +79,7 @@ void place(const Geometry& geometry, const Link& base, const Joints<N>& q, Place
     }
     out.axes.col(i) = rotation.col(2);
     out.origins.col(i) = position;
-    const Link& link = geometry.links[i + 1];
+    const ChainLink& link = geometry.links[i + 1];
     position.noalias() += rotation * link.offset_m;
     const Eigen::Matrix3d rotated = rotation * link.rotation;
     rotation = rotated;
@@ -89,7 +90,7 @@ void place(const Geometry& geometry, const Link& base, const Joints<N>& q, Place
 
 /// Columns of the tip's linear and angular velocity.
 template <int N>
-void jacobian(const Geometry& geometry, const Placement<N>& at, Columns<N>& out) {
+void chain_jacobian(const ChainGeometry& geometry, const Placement<N>& at, Columns<N>& out) {
   out.resize(6, at.axes.cols());
   for (int i = 0; i < at.axes.cols(); ++i) {
     const Eigen::Vector3d axis = at.axes.col(i);
@@ -116,4 +117,4 @@ decltype(auto) with_size(int count, Work&& work) {
   }
 }
 
-}  // namespace extperfc::arm::ik
+}  // namespace extperfc::arm

@@ -8,7 +8,7 @@ namespace extperfc::arm {
 namespace {
 
 bool is_usable(const IkOptions& options) {
-  return ik::is_usable(options.tolerance) && options.timeout_s >= 0 && options.max_restarts >= 0;
+  return is_usable(options.tolerance) && options.timeout_s >= 0 && options.max_restarts >= 0;
 }
 
 }  // namespace
@@ -33,18 +33,17 @@ InverseKinematics::InverseKinematics(ArmChain chain) : chain_(std::move(chain)) 
 
 IkResult InverseKinematics::solve(const Pose& target, const JointVector& seed,
                                   const IkOptions& options) const {
-  if (!ik::is_rigid(target) || !ik::is_usable(chain_, seed) || !is_usable(options))
-    return tl::unexpected(ik::invalid_failure());
-  const bool is_beyond = ik::is_beyond(chain_.geometry().reach, target, options.tolerance);
-  return ik::with_size(chain_.joint_count(), [&](auto size) {
-    return ik::Solver<size()>(chain_, target, options).solve(ik::Joints<size()>(seed), is_beyond);
+  if (!is_rigid(target) || !is_usable(chain_, seed) || !is_usable(options))
+    return tl::unexpected(invalid_failure());
+  const bool beyond = is_beyond(chain_.geometry().reach, target, options.tolerance);
+  return with_size(chain_.joint_count(), [&](auto size) {
+    return Solver<size()>(chain_, target, options).solve(Joints<size()>(seed), beyond);
   });
 }
 
 IkResult InverseKinematics::solve(const KDL::Frame& target, const KDL::JntArray& seed,
                                   const IkOptions& options) const {
-  if (seed.rows() != static_cast<unsigned>(chain_.joint_count()))
-    return tl::unexpected(ik::invalid_failure());
+  if (seed.rows() != static_cast<unsigned>(chain_.joint_count())) return tl::unexpected(invalid_failure());
   return solve(from_kdl(target), from_kdl(seed), options);
 }
 

@@ -1,6 +1,6 @@
 #include "arm/kinematics/normal_equations.hpp"
 
-namespace extperfc::arm::ik {
+namespace extperfc::arm {
 
 Vector6 solve_in_place(Matrix6& m, Vector6 b) {
   for (int j = 0; j < 6; ++j) {
@@ -19,4 +19,4 @@ Vector6 solve_in_place(Matrix6& m, Vector6 b) {
   return b;
 }
 
-}  // namespace extperfc::arm::ik
+}  // namespace extperfc::arm

@@ -4,7 +4,7 @@
 
 #include "arm/kinematics/geometry.hpp"
 
-namespace extperfc::arm::ik {
+namespace extperfc::arm {
 
 using Matrix6 = Eigen::Matrix<double, 6, 6>;
 
@@ -22,4 +22,4 @@ template <typename Rows>
   return (rows.transpose() * solve_in_place(normal, wish)).eval();
 }
 
-}  // namespace extperfc::arm::ik
+}  // namespace extperfc::arm

@@ -4,26 +4,26 @@
 #include <array>
 #include <cmath>
 
-namespace extperfc::arm::ik {
+namespace extperfc::arm {
 namespace {
 
 /// Where on its axis each joint is measured from [m].
 using Shifts = std::array<double, kMaxJoints>;
 
 /// From the chosen point of joint i - 1 to that of joint i.
-double distance(const Geometry& geometry, const Shifts& shifts, int i) {
-  const Link& link = geometry.links[i];
+double distance(const ChainGeometry& geometry, const Shifts& shifts, int i) {
+  const ChainLink& link = geometry.links[i];
   return (link.offset_m + shifts[i] * link.rotation.col(2) - shifts[i - 1] * Eigen::Vector3d::UnitZ()).norm();
 }
 
 /// The distances that depend on joint i's point.
-double beside(const Geometry& geometry, const Shifts& shifts, int i) {
+double beside(const ChainGeometry& geometry, const Shifts& shifts, int i) {
   return (i > 0 ? distance(geometry, shifts, i) : 0) +
          (i + 1 < geometry.count ? distance(geometry, shifts, i + 1) : 0);
 }
 
 /// The smallest sum for joint i, which is convex in its point, by golden sections.
-void improve(const Geometry& geometry, Shifts& shifts, int i) {
+void improve(const ChainGeometry& geometry, Shifts& shifts, int i) {
   constexpr double kGolden = 0.6180339887498949;
   constexpr int kSections = 60;
   const double radius = beside(geometry, shifts, i);  // farther away the sum is larger
@@ -44,7 +44,7 @@ void improve(const Geometry& geometry, Shifts& shifts, int i) {
   shifts[i] = 0.5 * (low + high);
 }
 
-Shifts shortest(const Geometry& geometry) {
+Shifts shortest(const ChainGeometry& geometry) {
   constexpr int kRounds = 20;  // any number gives a valid bound
   Shifts shifts{};
   for (int round = 0; round < kRounds; ++round)
@@ -54,12 +54,12 @@ Shifts shortest(const Geometry& geometry) {
 
 }  // namespace
 
-Reach find_reach(const Geometry& geometry, const JointLimits& limits) {
+Reach find_reach(const ChainGeometry& geometry, const JointLimits& limits) {
   const Shifts shifts = shortest(geometry);
   const int last = geometry.count - 1;
   Reach reach;
   reach.anchor_m = geometry.links[0].offset_m + shifts[0] * geometry.links[0].rotation.col(2);
-  const Link& hand = geometry.links[geometry.count];
+  const ChainLink& hand = geometry.links[geometry.count];
   reach.wrist_m = hand.rotation.transpose() * (shifts[last] * Eigen::Vector3d::UnitZ() - hand.offset_m);
   for (int i = 1; i < geometry.count; ++i) reach.length_m += distance(geometry, shifts, i);
   for (int i = 0; i < geometry.count; ++i)
@@ -78,4 +78,4 @@ bool is_beyond(const Reach& reach, const Pose& target, const IkTolerance& tolera
   return wrist > room + swing || tip > room + lever;
 }
 
-}  // namespace extperfc::arm::ik
+}  // namespace extperfc::arm

@@ -7,7 +7,7 @@
 
 /// The rotation group's logarithm and its derivative; Sola, Deray, Atchuthan, "A micro Lie theory for state
 /// estimation in robotics", 2018, appendix B.
-namespace extperfc::arm::ik {
+namespace extperfc::arm {
 
 /// Rotation vector [rad] with a norm in [0, pi].
 [[nodiscard]] inline Eigen::Vector3d rotation_vector(const Eigen::Matrix3d& r) {
@@ -36,4 +36,4 @@ namespace extperfc::arm::ik {
   return Eigen::Matrix3d::Identity() - 0.5 * cross + factor * cross * cross;
 }
 
-}  // namespace extperfc::arm::ik
+}  // namespace extperfc::arm

@@ -5,7 +5,7 @@
 
 #include "arm/kinematics/normal_equations.hpp"
 
-namespace extperfc::arm::ik {
+namespace extperfc::arm {
 namespace {
 
 constexpr int kMaxSettleSteps = 50;
@@ -88,4 +88,4 @@ bool Settle::advance(JointVector& q, const JointVector& change, const Objective&
   return false;
 }
 
-}  // namespace extperfc::arm::ik
+}  // namespace extperfc::arm

@@ -2,7 +2,7 @@
 
 #include "arm/kinematics/descent.hpp"
 
-namespace extperfc::arm::ik {
+namespace extperfc::arm {
 
 /// sum of weight (q - centre)^2
 struct Objective {
@@ -23,7 +23,7 @@ struct Objective {
 class Settle {
  public:
   /// Keeps references to all three.
-  Settle(const Geometry& geometry, const Task& task, const AnyBounds& bounds)
+  Settle(const ChainGeometry& geometry, const Task& task, const AnyBounds& bounds)
       : geometry_(geometry), task_(task), bounds_(bounds), descent_(geometry, task, bounds) {}
 
   /// `q` must be in the box and fulfil the task; it still does so afterwards and its value is no larger.
@@ -36,7 +36,7 @@ class Settle {
   [[nodiscard]] bool advance(JointVector& q, const JointVector& change, const Objective& objective,
                              const Deadline& deadline);
 
-  const Geometry& geometry_;
+  const ChainGeometry& geometry_;
   const Task& task_;
   const AnyBounds& bounds_;
   Descent<Eigen::Dynamic> descent_;
@@ -44,4 +44,4 @@ class Settle {
   Jacobian columns_;
 };
 
-}  // namespace extperfc::arm::ik
+}  // namespace extperfc::arm

@@ -10,7 +10,7 @@
 #include "arm/kinematics/draws.hpp"
 #include "arm/kinematics/settle.hpp"
 
-namespace extperfc::arm::ik {
+namespace extperfc::arm {
 
 /// One call of InverseKinematics::solve().
 template <int N>
@@ -117,7 +117,7 @@ class Solver {
 
   const ArmChain& chain_;
   const IkOptions& options_;
-  const Geometry& geometry_;
+  const ChainGeometry& geometry_;
   Task task_;
   Bounds<N> bounds_;
   Draws<N> draws_;
@@ -129,4 +129,4 @@ class Solver {
   int refused_{0};
 };
 
-}  // namespace extperfc::arm::ik
+}  // namespace extperfc::arm

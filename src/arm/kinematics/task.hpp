@@ -9,7 +9,7 @@
 #include "arm/kinematics/geometry.hpp"
 #include "arm/kinematics/rotation.hpp"
 
-namespace extperfc::arm::ik {
+namespace extperfc::arm {
 
 /// The moment at which a search gives up; an infinite or very long time never comes.
 class Deadline {
@@ -39,8 +39,8 @@ struct Task {
   static constexpr double kTight = 1e-3;  ///< tolerances up to this aim at the target itself, ...
   static constexpr double kInset = 1e-4;  ///< ... wider ones at their nearest edge, this far inside
 
-  Task(const Pose& target, const IkTolerance& allowed, const Geometry& geometry)
-      : base(Link{target.linear().transpose(), -(target.linear().transpose() * target.translation())} *
+  Task(const Pose& target, const IkTolerance& allowed, const ChainGeometry& geometry)
+      : base(ChainLink{target.linear().transpose(), -(target.linear().transpose() * target.translation())} *
              geometry.links[0]) {
     tolerance << allowed.position_m, allowed.orientation_rad;
     slack = (tolerance.array() > kTight).select(tolerance.array() - kInset, 0.0);
@@ -51,7 +51,7 @@ struct Task {
     return (error.array().abs() <= tolerance.array()).all();
   }
 
-  Link base;          ///< target_T_root, up to the first joint
+  ChainLink base;     ///< target_T_root, up to the first joint
   Vector6 tolerance;  ///< > 0; infinity: free
   Vector6 slack;      ///< an error below this costs nothing
   bool exact{true};   ///< no slack at all
@@ -65,7 +65,7 @@ struct Evaluation {
   Vector6 residual;  ///< the part of the error that costs
   double cost{0};    ///< squared norm of the residual
 
-  void compute(const Geometry& geometry, const Task& task, const Joints<N>& q) {
+  void compute(const ChainGeometry& geometry, const Task& task, const Joints<N>& q) {
     place<N>(geometry, task.base, q, at);
     error << at.position, rotation_vector(at.rotation);
     residual = error;
@@ -76,8 +76,8 @@ struct Evaluation {
   /// Of the residual. Rows within the slack are zero. Without slack the rotation's rows are the angular
   /// velocity: the steps to a vanishing error are the same, since the error is an eigenvector of the exact
   /// derivative.
-  void derivative(const Geometry& geometry, const Task& task, Columns<N>& out) const {
-    jacobian<N>(geometry, at, out);
+  void derivative(const ChainGeometry& geometry, const Task& task, Columns<N>& out) const {
+    chain_jacobian<N>(geometry, at, out);
     if (task.exact) return;
     const Columns<N> angular = out;
     out.template bottomRows<3>().noalias() =
@@ -90,4 +90,4 @@ struct Evaluation {
 using AnyBounds = Bounds<Eigen::Dynamic>;
 using AnyEvaluation = Evaluation<Eigen::Dynamic>;
 
-}  // namespace extperfc::arm::ik
+}  // namespace extperfc::arm

@@ -12,11 +12,9 @@
 
 #include "arm/collision/state_fault.hpp"
 
-namespace extperfc::arm::motion {
+namespace extperfc::arm {
 
 namespace {
-
-using cartesian::ArmInGroup;
 
 std::string where(const ToolTarget& target) {
   const auto& p = target.root_T_tool.translation();
@@ -100,7 +98,7 @@ class Finder {
   std::string touching(const ArmInGroup& arm, const JointVector& joints) {
     if (joints.size() != arm.joint_count()) return {};
     const auto contact = checker_.contact(arm.put(joints, start_));
-    return contact ? ": " + collision::text_of(*contact) : std::string();
+    return contact ? ": " + text_of(*contact) : std::string();
   }
 
   JointVector anywhere(const ArmChain& chain) {
@@ -195,7 +193,7 @@ tl::expected<std::vector<JointVector>, Status> find_goals(const RobotArms& arms,
   const auto contact = checker.contact(goals.front());
   return failure(ArmCode::kGoalInCollision,
                  "every solution found for the goal collides" +
-                     (contact ? ", the nearest: " + collision::text_of(*contact) : std::string()));
+                     (contact ? ", the nearest: " + text_of(*contact) : std::string()));
 }
 
-}  // namespace extperfc::arm::motion
+}  // namespace extperfc::arm

@@ -11,7 +11,7 @@
 
 #include "arm/cartesian/arm_in_group.hpp"
 
-namespace extperfc::arm::motion {
+namespace extperfc::arm {
 
 struct GoalSearch {
   int samples{12};     ///< per tool
@@ -31,8 +31,7 @@ struct GoalSearch {
 
 /// The chain from the robot's root to the link, in the group. An empty link means the group's only tip.
 /// Error: kInvalidRequest.
-[[nodiscard]] tl::expected<cartesian::ArmInGroup, Status> chain_to(const RobotArms& arms,
-                                                                   const ArmGroup& group,
-                                                                   const std::string& link);
+[[nodiscard]] tl::expected<ArmInGroup, Status> chain_to(const RobotArms& arms, const ArmGroup& group,
+                                                        const std::string& link);
 
-}  // namespace extperfc::arm::motion
+}  // namespace extperfc::arm

@@ -147,27 +147,27 @@ class Run {
     if (auto wrong = prepare(true)) return *wrong;
     if (!request_.path.empty()) return follow_path();
     if (request_.kind == MotionKind::kLinear) return plan_linear();
-    auto goals = find_goals();
+    auto goals = search_goals();
     // What the padding alone forbids is tried without it: a hand beside the object that it lets go, for one.
     if (near_something(goals)) {
       if (auto made = make_checker(false); !made)
         return outcome_of(ArmCode::kInvalidRequest, made.error().message);
-      goals = find_goals();
+      goals = search_goals();
     }
     if (!goals) return finish(outcome_of(goals.error().code, goals.error().message));
     const auto attempt = [&](std::uint64_t seed) {
       params_.seed = seed;
       unproven_ = false;
       auto outcome = request_.constraints.empty() ? plan(*goals) : plan_constrained(*goals);
-      return motion::Attempt{std::move(outcome), unproven_};
+      return Attempt{std::move(outcome), unproven_};
     };
-    return finish(motion::plan_up_to_twice(params_.seed, attempt, [this] { return time_left_s() > 0; }));
+    return finish(plan_up_to_twice(params_.seed, attempt, [this] { return time_left_s() > 0; }));
   }
 
   MotionPipeline::Solved solve(bool avoid_collisions) {
     if (auto wrong = prepare(false)) return {wrong->code, wrong->message, {}};
     collisions_ = avoid_collisions;
-    const auto goals = find_goals();
+    const auto goals = search_goals();
     if (!goals) return {goals.error().code, goals.error().message, {}};
     MotionPipeline::Solved solved{ArmCode::kSuccess, "", {}};
     for (std::size_t i = 0; i < group_->joints.size(); ++i)
@@ -208,7 +208,7 @@ class Run {
                                  [&](const JointVector& goal) { return checker_->is_free(goal); });
   }
 
-  Goals find_goals() {
+  Goals search_goals() {
     const Stopwatch watch;
     auto goals = std::visit([this](const auto& goal) { return goals_of(goal); }, request_.goal);
     times_.goals_s += watch.seconds();
@@ -238,9 +238,9 @@ class Run {
 
   Goals goals_of(const std::vector<ToolTarget>& targets) {
     const auto& params = pipeline_.params();
-    return motion::find_goals(pipeline_.arms(), *group_, targets, start_, *checker_,
-                              {params.goal_samples, std::min(params.goal_time_s, request_.planning_time_s),
-                               params_.seed, request_.cancelled, collisions_});
+    return find_goals(pipeline_.arms(), *group_, targets, start_, *checker_,
+                      {params.goal_samples, std::min(params.goal_time_s, request_.planning_time_s),
+                       params_.seed, request_.cancelled, collisions_});
   }
 
   MotionOutcome plan(const std::vector<JointVector>& goals) {
@@ -308,7 +308,7 @@ class Run {
             outcome_of(ArmCode::kInvalidRequest, "a straight motion is of one tool: its goals name several"));
       poses.push_back(target.root_T_tool);
     }
-    const auto arm = motion::chain_to(pipeline_.arms(), *group_, targets->front().link);
+    const auto arm = chain_to(pipeline_.arms(), *group_, targets->front().link);
     if (!arm) return finish(outcome_of(arm.error().code, arm.error().message));
     auto found = follow(arm->chain(), poses);
     if (found.end == CartesianEnd::kCollision || found.end == CartesianEnd::kStartInCollision) {
@@ -376,14 +376,14 @@ class Run {
     return others;
   }
 
-  MotionOutcome put_in_time(std::vector<JointVector> waypoints, const motion::CornerParams& corners,
+  MotionOutcome put_in_time(std::vector<JointVector> waypoints, const CornerParams& corners,
                             double fraction) {
     const Stopwatch watch;
     TimeParams times;
     times.velocity_scale = request_.velocity_scale;
     times.acceleration_scale = request_.acceleration_scale;
-    auto made = motion::prove_trajectory(
-        *checker_, waypoints, {group_->max_velocity, group_->max_acceleration, {}}, times, corners);
+    auto made = prove_trajectory(*checker_, waypoints, {group_->max_velocity, group_->max_acceleration, {}},
+                                 times, corners);
     times_.time_parameterization_s += watch.seconds();
     unproven_ = !made && made.error().code == ErrorCode::kFailed;
     if (!made)

@@ -8,7 +8,7 @@
 #include "arm/motion/spline_proof.hpp"
 #include "arm/planning/states.hpp"
 
-namespace extperfc::arm::motion {
+namespace extperfc::arm {
 
 namespace {
 
@@ -35,8 +35,8 @@ bool corner_free(CollisionChecker& checker, const PathPiece& corner, double tole
   return true;
 }
 
-std::size_t nearest(const std::vector<JointVector>& waypoints, const JointVector& position) {
-  return static_cast<std::size_t>(planning::nearest(waypoints, position));
+std::size_t nearest_waypoint(const std::vector<JointVector>& waypoints, const JointVector& position) {
+  return static_cast<std::size_t>(nearest(waypoints, position));
 }
 
 /// Makes a corner rounder by half as little, or a stop.
@@ -86,7 +86,7 @@ class Prover {
     bool changed = false;
     for (const auto& piece : path.pieces()) {
       if (piece.straight) continue;
-      const auto corner = nearest(waypoints_, evaluate(piece, 0.5 * piece.length).position);
+      const auto corner = nearest_waypoint(waypoints_, evaluate(piece, 0.5 * piece.length).position);
       if (proven_[corner]) continue;
       if (corner_free(checker_, piece, tolerance_rad_)) {
         proven_[corner] = true;
@@ -107,7 +107,7 @@ class Prover {
   }
 
   bool try_harder(const JointVector& blocked) {
-    double& deviation = path_params_.corner_deviation_rad[nearest(waypoints_, blocked)];
+    double& deviation = path_params_.corner_deviation_rad[nearest_waypoint(waypoints_, blocked)];
     if (deviation > 0) {
       sharpen(deviation);
       return true;
@@ -137,4 +137,4 @@ Result<ProvenTrajectory> prove_trajectory(CollisionChecker& checker,
   return proven;
 }
 
-}  // namespace extperfc::arm::motion
+}  // namespace extperfc::arm

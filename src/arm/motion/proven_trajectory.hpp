@@ -7,7 +7,7 @@
 #include "extperfc/arm/time_parameterization.hpp"
 #include "extperfc/base/error.hpp"
 
-namespace extperfc::arm::motion {
+namespace extperfc::arm {
 
 struct ProvenTrajectory {
   JointTrajectory trajectory;
@@ -30,4 +30,4 @@ struct CornerParams {
                                                         const TrajectoryLimits& limits,
                                                         const TimeParams& times, const CornerParams& corners);
 
-}  // namespace extperfc::arm::motion
+}  // namespace extperfc::arm

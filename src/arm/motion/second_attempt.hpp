@@ -6,7 +6,7 @@
 
 #include "extperfc/arm/motion_pipeline.hpp"
 
-namespace extperfc::arm::motion {
+namespace extperfc::arm {
 
 struct Attempt {
   MotionOutcome outcome;
@@ -25,4 +25,4 @@ inline MotionOutcome plan_up_to_twice(std::uint64_t seed,
   return std::move((second.outcome.code == ArmCode::kPlanningTimeout ? first : second).outcome);
 }
 
-}  // namespace extperfc::arm::motion
+}  // namespace extperfc::arm

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <array>
 
-namespace extperfc::arm::motion {
+namespace extperfc::arm {
 
 namespace {
 
@@ -63,4 +63,4 @@ double proven_fraction(CollisionChecker& checker, const TrajectoryPoint& a, cons
   return begin + (1 - begin) * proven_part(checker, curve, 0);
 }
 
-}  // namespace extperfc::arm::motion
+}  // namespace extperfc::arm

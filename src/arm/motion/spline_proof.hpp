@@ -3,7 +3,7 @@
 #include "extperfc/arm/collision_checker.hpp"
 #include "extperfc/arm/joint_trajectory.hpp"
 
-namespace extperfc::arm::motion {
+namespace extperfc::arm {
 
 /// Proof that the cubic Hermite spline between two points, which a controller follows, is free of collisions.
 ///
@@ -16,4 +16,4 @@ namespace extperfc::arm::motion {
 [[nodiscard]] double proven_fraction(CollisionChecker& checker, const TrajectoryPoint& a,
                                      const TrajectoryPoint& b, double begin = 0);
 
-}  // namespace extperfc::arm::motion
+}  // namespace extperfc::arm

@@ -95,7 +95,7 @@ double TimedPath::free_until(CollisionChecker& checker, double from_s) const {
     const double length_s = points_[i].time_s - before.time_s;
     if (points_[i].time_s <= begin_s) continue;
     const double begin = std::max(0.0, (begin_s - before.time_s) / length_s);
-    const double proven = motion::proven_fraction(checker, before, points_[i], begin);
+    const double proven = proven_fraction(checker, before, points_[i], begin);
     if (proven < 1) return before.time_s + proven * length_s;
   }
   return duration_s();

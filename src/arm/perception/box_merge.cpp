@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-namespace extperfc::arm::perception {
+namespace extperfc::arm {
 namespace {
 
 constexpr unsigned char kThere = 1;
@@ -70,4 +70,4 @@ std::vector<int> coarser_cells(const VoxelGrid& grid, const std::vector<int>& ce
   return result;
 }
 
-}  // namespace extperfc::arm::perception
+}  // namespace extperfc::arm

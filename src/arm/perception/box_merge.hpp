@@ -4,7 +4,7 @@
 
 #include "arm/perception/voxel_grid.hpp"
 
-namespace extperfc::arm::perception {
+namespace extperfc::arm {
 
 /// Covers cells with boxes that do not overlap and hold nothing else: from the first cell left over, along x,
 /// then y, then z as far as all cells are there. `cells` are indices in ascending order, each once. `scratch`
@@ -17,4 +17,4 @@ namespace extperfc::arm::perception {
 /// The cells of coarser(grid) that hold any of `cells`, ascending, each once.
 [[nodiscard]] std::vector<int> coarser_cells(const VoxelGrid& grid, const std::vector<int>& cells);
 
-}  // namespace extperfc::arm::perception
+}  // namespace extperfc::arm

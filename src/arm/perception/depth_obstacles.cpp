@@ -9,9 +9,6 @@
 namespace extperfc::arm {
 namespace {
 
-using perception::VoxelGrid;
-using perception::VoxelMemory;
-
 constexpr double kMaxVoxels = 8e6;
 
 struct Range {
@@ -88,15 +85,14 @@ Result<DepthUpdate> DepthObstacles::update(const ImageView& depth, const CameraM
   const DepthObstaclesParams& params = memory_->params;
   if (auto ok = check(depth, camera, root_T_camera, positions, memory_->model.joint_count(), time_s); !ok)
     return tl::unexpected<Error>(ok.error());
-  auto parts = perception::mask_parts(memory_->model.bodies(), positions, known, params.name,
-                                      params.robot_padding_m, params.object_padding_m);
+  auto parts = mask_parts(memory_->model.bodies(), positions, known, params.name, params.robot_padding_m,
+                          params.object_padding_m);
   if (!parts) return tl::unexpected<Error>(parts.error());
   return memory_->update({depth, camera, root_T_camera}, std::move(*parts), time_s);
 }
 
 bool DepthObstacles::forget(const CollisionWorld& known) {
-  return memory_->forget(
-      perception::object_parts(known, memory_->params.name, memory_->params.object_padding_m));
+  return memory_->forget(object_parts(known, memory_->params.name, memory_->params.object_padding_m));
 }
 
 const std::optional<WorldObject>& DepthObstacles::object() const {

@@ -4,7 +4,7 @@
 #include <cstring>
 #include <limits>
 
-namespace extperfc::arm::perception {
+namespace extperfc::arm {
 namespace {
 
 bool same(const CameraModel& a, const CameraModel& b) {
@@ -46,4 +46,4 @@ float depth_at(const ImageView& image, int u, int v) {
   return std::isfinite(metres) && metres > 0 ? metres : 0;
 }
 
-}  // namespace extperfc::arm::perception
+}  // namespace extperfc::arm

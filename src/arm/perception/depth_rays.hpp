@@ -7,7 +7,7 @@
 #include "extperfc/world/camera_model.hpp"
 #include "extperfc/world/image_view.hpp"
 
-namespace extperfc::arm::perception {
+namespace extperfc::arm {
 
 /// Directions of the pixels of a camera that are looked at, with a depth of 1 m. Kept while the camera stays
 /// the same.
@@ -42,4 +42,4 @@ class DepthRays {
 /// Depth [m] of a pixel of a depth image; 0 when there is no measurement.
 [[nodiscard]] float depth_at(const ImageView& image, int u, int v);
 
-}  // namespace extperfc::arm::perception
+}  // namespace extperfc::arm

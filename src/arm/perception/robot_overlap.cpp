@@ -10,8 +10,6 @@
 namespace extperfc::arm {
 namespace {
 
-using collision::ConvexPart;
-
 constexpr double kStep = 0.005;  // [m]
 constexpr int kMaxSteps = 16;    // along each axis
 
@@ -26,7 +24,7 @@ std::vector<Eigen::Vector3d> points_in(const ConvexPart& part) {
     for (int y = 0; y <= steps.y(); ++y)
       for (int z = 0; z <= steps.z(); ++z) {
         const Eigen::Vector3d point = Eigen::Vector3d(x, y, z).cwiseProduct(step) - part.half;
-        if (collision::distance_bound(part, point) <= 1e-9) points.push_back(point);
+        if (distance_bound(part, point) <= 1e-9) points.push_back(point);
       }
   return points;
 }
@@ -34,20 +32,20 @@ std::vector<Eigen::Vector3d> points_in(const ConvexPart& part) {
 bool any_within(const std::vector<Eigen::Vector3d>& points, const Pose& part_T_points,
                 const ConvexPart& part) {
   return std::any_of(points.begin(), points.end(), [&](const Eigen::Vector3d& point) {
-    return collision::distance_bound(part, part_T_points * point) <= 0.0;
+    return distance_bound(part, part_T_points * point) <= 0.0;
   });
 }
 
-bool overlaps(const Shape& shape, const collision::Bodies& bodies, const std::vector<Pose>& poses) {
+bool overlaps(const Shape& shape, const Bodies& bodies, const std::vector<Pose>& poses) {
   if (std::holds_alternative<TriangleMesh>(shape.geometry)) return false;
-  const auto part = collision::make_convex_part(shape);
+  const auto part = make_convex_part(shape);
   if (!part) return false;
   const Pose& root_T_part = (*part)->body_T_part;
-  const double radius = collision::bounding_radius(**part);
+  const double radius = bounding_radius(**part);
   std::vector<Eigen::Vector3d> points;
   for (const auto& own : bodies.parts) {
     const Pose own_T_part = (poses[own.body] * own.body_T_part).inverse() * root_T_part;
-    if (own_T_part.translation().norm() > radius + collision::bounding_radius(*own.part)) continue;
+    if (own_T_part.translation().norm() > radius + bounding_radius(*own.part)) continue;
     if (points.empty()) points = points_in(**part);
     if (any_within(points, own_T_part, *own.part)) return true;
   }
@@ -59,7 +57,7 @@ bool overlaps(const Shape& shape, const collision::Bodies& bodies, const std::ve
 std::vector<bool> robot_overlaps(const CollisionModel& model, const JointVector& positions,
                                  const std::vector<Shape>& shapes) {
   std::vector<Pose> poses;
-  collision::body_poses(model.bodies(), positions.data(), poses);
+  body_poses(model.bodies(), positions.data(), poses);
   std::vector<bool> found;
   found.reserve(shapes.size());
   for (const auto& shape : shapes) found.push_back(overlaps(shape, model.bodies(), poses));

@@ -6,7 +6,7 @@
 #include <string>
 #include <utility>
 
-namespace extperfc::arm::perception {
+namespace extperfc::arm {
 namespace {
 
 /// Single precision: coordinates up to some metres are off by less than this.
@@ -14,11 +14,11 @@ constexpr double kRounding = 1e-5;  // [m]
 
 }  // namespace
 
-Result<std::vector<MaskPart>> mask_parts(const collision::Bodies& bodies, const JointVector& positions,
+Result<std::vector<MaskPart>> mask_parts(const Bodies& bodies, const JointVector& positions,
                                          const CollisionWorld& known, const std::string& left_out,
                                          double robot_padding_m, double object_padding_m) {
   std::vector<Pose> poses;
-  collision::body_poses(bodies, positions.data(), poses);
+  body_poses(bodies, positions.data(), poses);
   std::vector<MaskPart> parts;
   for (const auto& own : bodies.parts)
     parts.push_back({own.part, poses[own.body] * own.body_T_part, robot_padding_m, Owner::kRobot});
@@ -69,8 +69,7 @@ void ShapeMask::mark(int index) {
   const MaskPart& own = parts_[index];
   const double far = own.padding_m + grid_.half_diagonal() + kRounding;
   const double deep = own.padding_m - grid_.half_diagonal() - kRounding;
-  const Eigen::Vector3d half =
-      (collision::rotated_half(*own.part, own.root_T_part.linear()).array() + far).matrix();
+  const Eigen::Vector3d half = (rotated_half(*own.part, own.root_T_part.linear()).array() + far).matrix();
   const Eigen::Array3d low = (own.root_T_part.translation() - half - grid_.low).array() / grid_.edge;
   const Eigen::Array3d high = (own.root_T_part.translation() + half - grid_.low).array() / grid_.edge;
   const Eigen::Array3d count = grid_.count.cast<double>().array();
@@ -82,7 +81,7 @@ void ShapeMask::mark(int index) {
     for (int y = first.y(); y <= last.y(); ++y) {
       Eigen::Vector3d point = part_T_root * grid_.centre({first.x(), y, z});
       for (int x = first.x(); x <= last.x(); ++x, point += step) {
-        const double bound = collision::distance_bound(*own.part, point);
+        const double bound = distance_bound(*own.part, point);
         if (bound > far) continue;
         int& head = heads_[grid_.index(x, y, z)];
         if (head == kInRobot || (head == kInObject && own.owner == Owner::kObject)) continue;
@@ -102,7 +101,7 @@ Owner ShapeMask::look(int head, const Eigen::Vector3f& point) const {
   for (int entry = head; entry >= 0; entry = entries_[entry].next) {
     const Shape& shape = shapes_[entries_[entry].part];
     const Eigen::Vector3f local = shape.rotation * point + shape.shift;
-    if (collision::distance_bound(*shape.part, local.cast<double>()) > shape.padding) continue;
+    if (distance_bound(*shape.part, local.cast<double>()) > shape.padding) continue;
     if (shape.owner == Owner::kRobot) return Owner::kRobot;
     owner = Owner::kObject;
   }
@@ -130,10 +129,9 @@ bool ShapeMask::is_near(int voxel, ReachOf reach_of) const {
   const Eigen::Vector3d centre = grid_.centre(grid_.cell(voxel));
   for (int entry = head; entry >= 0; entry = entries_[entry].next) {
     const MaskPart& own = parts_[entries_[entry].part];
-    if (collision::distance_bound(*own.part, own.root_T_part.inverse() * centre) <= reach_of(own))
-      return true;
+    if (distance_bound(*own.part, own.root_T_part.inverse() * centre) <= reach_of(own)) return true;
   }
   return false;
 }
 
-}  // namespace extperfc::arm::perception
+}  // namespace extperfc::arm

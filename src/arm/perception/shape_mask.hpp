@@ -10,13 +10,13 @@
 #include "arm/collision/bodies.hpp"
 #include "arm/perception/voxel_grid.hpp"
 
-namespace extperfc::arm::perception {
+namespace extperfc::arm {
 
 enum class Owner { kNone, kRobot, kObject };
 
 /// A shape about which points do not count.
 struct MaskPart {
-  std::shared_ptr<const collision::ConvexPart> part;
+  std::shared_ptr<const ConvexPart> part;
   Pose root_T_part{Pose::Identity()};
   double padding_m{0};
   Owner owner{Owner::kRobot};
@@ -24,8 +24,7 @@ struct MaskPart {
 
 /// The robot at `positions` with what it carries, and the known objects but that named `left_out`. Errors:
 /// something carried by a link that the robot lacks.
-[[nodiscard]] Result<std::vector<MaskPart>> mask_parts(const collision::Bodies& bodies,
-                                                       const JointVector& positions,
+[[nodiscard]] Result<std::vector<MaskPart>> mask_parts(const Bodies& bodies, const JointVector& positions,
                                                        const CollisionWorld& known,
                                                        const std::string& left_out, double robot_padding_m,
                                                        double object_padding_m);
@@ -60,7 +59,7 @@ class ShapeMask {
     int next;  ///< kFree: the last one
   };
   struct Shape {
-    const collision::ConvexPart* part;
+    const ConvexPart* part;
     Eigen::Matrix3f rotation;  ///< part_R_root
     Eigen::Vector3f shift;     ///< of part_T_root
     float padding;
@@ -80,4 +79,4 @@ class ShapeMask {
   std::vector<Entry> entries_;
 };
 
-}  // namespace extperfc::arm::perception
+}  // namespace extperfc::arm

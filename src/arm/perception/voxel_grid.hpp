@@ -5,7 +5,7 @@
 
 #include <Eigen/Core>
 
-namespace extperfc::arm::perception {
+namespace extperfc::arm {
 
 /// A block of voxels; x runs fastest.
 struct VoxelGrid {
@@ -34,4 +34,4 @@ struct CellBox {
   Eigen::Vector3i last;
 };
 
-}  // namespace extperfc::arm::perception
+}  // namespace extperfc::arm

@@ -7,7 +7,7 @@
 
 #include "arm/perception/box_merge.hpp"
 
-namespace extperfc::arm::perception {
+namespace extperfc::arm {
 namespace {
 
 constexpr int kLooks = 3;       // rows and columns of pixels that are asked about a voxel
@@ -183,4 +183,4 @@ void VoxelMemory::make_object(DepthUpdate& update) {
   }
 }
 
-}  // namespace extperfc::arm::perception
+}  // namespace extperfc::arm

@@ -10,7 +10,7 @@
 #include "arm/perception/shape_mask.hpp"
 #include "arm/perception/voxel_grid.hpp"
 
-namespace extperfc::arm::perception {
+namespace extperfc::arm {
 
 /// A depth image and where it was taken.
 struct DepthView {
@@ -57,4 +57,4 @@ class VoxelMemory {
   std::vector<unsigned char> scratch_;
 };
 
-}  // namespace extperfc::arm::perception
+}  // namespace extperfc::arm

@@ -41,7 +41,7 @@ const char* to_string(PlanCode code) {
 const std::vector<std::string>& planner_names() {
   static const std::vector<std::string> names = [] {
     std::vector<std::string> result{kOwnPlanner};
-    const auto& others = planning::ompl_planners();
+    const auto& others = ompl_planners();
     result.insert(result.end(), others.begin(), others.end());
     return result;
   }();
@@ -55,27 +55,27 @@ double path_length(const std::vector<JointVector>& waypoints) {
 }
 
 MotionPlanner::MotionPlanner(CollisionChecker& checker, const PlannerParams& params)
-    : checker_(checker), params_(params), limits_(planning::bounded(checker.model().limits())) {
-  planning::demand_planner(params.planner, planner_names());
-  planning::demand_ranges(params);
+    : checker_(checker), params_(params), limits_(bounded(checker.model().limits())) {
+  demand_planner(params.planner, planner_names());
+  demand_ranges(params);
 }
 
 PlanResult MotionPlanner::plan(const PlanRequest& request) {
-  planning::Checked checked;
-  if (auto refusal = planning::check_request(checker_, limits_, params_.limit_repair_rad, request, checked))
+  Checked checked;
+  if (auto refusal = check_request(checker_, limits_, params_.limit_repair_rad, request, checked))
     return *refusal;
-  const auto search = [&](const planning::Stop& stop, int* states) -> std::optional<planning::Found> {
+  const auto search = [&](const Stop& stop, int* states) -> std::optional<Found> {
     if (params_.planner != kOwnPlanner)
-      return planning::ompl_search(checker_, limits_, params_, checked.start, checked.goals, false, stop);
-    planning::Search own(checker_, limits_, params_);
+      return ompl_search(checker_, limits_, params_, checked.start, checked.goals, false, stop);
+    Search own(checker_, limits_, params_);
     auto found = own.run(checked.start, checked.goals, stop);
     *states = own.states();
     return found;
   };
-  const auto shorten = [&](std::vector<JointVector> waypoints, Rng& rng, const planning::Stop& stop) {
-    return planning::shorten(checker_, std::move(waypoints), params_.shortcut_rounds, rng, stop);
+  const auto shortening = [&](std::vector<JointVector> waypoints, Rng& rng, const Stop& stop) {
+    return shorten(checker_, std::move(waypoints), params_.shortcut_rounds, rng, stop);
   };
-  return planning::search_and_shorten(request, checked, params_, search, shorten);
+  return search_and_shorten(request, checked, params_, search, shortening);
 }
 
 }  // namespace extperfc::arm

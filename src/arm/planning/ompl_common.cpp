@@ -7,7 +7,7 @@
 #include <ompl/util/Console.h>
 #include <ompl/util/RandomNumbers.h>
 
-namespace extperfc::arm::planning {
+namespace extperfc::arm {
 
 namespace ob = ompl::base;
 
@@ -47,4 +47,4 @@ ob::ProblemDefinitionPtr make_problem(const ob::SpaceInformationPtr& space, cons
   return problem;
 }
 
-}  // namespace extperfc::arm::planning
+}  // namespace extperfc::arm

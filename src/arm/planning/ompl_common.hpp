@@ -14,7 +14,7 @@
 #include "extperfc/arm/kinematics.hpp"
 
 /// What the planners of OMPL have in common, with constraints and without.
-namespace extperfc::arm::planning {
+namespace extperfc::arm {
 
 /// OMPL's random numbers are seeded once per process; it writes no log.
 void seed_ompl_once(std::uint64_t seed);
@@ -35,4 +35,4 @@ template <typename Makers>
   return names;
 }
 
-}  // namespace extperfc::arm::planning
+}  // namespace extperfc::arm

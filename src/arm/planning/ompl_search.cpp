@@ -19,7 +19,7 @@
 #include "arm/planning/ompl_common.hpp"
 #include "arm/planning/states.hpp"
 
-namespace extperfc::arm::planning {
+namespace extperfc::arm {
 
 namespace {
 
@@ -123,4 +123,4 @@ std::optional<Found> ompl_search(CollisionChecker& checker, const JointLimits& l
   return found;
 }
 
-}  // namespace extperfc::arm::planning
+}  // namespace extperfc::arm

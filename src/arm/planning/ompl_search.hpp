@@ -10,7 +10,7 @@
 
 #include "arm/planning/rrt_connect.hpp"
 
-namespace extperfc::arm::planning {
+namespace extperfc::arm {
 
 /// Names of the planners of OMPL that ompl_search() knows.
 [[nodiscard]] const std::vector<std::string>& ompl_planners();
@@ -27,4 +27,4 @@ namespace extperfc::arm::planning {
                                                const std::vector<JointVector>& goals, bool improve,
                                                const std::function<bool()>& stop);
 
-}  // namespace extperfc::arm::planning
+}  // namespace extperfc::arm

@@ -13,22 +13,18 @@ namespace extperfc::arm {
 
 namespace {
 
-using planning::Checked;
-using planning::TeamProblem;
-using planning::Termination;
-
 void demand(bool holds, const std::string& what) {
   if (!holds) throw std::invalid_argument(what);
 }
 
 void demand_good(const PlanningTeamParams& params) {
-  planning::demand_ranges(params.planner);
+  demand_ranges(params.planner);
   demand(!params.members.empty() && params.members.size() <= 16, "PlanningTeamParams::members: 1 to 16");
   demand(params.threads >= 1 && params.threads <= 8, "PlanningTeamParams::threads: 1 to 8");
   int others = 0;
   for (const auto& member : params.members) {
-    planning::demand_planner(member.planner, planner_names());
-    others += planning::is_ours(member) ? 0 : 1;
+    demand_planner(member.planner, planner_names());
+    others += is_ours(member) ? 0 : 1;
   }
   const int needed = others + (others < static_cast<int>(params.members.size()) ? 1 : 0);
   demand(params.threads >= needed || others == 0,
@@ -41,7 +37,7 @@ double cost_of(const PlanningTeamParams& params, const std::vector<JointVector>&
 
 TeamResult ended(PlanCode code, const std::string& message) {
   TeamResult result;
-  result.plan = planning::failed(code, message);
+  result.plan = failed(code, message);
   return result;
 }
 
@@ -55,15 +51,15 @@ void succeed(TeamResult& result, const Checked& checked, int goal, std::vector<J
 
 TeamResult first_path(const TeamProblem& problem, CollisionChecker& checker, Termination& termination) {
   TeamResult result;
-  planning::FirstPath search(problem);
+  FirstPath search(problem);
   auto winner = search.run([&] { return termination.over(); });
   result.plan.search_s = termination.seconds();
   result.plan.states = search.states();
   if (!winner) return result;
   const PlanningTeamParams& params = problem.params;
   Rng rng(params.members[static_cast<std::size_t>(winner->member)].seed);
-  auto waypoints = planning::shorten(checker, std::move(winner->found.waypoints),
-                                     params.planner.shortcut_rounds, rng, [&] { return termination.over(); });
+  auto waypoints = shorten(checker, std::move(winner->found.waypoints), params.planner.shortcut_rounds, rng,
+                           [&] { return termination.over(); });
   result.plan.shortcut_s = termination.seconds() - result.plan.search_s;
   result.member = winner->member;
   result.cost = cost_of(params, waypoints);
@@ -73,7 +69,7 @@ TeamResult first_path(const TeamProblem& problem, CollisionChecker& checker, Ter
 
 TeamResult best_path(const TeamProblem& problem, int max_attempts, Termination& termination) {
   TeamResult result;
-  planning::BestPath search(problem, max_attempts);
+  BestPath search(problem, max_attempts);
   auto winner = search.run([&] { return termination.over(); });
   result.plan.search_s = termination.seconds();
   result.attempts = search.attempts();
@@ -88,7 +84,7 @@ TeamResult best_path(const TeamProblem& problem, int max_attempts, Termination& 
 }  // namespace
 
 PlanningTeam::PlanningTeam(CollisionChecker& checker, const PlanningTeamParams& params)
-    : checker_(checker), params_(params), limits_(planning::bounded(checker.model().limits())) {
+    : checker_(checker), params_(params), limits_(bounded(checker.model().limits())) {
   demand_good(params_);
 }
 
@@ -99,8 +95,7 @@ TeamResult PlanningTeam::plan(const PlanRequest& request, const TeamEffort& effo
   Termination termination(request, effort.timeout_s);
   CollisionChecker checker = checker_.clone();
   Checked checked;
-  if (auto refusal =
-          planning::check_request(checker, limits_, params_.planner.limit_repair_rad, request, checked)) {
+  if (auto refusal = check_request(checker, limits_, params_.planner.limit_repair_rad, request, checked)) {
     TeamResult result;
     result.plan = std::move(*refusal);
     return result;
@@ -110,7 +105,7 @@ TeamResult PlanningTeam::plan(const PlanRequest& request, const TeamEffort& effo
   TeamResult result;
   // Nothing is shorter than the straight path; a cost of the caller's may think otherwise.
   const bool straight_is_best = !effort.improve || !params_.cost;
-  planning::Search straight(checker, limits_, params_.planner);
+  Search straight(checker, limits_, params_.planner);
   auto found = straight_is_best ? straight.straight(checked.start, checked.goals) : std::nullopt;
   if (found && (!effort.improve || checked.goals.size() == 1)) {
     result.cost = cost_of(params_, found->waypoints);

@@ -6,9 +6,10 @@
 #include <utility>
 
 #include "extperfc/base/math.hpp"
+
 #include "arm/collision/state_fault.hpp"
 
-namespace extperfc::arm::planning {
+namespace extperfc::arm {
 
 namespace {
 
@@ -41,14 +42,12 @@ class RequestValidator {
   }
 
   std::optional<PlanResult> check_start(const JointVector& start) {
-    if (const auto fault =
-            collision::outside_limits(checker_.model(), limits_, start, limit_repair_rad_, "start"))
+    if (const auto fault = outside_limits(checker_.model(), limits_, start, limit_repair_rad_, "start"))
       return failed(PlanCode::kStartOutsideLimits, fault->message);
     checked_.start = start.cwiseMax(limits_.lower).cwiseMin(limits_.upper);
     if (const auto violation = find_violation(checked_.start)) return refuse("start", *violation);
     if (checker_.is_free(checked_.start)) return std::nullopt;
-    return failed(PlanCode::kStartInCollision,
-                  collision::in_collision(checker_, checked_.start, "start").message);
+    return failed(PlanCode::kStartInCollision, in_collision(checker_, checked_.start, "start").message);
   }
 
   std::optional<PlanResult> check_goals(const std::vector<JointVector>& goals) {
@@ -57,7 +56,7 @@ class RequestValidator {
     const JointVector* touching = nullptr;
     const std::vector<bool> free = checker_.are_free(goals);
     for (std::size_t g = 0; g < goals.size(); ++g) {
-      if (const auto fault = collision::outside_limits(checker_.model(), limits_, goals[g], 0.0, "goal")) {
+      if (const auto fault = outside_limits(checker_.model(), limits_, goals[g], 0.0, "goal")) {
         if (!outside) outside = fault->message;
       } else if (auto violation = find_violation(goals[g])) {
         if (!violated) violated = std::move(violation);
@@ -70,7 +69,7 @@ class RequestValidator {
     }
     if (!checked_.goals.empty()) return std::nullopt;
     if (touching != nullptr)
-      return failed(PlanCode::kGoalInCollision, collision::in_collision(checker_, *touching, "goal").message);
+      return failed(PlanCode::kGoalInCollision, in_collision(checker_, *touching, "goal").message);
     if (violated) return refuse("goal", *violated);
     return failed(PlanCode::kGoalOutsideLimits, *outside);
   }
@@ -136,4 +135,4 @@ std::optional<PlanResult> check_request(CollisionChecker& checker, const JointLi
   return validator.check_goals(request.goals);
 }
 
-}  // namespace extperfc::arm::planning
+}  // namespace extperfc::arm

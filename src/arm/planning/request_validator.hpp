@@ -8,7 +8,7 @@
 #include "extperfc/arm/collision_checker.hpp"
 #include "extperfc/arm/motion_planner.hpp"
 
-namespace extperfc::arm::planning {
+namespace extperfc::arm {
 
 /// Continuous joints get [-pi, pi].
 [[nodiscard]] JointLimits bounded(JointLimits limits);
@@ -41,4 +41,4 @@ struct Checked {
 
 [[nodiscard]] PlanResult failed(PlanCode code, std::string message);
 
-}  // namespace extperfc::arm::planning
+}  // namespace extperfc::arm

@@ -2,7 +2,7 @@
 
 #include <utility>
 
-namespace extperfc::arm::planning {
+namespace extperfc::arm {
 
 namespace {
 
@@ -36,4 +36,4 @@ RrtConnect::Step RrtConnect::extend(Tree& tree, int from, const JointVector& tar
   return reaches ? Step::kReached : Step::kAdvanced;
 }
 
-}  // namespace extperfc::arm::planning
+}  // namespace extperfc::arm

@@ -9,7 +9,7 @@
 
 #include "arm/planning/two_trees.hpp"
 
-namespace extperfc::arm::planning {
+namespace extperfc::arm {
 
 /// Indices of joints that move.
 using JointSet = std::vector<int>;
@@ -33,4 +33,4 @@ class RrtConnect : public TwoTrees {
   JointSet moving_;
 };
 
-}  // namespace extperfc::arm::planning
+}  // namespace extperfc::arm

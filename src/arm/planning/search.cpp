@@ -7,7 +7,7 @@
 #include "arm/collision/bodies.hpp"
 #include "arm/planning/states.hpp"
 
-namespace extperfc::arm::planning {
+namespace extperfc::arm {
 
 namespace {
 
@@ -102,4 +102,4 @@ std::optional<Found> Search::run(const JointVector& start, const std::vector<Joi
   return found;
 }
 
-}  // namespace extperfc::arm::planning
+}  // namespace extperfc::arm

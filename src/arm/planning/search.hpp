@@ -6,7 +6,7 @@
 
 #include "arm/planning/rrt_connect.hpp"
 
-namespace extperfc::arm::planning {
+namespace extperfc::arm {
 
 /// Joints by the branches of the robot's tree, e.g. left arm and right arm, in the order of their first
 /// joints.
@@ -54,4 +54,4 @@ class Search {
   int states_{0};  ///< but those of whole_
 };
 
-}  // namespace extperfc::arm::planning
+}  // namespace extperfc::arm

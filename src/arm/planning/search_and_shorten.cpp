@@ -4,7 +4,7 @@
 
 #include "arm/planning/termination.hpp"
 
-namespace extperfc::arm::planning {
+namespace extperfc::arm {
 
 PlanResult search_and_shorten(const PlanRequest& request, const Checked& checked, const PlannerParams& params,
                               const SearchFunction& search, const ShortenFunction& shorten) {
@@ -27,4 +27,4 @@ PlanResult search_and_shorten(const PlanRequest& request, const Checked& checked
   return result;
 }
 
-}  // namespace extperfc::arm::planning
+}  // namespace extperfc::arm

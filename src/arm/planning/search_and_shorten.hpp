@@ -7,7 +7,7 @@
 #include "arm/planning/request_validator.hpp"
 #include "arm/planning/two_trees.hpp"
 
-namespace extperfc::arm::planning {
+namespace extperfc::arm {
 
 using Stop = std::function<bool()>;
 
@@ -22,4 +22,4 @@ using ShortenFunction =
                                             const PlannerParams& params, const SearchFunction& search,
                                             const ShortenFunction& shorten);
 
-}  // namespace extperfc::arm::planning
+}  // namespace extperfc::arm

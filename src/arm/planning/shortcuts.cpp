@@ -5,7 +5,7 @@
 
 #include "extperfc/arm/motion_planner.hpp"
 
-namespace extperfc::arm::planning {
+namespace extperfc::arm {
 
 namespace {
 
@@ -86,4 +86,4 @@ Path shorten(CollisionChecker& checker, Path waypoints, int rounds, Rng& rng,
   return leave_out(checker, waypoints, stop);
 }
 
-}  // namespace extperfc::arm::planning
+}  // namespace extperfc::arm

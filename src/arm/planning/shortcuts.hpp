@@ -8,7 +8,7 @@
 #include "extperfc/arm/joint_vector.hpp"
 #include "extperfc/base/rng.hpp"
 
-namespace extperfc::arm::planning {
+namespace extperfc::arm {
 
 /// A gain below this is not worth a segment more.
 inline constexpr double kMinGainRad = 1e-3;
@@ -29,4 +29,4 @@ void replace(std::vector<JointVector>* path, std::size_t from, std::size_t to,
 [[nodiscard]] std::vector<JointVector> shorten(CollisionChecker& checker, std::vector<JointVector> waypoints,
                                                int rounds, Rng& rng, const std::function<bool()>& stop);
 
-}  // namespace extperfc::arm::planning
+}  // namespace extperfc::arm

@@ -4,7 +4,7 @@
 #include <limits>
 #include <numeric>
 
-namespace extperfc::arm::planning {
+namespace extperfc::arm {
 
 int nearest(const std::vector<JointVector>& states, const JointVector& to) {
   int nearest = -1;
@@ -27,4 +27,4 @@ std::vector<int> by_distance(const JointVector& from, const std::vector<JointVec
   return order;
 }
 
-}  // namespace extperfc::arm::planning
+}  // namespace extperfc::arm

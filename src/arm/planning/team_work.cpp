@@ -9,7 +9,7 @@
 #include "arm/planning/ompl_search.hpp"
 #include "arm/planning/shortcuts.hpp"
 
-namespace extperfc::arm::planning {
+namespace extperfc::arm {
 
 namespace {
 
@@ -228,4 +228,4 @@ std::optional<BestPath::Winner> BestPath::attempt(int number) {
   return winner;
 }
 
-}  // namespace extperfc::arm::planning
+}  // namespace extperfc::arm

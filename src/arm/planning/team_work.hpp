@@ -17,7 +17,7 @@
 #include "arm/planning/rrt_connect.hpp"
 #include "arm/planning/search.hpp"
 
-namespace extperfc::arm::planning {
+namespace extperfc::arm {
 
 /// A problem whose states are good.
 struct TeamProblem {
@@ -124,4 +124,4 @@ class BestPath {
   int found_{0};
 };
 
-}  // namespace extperfc::arm::planning
+}  // namespace extperfc::arm

@@ -3,7 +3,7 @@
 #include "extperfc/arm/motion_planner.hpp"
 #include "extperfc/base/stopwatch.hpp"
 
-namespace extperfc::arm::planning {
+namespace extperfc::arm {
 
 /// What ends a call: its caller, or its time. Asked by the calling thread alone.
 class Termination {
@@ -32,4 +32,4 @@ class Termination {
   Stopwatch watch_;
 };
 
-}  // namespace extperfc::arm::planning
+}  // namespace extperfc::arm

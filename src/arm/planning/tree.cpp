@@ -5,7 +5,7 @@
 #include <limits>
 #include <utility>
 
-namespace extperfc::arm::planning {
+namespace extperfc::arm {
 
 namespace {
 
@@ -66,4 +66,4 @@ void Tree::narrow_domain(int index) {
                         : kFirstDomainRad;
 }
 
-}  // namespace extperfc::arm::planning
+}  // namespace extperfc::arm

@@ -6,7 +6,7 @@
 
 #include "extperfc/arm/joint_vector.hpp"
 
-namespace extperfc::arm::planning {
+namespace extperfc::arm {
 
 /// States with their parents, and the nearest of them to a given state.
 class Tree {
@@ -48,4 +48,4 @@ class Tree {
   Eigen::ArrayXf squares_;   ///< scratch of nearest()
 };
 
-}  // namespace extperfc::arm::planning
+}  // namespace extperfc::arm

@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-namespace extperfc::arm::planning {
+namespace extperfc::arm {
 
 namespace {
 
@@ -66,4 +66,4 @@ std::optional<Found> TwoTrees::grow(int samples, Rng& rng, const std::function<b
   return std::nullopt;
 }
 
-}  // namespace extperfc::arm::planning
+}  // namespace extperfc::arm

@@ -8,7 +8,7 @@
 
 #include "arm/planning/tree.hpp"
 
-namespace extperfc::arm::planning {
+namespace extperfc::arm {
 
 /// A path and the index of the goal at its end.
 struct Found {
@@ -50,4 +50,4 @@ class TwoTrees {
   bool grows_start_{true};
 };
 
-}  // namespace extperfc::arm::planning
+}  // namespace extperfc::arm

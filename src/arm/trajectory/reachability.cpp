@@ -132,10 +132,10 @@ std::string text(double value) {
   return out.str();
 }
 
-class Solver {
+class SpeedSolver {
  public:
-  Solver(const JointPath& path, const Passage& passage, const JointVector& velocity,
-         const JointVector& acceleration, int stages)
+  SpeedSolver(const JointPath& path, const Passage& passage, const JointVector& velocity,
+              const JointVector& acceleration, int stages)
       : path_(path), passage_(passage), velocity_(velocity), acceleration_(acceleration) {
     for (std::size_t p = passage.first_piece; p < passage.first_piece + passage.pieces; ++p) {
       const auto& piece = path.pieces()[p];
@@ -326,7 +326,7 @@ class Solver {
 Result<std::vector<PathPhase>> fastest_phases(const JointPath& path, const Passage& passage,
                                               const JointVector& velocity, const JointVector& acceleration,
                                               int stages) {
-  return Solver(path, passage, velocity, acceleration, stages).solve();
+  return SpeedSolver(path, passage, velocity, acceleration, stages).solve();
 }
 
 }  // namespace extperfc::arm

@@ -46,12 +46,12 @@ Result<Eigen::Vector3d> surface_point(const ImageView& depth, const CameraModel&
 }
 
 /// Pixels of the box that rise above the support, in the support's frame.
-std::vector<fit::SurfaceSample> standing_out(const fit::Points& points, const fit::SupportPlane& support,
-                                             const ObjectFitParams& params) {
+std::vector<SurfaceSample> standing_out(const Points& points, const SupportPlane& support,
+                                        const ObjectFitParams& params) {
   const Pose plane_T_camera = support.camera_T_plane.inverse();
   const Eigen::Vector3d normal = support.camera_T_plane.linear().col(2);
-  std::vector<fit::SurfaceSample> samples;
-  for (const fit::Point& point : points.items) {
+  std::vector<SurfaceSample> samples;
+  for (const Point& point : points.items) {
     if (!point.in_box) continue;
     const Eigen::Vector3d position = plane_T_camera * point.position;
     const double sigma = point.sigma_m * std::abs(normal.dot(point.position.normalized()));
@@ -61,8 +61,8 @@ std::vector<fit::SurfaceSample> standing_out(const fit::Points& points, const fi
   return samples;
 }
 
-Result<void> check_fit(FitShape shape, const fit::SolidFit& found, const ObjectFitParams& params) {
-  const Eigen::Vector3d size = fit::size_of(shape, found.numbers);
+Result<void> check_fit(FitShape shape, const SolidFit& found, const ObjectFitParams& params) {
+  const Eigen::Vector3d size = size_of(shape, found.numbers);
   if (!size.allFinite() || size.minCoeff() < params.min_size_m || size.maxCoeff() > params.max_size_m)
     return fail(ErrorCode::kNotFound, std::string("as a ") + name_of(shape) + " it would be " +
                                           std::to_string(size.maxCoeff()) + " m large");
@@ -74,10 +74,9 @@ Result<void> check_fit(FitShape shape, const fit::SolidFit& found, const ObjectF
 }
 
 /// The numbers of a solid, placed into the optical frame.
-ObjectFit place(FitShape shape, const fit::SolidFit& found, const fit::SupportPlane& support,
-                double shared_sigma_m) {
+ObjectFit place(FitShape shape, const SolidFit& found, const SupportPlane& support, double shared_sigma_m) {
   ObjectFit object;
-  object.size_m = fit::size_of(shape, found.numbers);
+  object.size_m = size_of(shape, found.numbers);
   Pose plane_T_object = Pose::Identity();
   plane_T_object.translation() << found.numbers[0], found.numbers[1], 0.5 * object.size_m.z();
   if (shape == FitShape::kCube)
@@ -87,8 +86,8 @@ ObjectFit place(FitShape shape, const fit::SolidFit& found, const fit::SupportPl
   object.support = support.camera_T_plane * Eigen::Vector3d(found.numbers[0], found.numbers[1], 0);
 
   // d origin / d numbers; the height is half of the size along z.
-  Eigen::Matrix<double, 3, Eigen::Dynamic, 0, 3, fit::kMaxNumbers> by =
-      Eigen::Matrix<double, 3, Eigen::Dynamic, 0, 3, fit::kMaxNumbers>::Zero(3, found.numbers.size());
+  Eigen::Matrix<double, 3, Eigen::Dynamic, 0, 3, kMaxNumbers> by =
+      Eigen::Matrix<double, 3, Eigen::Dynamic, 0, 3, kMaxNumbers>::Zero(3, found.numbers.size());
   by(0, 0) = by(1, 1) = 1;
   by(2, shape == FitShape::kCone ? 3 : 2) = shape == FitShape::kSphere ? 1 : 0.5;
   Eigen::Matrix3d in_plane = by * found.covariance * by.transpose();
@@ -132,14 +131,14 @@ Result<ObjectFit> fit_object(const ImageView& depth, const CameraModel& camera, 
   if (auto valid = check_input(depth, camera, box, up); !valid) return tl::unexpected<Error>(valid.error());
   const auto anchor = surface_point(depth, camera, box, params);
   if (!anchor) return tl::unexpected<Error>(anchor.error());
-  const fit::Points points = fit::gather(depth, camera, box, *anchor, params);
-  const auto support = fit::find_support(points, up, *anchor, params);
+  const Points points = gather(depth, camera, box, *anchor, params);
+  const auto support = find_support(points, up, *anchor, params);
   if (!support) return fail(ErrorCode::kNotFound, "no level support found around the box");
   const auto samples = standing_out(points, *support, params);
   if (static_cast<int>(samples.size()) < params.min_object_px)
     return fail(ErrorCode::kNotFound,
                 "only " + std::to_string(samples.size()) + " pixels rise above the support");
-  const fit::SolidFit found = fit::fit_solid(shape, samples, points.independent);
+  const SolidFit found = fit_solid(shape, samples, points.independent);
   if (auto good = check_fit(shape, found, params); !good) return tl::unexpected<Error>(good.error());
   const double shared = std::sqrt(params.noise.common_fraction) * params.noise.sigma(anchor->z());
   ObjectFit object = place(shape, found, *support, shared);

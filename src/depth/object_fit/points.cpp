@@ -6,7 +6,7 @@
 #include <cstdint>
 #include <cstring>
 
-namespace extperfc::depth::fit {
+namespace extperfc::depth {
 namespace {
 
 constexpr double kMaxPixels = 4000;
@@ -72,4 +72,4 @@ Points gather(const ImageView& depth, const CameraModel& camera, const Box2& box
   return points;
 }
 
-}  // namespace extperfc::depth::fit
+}  // namespace extperfc::depth

@@ -6,7 +6,7 @@
 
 #include "extperfc/depth/object_fit.hpp"
 
-namespace extperfc::depth::fit {
+namespace extperfc::depth {
 
 /// A pixel with a measurement.
 struct Point {
@@ -26,4 +26,4 @@ struct Points {
 [[nodiscard]] Points gather(const ImageView& depth, const CameraModel& camera, const Box2& box,
                             const Eigen::Vector3d& anchor, const ObjectFitParams& params);
 
-}  // namespace extperfc::depth::fit
+}  // namespace extperfc::depth

@@ -10,7 +10,7 @@
 
 #include "depth/cauchy.hpp"
 
-namespace extperfc::depth::fit {
+namespace extperfc::depth {
 namespace {
 
 constexpr double kMinLength = 1e-3;     // of a radius, edge or height during the iterations [m]
@@ -188,4 +188,4 @@ SolidFit fit_solid(FitShape shape, const std::vector<SurfaceSample>& samples, do
   return fit;
 }
 
-}  // namespace extperfc::depth::fit
+}  // namespace extperfc::depth

@@ -6,7 +6,7 @@
 
 #include "depth/object_fit/solids.hpp"
 
-namespace extperfc::depth::fit {
+namespace extperfc::depth {
 
 /// A point in the support's frame.
 struct SurfaceSample {
@@ -29,4 +29,4 @@ struct SolidFit {
 [[nodiscard]] SolidFit fit_solid(FitShape shape, const std::vector<SurfaceSample>& samples,
                                  double independent);
 
-}  // namespace extperfc::depth::fit
+}  // namespace extperfc::depth

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <cstddef>
 
-namespace extperfc::depth::fit {
+namespace extperfc::depth {
 namespace {
 
 constexpr int kYaws = 6;                          // starts of a cube over a quarter rotation
@@ -115,4 +115,4 @@ std::vector<Numbers> starts(FitShape shape, const std::vector<Eigen::Vector3d>& 
   return all;
 }
 
-}  // namespace extperfc::depth::fit
+}  // namespace extperfc::depth

@@ -8,7 +8,7 @@
 
 /// Solids that stand on the plane z = 0, each given by up to four numbers:
 /// sphere (x, y, radius), cone (x, y, radius, height), cube (x, y, edge, yaw).
-namespace extperfc::depth::fit {
+namespace extperfc::depth {
 
 inline constexpr int kMaxNumbers = 4;
 using Numbers = Eigen::Matrix<double, Eigen::Dynamic, 1, 0, kMaxNumbers, 1>;
@@ -29,4 +29,4 @@ using Numbers = Eigen::Matrix<double, Eigen::Dynamic, 1, 0, kMaxNumbers, 1>;
 /// whose yaw is unknown. x of the frame points away from the camera.
 [[nodiscard]] std::vector<Numbers> starts(FitShape shape, const std::vector<Eigen::Vector3d>& points);
 
-}  // namespace extperfc::depth::fit
+}  // namespace extperfc::depth

@@ -9,7 +9,7 @@
 
 #include "extperfc/base/rng.hpp"
 
-namespace extperfc::depth::fit {
+namespace extperfc::depth {
 namespace {
 
 constexpr int kRounds = 80;
@@ -126,4 +126,4 @@ std::optional<SupportPlane> find_support(const Points& points, const Eigen::Vect
   return support;
 }
 
-}  // namespace extperfc::depth::fit
+}  // namespace extperfc::depth

@@ -6,7 +6,7 @@
 
 #include "depth/object_fit/points.hpp"
 
-namespace extperfc::depth::fit {
+namespace extperfc::depth {
 
 /// The plane that an object stands on, and a frame in it.
 struct SupportPlane {
@@ -21,4 +21,4 @@ struct SupportPlane {
                                                        const Eigen::Vector3d& anchor,
                                                        const ObjectFitParams& params);
 
-}  // namespace extperfc::depth::fit
+}  // namespace extperfc::depth

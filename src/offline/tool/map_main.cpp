@@ -11,12 +11,12 @@
 #include "extperfc/sources/mrpt_map.hpp"
 #include "extperfc/world/map_file.hpp"
 
-#include "map_options.hpp"
-#include "map_report.hpp"
-#include "program.hpp"
-#include "progress_line.hpp"
+#include "offline/tool/map_options.hpp"
+#include "offline/tool/map_report.hpp"
+#include "offline/tool/program.hpp"
+#include "offline/tool/progress_line.hpp"
 
-namespace extperfc::offline::tool {
+namespace extperfc::offline {
 namespace {
 
 namespace fs = std::filesystem;
@@ -142,9 +142,9 @@ int run_tool(const std::vector<std::string>& tokens) {
 }
 
 }  // namespace
-}  // namespace extperfc::offline::tool
+}  // namespace extperfc::offline
 
 int main(int argc, char** argv) {
-  using namespace extperfc::offline::tool;  // NOLINT: a program, not a header
+  using namespace extperfc::offline;  // NOLINT: a program, not a header
   return run_program(kProgram, argc, argv, run_tool);
 }

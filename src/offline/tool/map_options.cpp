@@ -1,13 +1,13 @@
-#include "map_options.hpp"
+#include "offline/tool/map_options.hpp"
 
 #include <sstream>
 
 #include "extperfc/base/arguments.hpp"
 #include "extperfc/mapping/param_names.hpp"
 
-#include "recording_options.hpp"
+#include "offline/tool/recording_options.hpp"
 
-namespace extperfc::offline::tool {
+namespace extperfc::offline {
 
 namespace {
 
@@ -157,4 +157,4 @@ std::string map_help() {
   return out.str();
 }
 
-}  // namespace extperfc::offline::tool
+}  // namespace extperfc::offline

@@ -11,7 +11,7 @@
 #include "extperfc/mapping/mapper.hpp"
 #include "extperfc/offline/recording.hpp"
 
-namespace extperfc::offline::tool {
+namespace extperfc::offline {
 
 /// Command line of extperfc-map.
 struct MapOptions {
@@ -35,4 +35,4 @@ struct MapOptions {
 
 [[nodiscard]] std::string map_help();
 
-}  // namespace extperfc::offline::tool
+}  // namespace extperfc::offline

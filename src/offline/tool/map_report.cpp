@@ -1,4 +1,4 @@
-#include "map_report.hpp"
+#include "offline/tool/map_report.hpp"
 
 #include <iomanip>
 #include <sstream>
@@ -7,9 +7,9 @@
 
 #include "extperfc/mapping/param_names.hpp"
 
-#include "score_report.hpp"
+#include "offline/tool/score_report.hpp"
 
-namespace extperfc::offline::tool {
+namespace extperfc::offline {
 
 namespace {
 
@@ -94,4 +94,4 @@ std::string report_json(const MapReport& report) {
   return json.dump(2, ' ', true, nlohmann::json::error_handler_t::replace) + "\n";
 }
 
-}  // namespace extperfc::offline::tool
+}  // namespace extperfc::offline

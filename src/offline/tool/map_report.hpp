@@ -8,9 +8,9 @@
 #include "extperfc/offline/map_recording.hpp"
 #include "extperfc/offline/relations.hpp"
 
-#include "map_options.hpp"
+#include "offline/tool/map_options.hpp"
 
-namespace extperfc::offline::tool {
+namespace extperfc::offline {
 
 /// The contents of a report.
 struct MapReport {
@@ -27,4 +27,4 @@ struct MapReport {
 [[nodiscard]] std::string report_text(const MapReport& report);
 [[nodiscard]] std::string report_json(const MapReport& report);
 
-}  // namespace extperfc::offline::tool
+}  // namespace extperfc::offline

@@ -1,9 +1,9 @@
-#include "program.hpp"
+#include "offline/tool/program.hpp"
 
 #include <exception>
 #include <iostream>
 
-namespace extperfc::offline::tool {
+namespace extperfc::offline {
 
 int complain(const std::string& program, const std::string& what, int status) {
   std::cerr << program << ": " << what << (status == kUsage ? " (" + program + " --help)" : "") << '\n';
@@ -19,4 +19,4 @@ int run_program(const char* program, int argc, char** argv,
   }
 }
 
-}  // namespace extperfc::offline::tool
+}  // namespace extperfc::offline

@@ -3,7 +3,7 @@
 #include <string>
 #include <vector>
 
-namespace extperfc::offline::tool {
+namespace extperfc::offline {
 
 // Exit status, as described by --help.
 constexpr int kDone = 0;
@@ -18,4 +18,4 @@ int complain(const std::string& program, const std::string& what, int status = k
 int run_program(const char* program, int argc, char** argv,
                 int (*run)(const std::vector<std::string>& tokens));
 
-}  // namespace extperfc::offline::tool
+}  // namespace extperfc::offline

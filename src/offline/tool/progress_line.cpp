@@ -1,4 +1,4 @@
-#include "progress_line.hpp"
+#include "offline/tool/progress_line.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -7,7 +7,7 @@
 
 #include <unistd.h>
 
-namespace extperfc::offline::tool {
+namespace extperfc::offline {
 
 ProgressLine::ProgressLine() : terminal_(isatty(STDERR_FILENO) != 0) {}
 
@@ -49,4 +49,4 @@ void ProgressLine::end() {
   bar_shown_ = false;
 }
 
-}  // namespace extperfc::offline::tool
+}  // namespace extperfc::offline

@@ -5,7 +5,7 @@
 #include "extperfc/base/stopwatch.hpp"
 #include "extperfc/offline/map_recording.hpp"
 
-namespace extperfc::offline::tool {
+namespace extperfc::offline {
 
 /// Prints the progress of mapping on standard error: a bar that moves on a terminal, a line for every
 /// tenth of the recording elsewhere.
@@ -27,4 +27,4 @@ class ProgressLine {
   double next_fraction_{0.1};  // of the next line
 };
 
-}  // namespace extperfc::offline::tool
+}  // namespace extperfc::offline

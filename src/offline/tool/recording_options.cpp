@@ -1,6 +1,6 @@
-#include "recording_options.hpp"
+#include "offline/tool/recording_options.hpp"
 
-namespace extperfc::offline::tool {
+namespace extperfc::offline {
 
 std::set<std::string> with_recording_options(std::set<std::string> options) {
   options.insert({"--scan-topic", "--odom-topic", "--base-frame", "--odom-frame", "--sensor"});
@@ -17,4 +17,4 @@ RecordingOptions recording_options(const Arguments& arguments) {
   return reading;
 }
 
-}  // namespace extperfc::offline::tool
+}  // namespace extperfc::offline

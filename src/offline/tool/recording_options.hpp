@@ -6,7 +6,7 @@
 #include "extperfc/base/arguments.hpp"
 #include "extperfc/offline/recording.hpp"
 
-namespace extperfc::offline::tool {
+namespace extperfc::offline {
 
 /// `options`, and those that say which data of a recording count: --scan-topic and the like.
 [[nodiscard]] std::set<std::string> with_recording_options(std::set<std::string> options);
@@ -14,4 +14,4 @@ namespace extperfc::offline::tool {
 /// What those say.
 [[nodiscard]] RecordingOptions recording_options(const Arguments& arguments);
 
-}  // namespace extperfc::offline::tool
+}  // namespace extperfc::offline

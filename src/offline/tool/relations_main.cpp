@@ -11,11 +11,11 @@
 #include "extperfc/offline/relations.hpp"
 #include "extperfc/world/map_file.hpp"
 
-#include "program.hpp"
-#include "recording_options.hpp"
-#include "score_report.hpp"
+#include "offline/tool/program.hpp"
+#include "offline/tool/recording_options.hpp"
+#include "offline/tool/score_report.hpp"
 
-namespace extperfc::offline::tool {
+namespace extperfc::offline {
 namespace {
 
 constexpr const char* kProgram = "extperfc-relations";
@@ -159,9 +159,9 @@ int run_tool(const std::vector<std::string>& tokens) {
 }
 
 }  // namespace
-}  // namespace extperfc::offline::tool
+}  // namespace extperfc::offline
 
 int main(int argc, char** argv) {
-  using namespace extperfc::offline::tool;  // NOLINT: a program, not a header
+  using namespace extperfc::offline;  // NOLINT: a program, not a header
   return run_program(kProgram, argc, argv, run_tool);
 }

@@ -1,4 +1,4 @@
-#include "score_report.hpp"
+#include "offline/tool/score_report.hpp"
 
 #include <array>
 #include <iomanip>
@@ -6,7 +6,7 @@
 
 #include <nlohmann/json.hpp>
 
-namespace extperfc::offline::tool {
+namespace extperfc::offline {
 
 namespace {
 
@@ -70,4 +70,4 @@ nlohmann::json score_json(const std::vector<Relation>& relations, const Relation
   return json;
 }
 
-}  // namespace extperfc::offline::tool
+}  // namespace extperfc::offline

@@ -7,7 +7,7 @@
 
 #include "extperfc/offline/relations.hpp"
 
-namespace extperfc::offline::tool {
+namespace extperfc::offline {
 
 /// Table of the groups, and the `worst` relations with the largest errors.
 void print_score(std::ostream& out, const std::vector<Relation>& relations, const RelationsScore& score,
@@ -17,4 +17,4 @@ void print_score(std::ostream& out, const std::vector<Relation>& relations, cons
 [[nodiscard]] nlohmann::json score_json(const std::vector<Relation>& relations, const RelationsScore& score,
                                         std::size_t worst);
 
-}  // namespace extperfc::offline::tool
+}  // namespace extperfc::offline

@@ -14,7 +14,7 @@
 #include "ros/arm/status.hpp"
 #include "ros/convert/arm.hpp"
 
-namespace extperfc::arm_node {
+namespace extperfc::ros_arm {
 
 /// An action server that executes its goals one after the other in a separate thread; a newer goal preempts.
 /// Results need `code` and `message`, feedback `stage`.
@@ -80,7 +80,7 @@ class ActionRunner {
     } catch (const std::exception& error) {
       status = {arm::ArmCode::kInternal, error.what()};
     }
-    result.code = convert::to_message(status.code);
+    result.code = ros_convert::to_message(status.code);
     result.message = status.message;
     const std::string text = std::string(to_string(status.code)) + ": " + status.message;
     if (status.code == arm::ArmCode::kSuccess)
@@ -96,4 +96,4 @@ class ActionRunner {
   Server server_;
 };
 
-}  // namespace extperfc::arm_node
+}  // namespace extperfc::ros_arm

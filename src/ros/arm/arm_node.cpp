@@ -8,7 +8,7 @@
 
 #include "ros/convert/arm.hpp"
 
-namespace extperfc::arm_node {
+namespace extperfc::ros_arm {
 
 using arm::ArmCode;
 using ros_params::ArmNodeParams;
@@ -136,7 +136,7 @@ Status ArmNode::plan(const extperfc::PlanGoal& goal, const MotionCallbacks& call
   Status status = stopped ? *stopped : Status{outcome.code, outcome.message};
   note("plan", status);
   if (status.code != ArmCode::kSuccess) return status;
-  result.trajectory = convert::to_message(outcome.joints, outcome.points);
+  result.trajectory = ros_convert::to_message(outcome.joints, outcome.points);
   trajectory_publisher_.publish(result.trajectory);
   return status;
 }
@@ -239,7 +239,7 @@ bool ArmNode::on_check_state(extperfc::CheckArmState::Request& request,
                              extperfc::CheckArmState::Response& response) {
   const std::lock_guard lock(service_mutex_);
   const auto answer = [&](ArmCode code, const std::string& message) {
-    response.code = convert::to_message(code);
+    response.code = ros_convert::to_message(code);
     response.message = message;
     return true;
   };
@@ -273,7 +273,7 @@ bool ArmNode::on_solve_ik(extperfc::SolveArmIk::Request& request, extperfc::Solv
   asked.start = request.seed;
   asked.tool_goals = {request.goal};
   const auto answer = [&](const Status& status) {
-    response.code = convert::to_message(status.code);
+    response.code = ros_convert::to_message(status.code);
     response.message = status.message;
     return true;
   };
@@ -282,7 +282,7 @@ bool ArmNode::on_solve_ik(extperfc::SolveArmIk::Request& request, extperfc::Solv
   auto world = request.avoid_collisions != 0 ? scene_.world() : arm::CollisionWorld{};
   if (!world) return answer(world.error());
   const auto solved = server_.pipeline().solve(*read, *world, request.avoid_collisions != 0);
-  if (solved.code == ArmCode::kSuccess) response.joints = convert::to_message(solved.joints);
+  if (solved.code == ArmCode::kSuccess) response.joints = ros_convert::to_message(solved.joints);
   return answer({solved.code, solved.message});
 }
 
@@ -311,4 +311,4 @@ void ArmNode::report(diagnostic_updater::DiagnosticStatusWrapper& status) {
   status.add("changes of the scene", scene_.version());
 }
 
-}  // namespace extperfc::arm_node
+}  // namespace extperfc::ros_arm

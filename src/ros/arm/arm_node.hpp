@@ -25,7 +25,7 @@
 #include "ros/health/reporter.hpp"
 #include "ros/params/arm_params.hpp"
 
-namespace extperfc::arm_node {
+namespace extperfc::ros_arm {
 
 /// Plans and executes motions of the robot's arms, grasps and places objects.
 ///
@@ -121,7 +121,7 @@ class ArmNode {
   std::unique_ptr<DepthObstacleMonitor> depth_;  ///< nullptr without depth/enabled
   std::unique_ptr<ObjectMonitor> objects_;       ///< nullptr without objects/enabled
   std::vector<ros::ServiceServer> services_;
-  health::Reporter reporter_;
+  ros_health::Reporter reporter_;
   std::unique_ptr<ActionRunner<extperfc::PlanAction>> plan_action_;
   std::vector<std::unique_ptr<JogServer>> joggers_;
   std::unique_ptr<Grasper> grasper_;  ///< under the lease
@@ -130,4 +130,4 @@ class ArmNode {
   std::unique_ptr<ActionRunner<extperfc::PlaceAction>> place_action_;
 };
 
-}  // namespace extperfc::arm_node
+}  // namespace extperfc::ros_arm

@@ -6,13 +6,13 @@
 
 #include "ros/arm/arm_node.hpp"
 
-namespace extperfc {
+namespace extperfc::ros_arm {
 
-/// arm_node::ArmNode as a nodelet.
+/// ArmNode as a nodelet.
 class ArmNodelet : public nodelet::Nodelet {
  private:
   void onInit() override {
-    auto node = arm_node::ArmNode::make(getMTNodeHandle(), getMTPrivateNodeHandle(), getName());
+    auto node = ArmNode::make(getMTNodeHandle(), getMTPrivateNodeHandle(), getName());
     if (!node) {
       NODELET_FATAL("%s", node.error().message.c_str());
       throw std::runtime_error(node.error().message);
@@ -20,9 +20,9 @@ class ArmNodelet : public nodelet::Nodelet {
     node_ = std::move(*node);
   }
 
-  std::unique_ptr<arm_node::ArmNode> node_;
+  std::unique_ptr<ArmNode> node_;
 };
 
-}  // namespace extperfc
+}  // namespace extperfc::ros_arm
 
-PLUGINLIB_EXPORT_CLASS(extperfc::ArmNodelet, nodelet::Nodelet)
+PLUGINLIB_EXPORT_CLASS(extperfc::ros_arm::ArmNodelet, nodelet::Nodelet)

@@ -4,7 +4,7 @@
 #include <cstdint>
 #include <mutex>
 
-namespace extperfc::arm_node {
+namespace extperfc::ros_arm {
 
 /// Permission to move the arms: one holder at a time; the latest request supersedes older ones. Thread-safe.
 class ArmsLease {
@@ -57,4 +57,4 @@ class ArmsLease {
   bool held_{false};
 };
 
-}  // namespace extperfc::arm_node
+}  // namespace extperfc::ros_arm

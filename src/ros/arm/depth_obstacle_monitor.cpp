@@ -12,7 +12,7 @@
 #include "ros/convert/geometry.hpp"
 #include "ros/convert/image.hpp"
 
-namespace extperfc::arm_node {
+namespace extperfc::ros_arm {
 
 namespace {
 
@@ -53,11 +53,11 @@ visualization_msgs::Marker voxel_marker(const std::vector<Eigen::Vector3d>& midd
   // An empty list would be an error to rviz.
   marker.action = middles.empty() ? visualization_msgs::Marker::DELETE : visualization_msgs::Marker::ADD;
   marker.frame_locked = 1U;
-  marker.pose = convert::to_message(Pose::Identity());
-  marker.scale = convert::to_vector(Eigen::Vector3d::Constant(box.voxel_m));
+  marker.pose = ros_convert::to_message(Pose::Identity());
+  marker.scale = ros_convert::to_vector(Eigen::Vector3d::Constant(box.voxel_m));
   marker.color.a = 1.0F;
   for (const auto& middle : middles) {
-    marker.points.push_back(convert::to_point(middle));
+    marker.points.push_back(ros_convert::to_point(middle));
     marker.colors.push_back(rainbow((middle.z() - box.low_m.z()) / (box.high_m.z() - box.low_m.z())));
   }
   return marker;
@@ -109,7 +109,7 @@ DepthObstacleMonitor::~DepthObstacleMonitor() {
 void DepthObstacleMonitor::on_image(const ImageEvent& event) {
   const auto& message = event.getConstMessage();
   const ros::Time& stamp = message->header.stamp;
-  image_health_.received(stamp, message->data.data(), health::came_by_pointer(event));
+  image_health_.received(stamp, message->data.data(), ros_health::came_by_pointer(event));
   {
     const std::lock_guard lock(input_mutex_);
     const double since = stamp.toSec() - taken_.toSec();
@@ -124,7 +124,7 @@ void DepthObstacleMonitor::on_image(const ImageEvent& event) {
 
 void DepthObstacleMonitor::on_info(const InfoEvent& event) {
   const auto& message = event.getConstMessage();
-  info_health_.received(message->header.stamp, message.get(), health::came_by_pointer(event));
+  info_health_.received(message->header.stamp, message.get(), ros_health::came_by_pointer(event));
   const std::lock_guard lock(input_mutex_);
   info_ = message;
 }
@@ -134,7 +134,7 @@ void DepthObstacleMonitor::process(const sensor_msgs::ImageConstPtr& message) {
     // Errors of tf contain times, so that each text is new.
     if (work_health_.failed(text)) ROS_ERROR_STREAM_THROTTLE(5.0, "depth: " << text);
   };
-  const auto image = convert::share_image(message);
+  const auto image = ros_convert::share_image(message);
   if (!image) return fail_with(image.error().message);
   const auto view = view_of(message->header);
   if (!view) return fail_with(view.error().message);
@@ -145,7 +145,7 @@ void DepthObstacleMonitor::process(const sensor_msgs::ImageConstPtr& message) {
     changed = update(image->view, *view, message->header.stamp.toSec());
   }
   if (!changed) return fail_with(changed.error().message);
-  work_health_.done(watch.milliseconds(), health::age_ms(message->header.stamp));
+  work_health_.done(watch.milliseconds(), ros_health::age_ms(message->header.stamp));
   if (*changed) context_.changed();
   publish_voxels();
 }
@@ -161,7 +161,7 @@ Result<DepthObstacleMonitor::View> DepthObstacleMonitor::view_of(const std_msgs:
   if (!info)
     return fail(ErrorCode::kNotFound,
                 std::string("no camera info received on ") + kInfoTopic + " yet: is it published?");
-  const auto camera = convert::to_camera_model(*info);
+  const auto camera = ros_convert::to_camera_model(*info);
   if (!camera) return tl::unexpected(camera.error());
   auto positions = joints_->at(header.stamp);
   if (!positions) return tl::unexpected(positions.error());
@@ -253,4 +253,4 @@ void DepthObstacleMonitor::report(diagnostic_updater::DiagnosticStatusWrapper& s
   status.add("cleared because the robot moved", moves_);
 }
 
-}  // namespace extperfc::arm_node
+}  // namespace extperfc::ros_arm

@@ -24,7 +24,7 @@
 #include "ros/health/stream_health.hpp"
 #include "ros/params/arm_params.hpp"
 
-namespace extperfc::arm_node {
+namespace extperfc::ros_arm {
 
 /// Adds what a depth camera sees to the planning scene, as the object PlanningScene::kSeenName.
 ///
@@ -93,9 +93,9 @@ class DepthObstacleMonitor {
 
   const SceneMonitorContext context_;  ///< `changed` is called by the worker and by clear()
   const ros_params::DepthObstacleMonitorParams params_;
-  health::InputHealth image_health_{"depth"};
-  health::InputHealth info_health_{"camera info"};
-  health::WorkHealth work_health_;
+  ros_health::InputHealth image_health_{"depth"};
+  ros_health::InputHealth info_health_{"camera info"};
+  ros_health::WorkHealth work_health_;
   const std::unique_ptr<StampedJoints> joints_;
 
   std::mutex input_mutex_;  ///< guards what follows
@@ -119,4 +119,4 @@ class DepthObstacleMonitor {
   std::vector<ros::Subscriber> subscribers_;
 };
 
-}  // namespace extperfc::arm_node
+}  // namespace extperfc::ros_arm

@@ -7,7 +7,7 @@
 
 #include "ros/convert/arm.hpp"
 
-namespace extperfc::arm_node {
+namespace extperfc::ros_arm {
 
 using actionlib::SimpleClientGoalState;
 using arm::ArmCode;
@@ -118,7 +118,7 @@ class Executor::Motion {
     for (auto* controller : controllers_) {
       control_msgs::FollowJointTrajectoryGoal goal;
       const auto part = path_.only((*executor_.arms_.group(controller->group))->joints);
-      goal.trajectory = convert::to_message(part->joints(), part->points());
+      goal.trajectory = ros_convert::to_message(part->joints(), part->points());
       goal.trajectory.header.stamp = stamp;
       controller->client->sendGoal(goal);
     }
@@ -262,4 +262,4 @@ Execution Executor::run(const TimedPath& path, arm::MotionPipeline& pipeline,
   return Motion(*this, *group, std::move(*ordered), pipeline, callbacks).run(*controllers);
 }
 
-}  // namespace extperfc::arm_node
+}  // namespace extperfc::ros_arm

@@ -17,7 +17,7 @@
 #include "ros/arm/status.hpp"
 #include "ros/params/arm_params.hpp"
 
-namespace extperfc::arm_node {
+namespace extperfc::ros_arm {
 
 struct Execution {
   Status status;
@@ -63,4 +63,4 @@ class Executor {
   std::vector<Controller> controllers_;
 };
 
-}  // namespace extperfc::arm_node
+}  // namespace extperfc::ros_arm

@@ -6,7 +6,7 @@
 
 #include "ros/convert/geometry.hpp"
 
-namespace extperfc::arm_node {
+namespace extperfc::ros_arm {
 
 using arm::ArmCode;
 using arm::JointVector;
@@ -180,7 +180,7 @@ Status Grasper::grasp(Hand& hand, const arm::PickPlan& plan, double time_s, cons
   if (!tip) return tip.error();
   result.grasp.header.frame_id = execution_.shared().arms.root_link();
   result.grasp.header.stamp = ros::Time::now();
-  result.grasp.pose = convert::to_message(*tip);
+  result.grasp.pose = ros_convert::to_message(*tip);
   const auto holds = hand.gripper->close(callbacks);
   if (!holds) return holds.error();
   if (!*holds) {
@@ -271,7 +271,7 @@ Status Grasper::place(const extperfc::PlaceGoal& goal, const MotionCallbacks& ca
   if (failed(status)) return status;
   result.placed.header.frame_id = shared.arms.root_link();
   result.placed.header.stamp = ros::Time::now();
-  result.placed.pose = convert::to_message(plan->candidate.root_T_object);
+  result.placed.pose = ros_convert::to_message(plan->candidate.root_T_object);
   return status;
 }
 
@@ -345,4 +345,4 @@ Status Grasper::change(std::uint8_t operation, const std::string& name, const Ha
   return done ? success() : done.error();
 }
 
-}  // namespace extperfc::arm_node
+}  // namespace extperfc::ros_arm

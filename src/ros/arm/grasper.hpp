@@ -12,7 +12,7 @@
 #include "ros/arm/gripper.hpp"
 #include "ros/arm/plan_execution.hpp"
 
-namespace extperfc::arm_node {
+namespace extperfc::ros_arm {
 
 /// Picks up objects of the scene and places them. Not thread-safe: the caller holds the lease of the arms.
 class Grasper {
@@ -71,4 +71,4 @@ class Grasper {
   std::vector<Hand> hands_;
 };
 
-}  // namespace extperfc::arm_node
+}  // namespace extperfc::ros_arm

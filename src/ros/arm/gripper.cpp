@@ -1,6 +1,6 @@
 #include "ros/arm/gripper.hpp"
 
-namespace extperfc::arm_node {
+namespace extperfc::ros_arm {
 
 using arm::ArmCode;
 
@@ -59,4 +59,4 @@ tl::expected<control_msgs::GripperCommandResult, Status> Gripper::move(double pe
   return *client_->getResult();
 }
 
-}  // namespace extperfc::arm_node
+}  // namespace extperfc::ros_arm

@@ -10,7 +10,7 @@
 #include "ros/arm/executor.hpp"
 #include "ros/arm/status.hpp"
 
-namespace extperfc::arm_node {
+namespace extperfc::ros_arm {
 
 /// The action of a gripper; positions in per cent of the opening.
 class Gripper {
@@ -36,4 +36,4 @@ class Gripper {
   std::unique_ptr<Client> client_;
 };
 
-}  // namespace extperfc::arm_node
+}  // namespace extperfc::ros_arm

@@ -8,7 +8,7 @@
 #include <baxter_core_msgs/JointCommand.h>
 #include <std_msgs/String.h>
 
-namespace extperfc::arm_node {
+namespace extperfc::ros_arm {
 
 using arm::JogCommand;
 using arm::JointVector;
@@ -209,4 +209,4 @@ void JogServer::report_status(const std::string& status) {
   status_publisher_.publish(message);
 }
 
-}  // namespace extperfc::arm_node
+}  // namespace extperfc::ros_arm

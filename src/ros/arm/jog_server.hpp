@@ -18,7 +18,7 @@
 #include "ros/arm/arms_lease.hpp"
 #include "ros/arm/plan_execution.hpp"
 
-namespace extperfc::arm_node {
+namespace extperfc::ros_arm {
 
 /// Moves one arm by velocity commands and keeps it free of collisions. The first command preempts any other
 /// motion of the arms; the lease ends with the commands.
@@ -70,4 +70,4 @@ class JogServer {
   std::thread worker_;
 };
 
-}  // namespace extperfc::arm_node
+}  // namespace extperfc::ros_arm

@@ -12,7 +12,7 @@
 
 #include "ros/arm/status.hpp"
 
-namespace extperfc::arm_node {
+namespace extperfc::ros_arm {
 
 /// Tells a motion to stop. It asks one check per possible reason, e.g. arm/stop, a newer motion, a cancelled
 /// goal.
@@ -47,4 +47,4 @@ struct MotionCallbacks {
   std::function<void(const trajectory_msgs::JointTrajectory& trajectory)> planned;
 };
 
-}  // namespace extperfc::arm_node
+}  // namespace extperfc::ros_arm

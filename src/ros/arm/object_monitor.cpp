@@ -12,7 +12,7 @@
 #include "ros/convert/arm.hpp"
 #include "ros/params/detector_params.hpp"
 
-namespace extperfc::arm_node {
+namespace extperfc::ros_arm {
 
 namespace {
 
@@ -32,7 +32,7 @@ Result<arm::UprightBox> box_of(const vision_msgs::BoundingBox3D& message, const 
   const Eigen::Vector3d size_m(message.size.x, message.size.y, message.size.z);
   if (!size_m.allFinite() || !(size_m.minCoeff() > 0.0))
     return fail(ErrorCode::kInvalidArgument, "size must be positive");
-  const auto pose = convert::to_pose(message.center);
+  const auto pose = ros_convert::to_pose(message.center);
   if (!pose) return tl::unexpected(pose.error());
   return arm::make_upright(frame_T_detections * *pose, size_m);
 }
@@ -68,7 +68,7 @@ ObjectMonitor::~ObjectMonitor() {
 
 void ObjectMonitor::on_detections(const DetectionsEvent& event) {
   const auto& message = event.getConstMessage();
-  detections_health_.received(message->header.stamp, message.get(), health::came_by_pointer(event));
+  detections_health_.received(message->header.stamp, message.get(), ros_health::came_by_pointer(event));
   messages_.put(message);
 }
 
@@ -88,7 +88,7 @@ void ObjectMonitor::process(const vision_msgs::Detection3DArray& message) {
       ROS_ERROR_STREAM_THROTTLE(5.0, "objects: " << changed.error().message);
     return;
   }
-  work_health_.done(watch.milliseconds(), health::age_ms(message.header.stamp));
+  work_health_.done(watch.milliseconds(), ros_health::age_ms(message.header.stamp));
   if (*changed) context_.changed();
 }
 
@@ -258,4 +258,4 @@ void ObjectMonitor::report(diagnostic_updater::DiagnosticStatusWrapper& status) 
   status.add("ignored: more than objects/max_objects", ignored_.no_room);
 }
 
-}  // namespace extperfc::arm_node
+}  // namespace extperfc::ros_arm

@@ -22,7 +22,7 @@
 #include "ros/health/stream_health.hpp"
 #include "ros/params/arm_params.hpp"
 
-namespace extperfc::arm_node {
+namespace extperfc::ros_arm {
 
 /// Adds the objects that a detector finds to the planning scene, each as <class>_<n> with its class as the
 /// label.
@@ -102,8 +102,8 @@ class ObjectMonitor {
 
   const SceneMonitorContext context_;  ///< `changed` is called by the worker
   const ros_params::ObjectMonitorParams params_;
-  health::InputHealth detections_health_{"detections"};
-  health::WorkHealth work_health_;
+  ros_health::InputHealth detections_health_{"detections"};
+  ros_health::WorkHealth work_health_;
   const std::unique_ptr<StampedJoints> joints_;
 
   WorldFrame world_frame_;  ///< used by the worker only
@@ -121,4 +121,4 @@ class ObjectMonitor {
   std::vector<ros::Subscriber> subscribers_;
 };
 
-}  // namespace extperfc::arm_node
+}  // namespace extperfc::ros_arm

@@ -6,7 +6,7 @@
 
 #include "ros/convert/arm.hpp"
 
-namespace extperfc::arm_node {
+namespace extperfc::ros_arm {
 
 using arm::ArmCode;
 using arm::MotionOutcome;
@@ -63,7 +63,7 @@ tl::expected<void, Status> read_goal(const ArmRequest& message, const TransformL
   if (!message.named_state.empty()) {
     request->goal = arm::NamedState{message.named_state};
   } else if (!message.joint_goal.name.empty()) {
-    const auto positions = convert::to_positions(message.joint_goal);
+    const auto positions = ros_convert::to_positions(message.joint_goal);
     if (!positions) return failure(ArmCode::kInvalidRequest, "joint_goal: " + positions.error().message);
     request->goal = *positions;
   } else {
@@ -103,7 +103,7 @@ tl::expected<arm::JointPositions, Status> PlanExecution::read_start(
     const sensor_msgs::JointState& message) const {
   auto positions = shared_.robot_state.positions();
   if (!positions) return tl::unexpected(positions.error());
-  const auto start = convert::to_positions(message);
+  const auto start = ros_convert::to_positions(message);
   if (!start) return failure(ArmCode::kInvalidRequest, "start: " + start.error().message);
   for (const auto& [name, value] : *start) {
     if (!shared_.arms.robot().joint(name))
@@ -166,7 +166,7 @@ Moved PlanExecution::move(MotionRequest request, std::uint32_t replans, const Mo
     moved.status = stopped ? *stopped : Status{outcome.code, outcome.message};
     moved.fraction = outcome.fraction;
     if (outcome.code != ArmCode::kSuccess) return moved;
-    moved.trajectory = convert::to_message(outcome.joints, outcome.points);
+    moved.trajectory = ros_convert::to_message(outcome.joints, outcome.points);
     const auto path = arm::TimedPath::make(outcome.joints, outcome.points);
     if (!path) return moved.status = {ArmCode::kInternal, path.error().message}, moved;
     if (callbacks.planned) callbacks.planned(moved.trajectory);
@@ -186,7 +186,7 @@ Moved PlanExecution::execute(const trajectory_msgs::JointTrajectory& trajectory,
   Moved moved;
   moved.trajectory = trajectory;
   moved.fraction = 1.0;
-  const auto path = convert::to_path(trajectory);
+  const auto path = ros_convert::to_path(trajectory);
   if (!path) return moved.status = {ArmCode::kInvalidRequest, path.error().message}, moved;
   if (callbacks.planned) callbacks.planned(moved.trajectory);
   const auto execution = shared_.executor.run(*path, pipeline_, callbacks);
@@ -195,4 +195,4 @@ Moved PlanExecution::execute(const trajectory_msgs::JointTrajectory& trajectory,
   return moved;
 }
 
-}  // namespace extperfc::arm_node
+}  // namespace extperfc::ros_arm

@@ -15,7 +15,7 @@
 #include "ros/arm/transform_lookup.hpp"
 #include "ros/params/arm_params.hpp"
 
-namespace extperfc::arm_node {
+namespace extperfc::ros_arm {
 
 /// Shared by the parts of the node. All members are thread-safe except the executor, which executes one
 /// motion at a time.
@@ -74,4 +74,4 @@ class PlanExecution {
   arm::MotionPipeline pipeline_;
 };
 
-}  // namespace extperfc::arm_node
+}  // namespace extperfc::ros_arm

@@ -8,7 +8,7 @@
 #include "ros/convert/geometry.hpp"
 #include "ros/convert/shape_marker.hpp"
 
-namespace extperfc::arm_node {
+namespace extperfc::ros_arm {
 
 using arm::ArmCode;
 using extperfc::SceneObject;
@@ -117,7 +117,7 @@ tl::expected<void, Status> PlanningScene::add(const SceneObject& message, Items&
     return failure(ArmCode::kInvalidRequest, "a link of the robot has this name");
   if (message.name == kSeenName)
     return failure(ArmCode::kInvalidRequest, "this name is reserved for what the depth camera sees");
-  auto shapes = convert::to_shapes(message);
+  auto shapes = ros_convert::to_shapes(message);
   if (!shapes) return failure(ArmCode::kInvalidRequest, shapes.error().message);
   if (shapes->empty()) return failure(ArmCode::kInvalidRequest, "it has no shapes");
   const auto pose = transforms_.root_T_pose(message.pose);
@@ -292,10 +292,10 @@ tl::expected<std::vector<SceneObject>, Status> PlanningScene::messages() const {
     message.name = name;
     message.label = item.label;
     message.pose.header.frame_id = item.frame;
-    message.pose.pose = convert::to_message(item.frame_T_object);
+    message.pose.pose = ros_convert::to_message(item.frame_T_object);
     if (item.held) message.link = item.frame;
     message.touch_links = item.touch_links;
-    convert::fill_shapes(item.shapes, message);
+    ros_convert::fill_shapes(item.shapes, message);
     messages.push_back(std::move(message));
   }
   return messages;
@@ -310,12 +310,12 @@ visualization_msgs::MarkerArray PlanningScene::markers(const std::string& root_l
   for (const auto& [name, item] : items_) {
     int id = 0;
     for (const auto& shape : item.shapes) {
-      auto marker = convert::to_marker(shape.geometry);
+      auto marker = ros_convert::to_marker(shape.geometry);
       marker.ns = name;
       marker.id = id++;
       marker.header.frame_id = item.frame.empty() ? root_link : item.frame;
       marker.frame_locked = true;
-      marker.pose = convert::to_message(item.frame_T_object * shape.body_T_shape);
+      marker.pose = ros_convert::to_message(item.frame_T_object * shape.body_T_shape);
       if (item.held)
         set_color(marker, 0.75F, 0.45F, 0.75F);
       else
@@ -325,16 +325,16 @@ visualization_msgs::MarkerArray PlanningScene::markers(const std::string& root_l
   }
   for (const auto& [name, seen] : seen_.objects())
     for (const auto& shape : seen->object.shapes) {
-      auto marker = convert::to_marker(shape.geometry);
+      auto marker = ros_convert::to_marker(shape.geometry);
       marker.ns = name;
       marker.id = static_cast<int>(array.markers.size());
       marker.header.frame_id = root_link;
       marker.frame_locked = true;
-      marker.pose = convert::to_message(seen->object.root_T_object * shape.body_T_shape);
+      marker.pose = ros_convert::to_message(seen->object.root_T_object * shape.body_T_shape);
       set_color(marker, 0.90F, 0.55F, 0.15F);
       array.markers.push_back(std::move(marker));
     }
   return array;
 }
 
-}  // namespace extperfc::arm_node
+}  // namespace extperfc::ros_arm

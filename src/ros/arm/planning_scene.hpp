@@ -17,7 +17,7 @@
 #include "ros/arm/status.hpp"
 #include "ros/arm/transform_lookup.hpp"
 
-namespace extperfc::arm_node {
+namespace extperfc::ros_arm {
 
 /// An object of the planning scene.
 struct CollisionObject {
@@ -96,4 +96,4 @@ class PlanningScene {
   std::uint64_t version_{0};
 };
 
-}  // namespace extperfc::arm_node
+}  // namespace extperfc::ros_arm

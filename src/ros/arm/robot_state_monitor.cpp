@@ -2,7 +2,7 @@
 
 #include <cmath>
 
-namespace extperfc::arm_node {
+namespace extperfc::ros_arm {
 
 using arm::ArmCode;
 using baxter_core_msgs::AssemblyState;
@@ -76,4 +76,4 @@ std::optional<Status> RobotStateMonitor::not_ready_reason() const {
   return std::nullopt;
 }
 
-}  // namespace extperfc::arm_node
+}  // namespace extperfc::ros_arm

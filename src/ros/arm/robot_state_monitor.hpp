@@ -14,7 +14,7 @@
 
 #include "ros/arm/status.hpp"
 
-namespace extperfc::arm_node {
+namespace extperfc::ros_arm {
 
 /// Joint positions and readiness of the robot, from robot/joint_states and robot/state.
 /// Thread-safe.
@@ -55,4 +55,4 @@ class RobotStateMonitor {
   ros::Subscriber state_subscriber_;
 };
 
-}  // namespace extperfc::arm_node
+}  // namespace extperfc::ros_arm

@@ -1,6 +1,6 @@
 #include "ros/arm/scene_monitor.hpp"
 
-namespace extperfc::arm_node {
+namespace extperfc::ros_arm {
 
 namespace {
 
@@ -30,4 +30,4 @@ Result<Pose> root_T_header(const TransformLookup& transforms, const std_msgs::He
   return *root_T_frame;
 }
 
-}  // namespace extperfc::arm_node
+}  // namespace extperfc::ros_arm

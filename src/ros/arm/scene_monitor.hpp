@@ -12,7 +12,7 @@
 #include "ros/arm/planning_scene.hpp"
 #include "ros/arm/transform_lookup.hpp"
 
-namespace extperfc::arm_node {
+namespace extperfc::ros_arm {
 
 /// What the monitors use that add observations to the planning scene.
 struct SceneMonitorContext {
@@ -45,4 +45,4 @@ class WorldFrame {
 [[nodiscard]] Result<Pose> root_T_header(const TransformLookup& transforms, const std_msgs::Header& header,
                                          const char* topic);
 
-}  // namespace extperfc::arm_node
+}  // namespace extperfc::ros_arm

@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-namespace extperfc::arm_node {
+namespace extperfc::ros_arm {
 
 using arm::JointVector;
 
@@ -106,4 +106,4 @@ double StampedJoints::newest_s() const {
   return history_.newest_s();
 }
 
-}  // namespace extperfc::arm_node
+}  // namespace extperfc::ros_arm

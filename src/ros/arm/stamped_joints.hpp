@@ -12,7 +12,7 @@
 #include "extperfc/arm/joint_history.hpp"
 #include "extperfc/arm/robot_arms.hpp"
 
-namespace extperfc::arm_node {
+namespace extperfc::ros_arm {
 
 /// Posture of the robot when an image was taken: a collision model of the arms and grippers, and a history of
 /// their joint positions.
@@ -50,4 +50,4 @@ class StampedJoints {
   ros::Subscriber subscriber_;
 };
 
-}  // namespace extperfc::arm_node
+}  // namespace extperfc::ros_arm

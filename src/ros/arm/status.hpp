@@ -2,9 +2,9 @@
 
 #include "extperfc/arm/status.hpp"
 
-namespace extperfc::arm_node {
+namespace extperfc::ros_arm {
 
 using arm::failure;
 using arm::Status;
 
-}  // namespace extperfc::arm_node
+}  // namespace extperfc::ros_arm

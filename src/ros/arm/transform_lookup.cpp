@@ -4,7 +4,7 @@
 
 #include "ros/convert/arm.hpp"
 
-namespace extperfc::arm_node {
+namespace extperfc::ros_arm {
 
 using arm::ArmCode;
 
@@ -31,11 +31,11 @@ tl::expected<Pose, Status> TransformLookup::root_T_frame(const std::string& give
 }
 
 tl::expected<Pose, Status> TransformLookup::root_T_pose(const geometry_msgs::PoseStamped& pose) const {
-  const auto frame_T_pose = convert::to_pose(pose.pose);
+  const auto frame_T_pose = ros_convert::to_pose(pose.pose);
   if (!frame_T_pose) return failure(ArmCode::kInvalidRequest, frame_T_pose.error().message);
   auto root_T_frame = this->root_T_frame(pose.header.frame_id, pose.header.stamp);
   if (!root_T_frame) return root_T_frame;
   return *root_T_frame * *frame_T_pose;
 }
 
-}  // namespace extperfc::arm_node
+}  // namespace extperfc::ros_arm

@@ -13,7 +13,7 @@
 #include "ros/arm/robot_state_monitor.hpp"
 #include "ros/arm/status.hpp"
 
-namespace extperfc::arm_node {
+namespace extperfc::ros_arm {
 
 /// Poses of frames in the frame of the robot's root link. Thread-safe.
 class TransformLookup {
@@ -39,4 +39,4 @@ class TransformLookup {
   tf2_ros::TransformListener listener_{buffer_};
 };
 
-}  // namespace extperfc::arm_node
+}  // namespace extperfc::ros_arm

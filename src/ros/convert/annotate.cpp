@@ -8,7 +8,7 @@
 
 #include "ros/convert/detections.hpp"
 
-namespace extperfc::convert {
+namespace extperfc::ros_convert {
 
 namespace {
 
@@ -61,4 +61,4 @@ Result<sensor_msgs::ImagePtr> annotate(const SharedImage& image, const Detection
   }
 }
 
-}  // namespace extperfc::convert
+}  // namespace extperfc::ros_convert

@@ -13,7 +13,7 @@
 
 #include "ros/convert/geometry.hpp"
 
-namespace extperfc::convert {
+namespace extperfc::ros_convert {
 
 namespace {
 
@@ -251,4 +251,4 @@ void fill_shapes(const std::vector<Shape>& shapes, extperfc::SceneObject& messag
   }
 }
 
-}  // namespace extperfc::convert
+}  // namespace extperfc::ros_convert

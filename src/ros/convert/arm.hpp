@@ -17,7 +17,7 @@
 #include "extperfc/world/shape.hpp"
 
 /// Messages of arms <-> types of the core.
-namespace extperfc::convert {
+namespace extperfc::ros_convert {
 
 /// A constant of extperfc/ArmCode.
 [[nodiscard]] constexpr std::int32_t to_message(arm::ArmCode code) {
@@ -44,4 +44,4 @@ namespace extperfc::convert {
 /// Fills primitives, meshes and their poses; omits meshes of files.
 void fill_shapes(const std::vector<Shape>& shapes, extperfc::SceneObject& message);
 
-}  // namespace extperfc::convert
+}  // namespace extperfc::ros_convert

@@ -4,7 +4,7 @@
 
 #include <boost/make_shared.hpp>
 
-namespace extperfc::convert {
+namespace extperfc::ros_convert {
 
 namespace {
 
@@ -52,4 +52,4 @@ sensor_msgs::PointCloud2Ptr to_message(const std::vector<simulate::LidarPoint>& 
   return cloud;
 }
 
-}  // namespace extperfc::convert
+}  // namespace extperfc::ros_convert

@@ -7,7 +7,7 @@
 
 #include "extperfc/simulate/sensor_rig.hpp"
 
-namespace extperfc::convert {
+namespace extperfc::ros_convert {
 
 /// A sweep in the layout of velodyne_pointcloud: x y z intensity (float32), ring (uint16), time (float32), 22
 /// bytes a point. The header's stamp is the end of the sweep; `duration_s` is its length, so that the
@@ -15,4 +15,4 @@ namespace extperfc::convert {
 [[nodiscard]] sensor_msgs::PointCloud2Ptr to_message(const std::vector<simulate::LidarPoint>& points,
                                                      double duration_s, const std_msgs::Header& header);
 
-}  // namespace extperfc::convert
+}  // namespace extperfc::ros_convert

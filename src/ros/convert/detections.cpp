@@ -7,7 +7,7 @@
 
 #include "ros/convert/geometry.hpp"
 
-namespace extperfc::convert {
+namespace extperfc::ros_convert {
 
 namespace {
 
@@ -188,4 +188,4 @@ std::string class_name(const std::vector<std::string>& names, std::int64_t index
   return "class " + std::to_string(index);
 }
 
-}  // namespace extperfc::convert
+}  // namespace extperfc::ros_convert

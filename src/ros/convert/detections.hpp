@@ -13,7 +13,7 @@
 #include "extperfc/depth/object_fit.hpp"
 #include "extperfc/world/detection.hpp"
 
-namespace extperfc::convert {
+namespace extperfc::ros_convert {
 
 /// vision_msgs box: centre and size in pixels, theta 0. One hypothesis each: id = class index, its pose
 /// unset.
@@ -52,4 +52,4 @@ namespace extperfc::convert {
 /// A class's name, or its number when the names are not known.
 [[nodiscard]] std::string class_name(const std::vector<std::string>& names, std::int64_t index);
 
-}  // namespace extperfc::convert
+}  // namespace extperfc::ros_convert

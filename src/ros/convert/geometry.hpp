@@ -12,7 +12,7 @@
 #include "extperfc/world/pose.hpp"
 
 /// Core geometry as messages.
-namespace extperfc::convert {
+namespace extperfc::ros_convert {
 
 inline geometry_msgs::Point to_point(const Eigen::Vector3d& v) {
   geometry_msgs::Point point;
@@ -77,4 +77,4 @@ inline boost::array<double, 36> planar_covariance(double x, double y, double yaw
   return covariance;
 }
 
-}  // namespace extperfc::convert
+}  // namespace extperfc::ros_convert

@@ -5,7 +5,7 @@
 
 #include <sensor_msgs/distortion_models.h>
 
-namespace extperfc::convert {
+namespace extperfc::ros_convert {
 
 namespace {
 
@@ -98,4 +98,4 @@ sensor_msgs::CameraInfo to_camera_info(const CameraModel& camera, const std_msgs
   return info;
 }
 
-}  // namespace extperfc::convert
+}  // namespace extperfc::ros_convert

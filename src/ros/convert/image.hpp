@@ -8,7 +8,7 @@
 #include "extperfc/world/camera_model.hpp"
 #include "extperfc/world/image_view.hpp"
 
-namespace extperfc::convert {
+namespace extperfc::ros_convert {
 
 /// A message's pixels as the core sees them. `holder` keeps the message alive; no pixel is copied unless the
 /// message's byte order differs from this machine's (16-bit and float images of a big-endian sender).
@@ -30,4 +30,4 @@ struct SharedImage {
 [[nodiscard]] sensor_msgs::CameraInfo to_camera_info(const CameraModel& camera,
                                                      const std_msgs::Header& header);
 
-}  // namespace extperfc::convert
+}  // namespace extperfc::ros_convert

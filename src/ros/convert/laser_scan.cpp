@@ -8,7 +8,7 @@
 
 #include "extperfc/base/math.hpp"
 
-namespace extperfc::convert {
+namespace extperfc::ros_convert {
 
 namespace {
 
@@ -84,4 +84,4 @@ sensor_msgs::LaserScan to_single_echo(const sensor_msgs::MultiEchoLaserScan& mes
   return scan;
 }
 
-}  // namespace extperfc::convert
+}  // namespace extperfc::ros_convert

@@ -7,7 +7,7 @@
 #include "extperfc/world/laser_scan.hpp"
 #include "extperfc/world/pose.hpp"
 
-namespace extperfc::convert {
+namespace extperfc::ros_convert {
 
 /// A planar scan from a message and from where the scanner sits on the robot. A scanner that is mounted
 /// upside down (its z axis points to the floor) gets angles that run backwards. Errors: a scanner tilted by
@@ -20,4 +20,4 @@ namespace extperfc::convert {
 /// because drivers leave out what they could not measure and what met nothing alike.
 [[nodiscard]] sensor_msgs::LaserScan to_single_echo(const sensor_msgs::MultiEchoLaserScan& message);
 
-}  // namespace extperfc::convert
+}  // namespace extperfc::ros_convert

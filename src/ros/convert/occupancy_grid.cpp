@@ -9,7 +9,7 @@
 
 #include "ros/convert/planar_pose.hpp"
 
-namespace extperfc::convert {
+namespace extperfc::ros_convert {
 
 namespace {
 
@@ -71,4 +71,4 @@ Result<OccupancyGrid> to_occupancy_grid(const nav_msgs::OccupancyGrid& message) 
   return map;
 }
 
-}  // namespace extperfc::convert
+}  // namespace extperfc::ros_convert

@@ -5,7 +5,7 @@
 #include "extperfc/base/error.hpp"
 #include "extperfc/world/occupancy_grid.hpp"
 
-namespace extperfc::convert {
+namespace extperfc::ros_convert {
 
 [[nodiscard]] nav_msgs::OccupancyGrid to_message(const OccupancyGrid& map, const std_msgs::Header& header);
 
@@ -13,4 +13,4 @@ namespace extperfc::convert {
 /// that is not finite or not flat on the floor.
 [[nodiscard]] Result<OccupancyGrid> to_occupancy_grid(const nav_msgs::OccupancyGrid& message);
 
-}  // namespace extperfc::convert
+}  // namespace extperfc::ros_convert

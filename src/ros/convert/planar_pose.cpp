@@ -3,7 +3,7 @@
 #include <array>
 #include <cmath>
 
-namespace extperfc::convert {
+namespace extperfc::ros_convert {
 
 namespace {
 
@@ -76,4 +76,4 @@ Eigen::Matrix3d to_covariance(const boost::array<double, 36>& covariance) {
   return planar;
 }
 
-}  // namespace extperfc::convert
+}  // namespace extperfc::ros_convert

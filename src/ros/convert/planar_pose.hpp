@@ -10,7 +10,7 @@
 #include "extperfc/base/error.hpp"
 #include "extperfc/world/pose.hpp"
 
-namespace extperfc::convert {
+namespace extperfc::ros_convert {
 
 /// A frame's name as tf2 knows it: without tf's leading slash.
 [[nodiscard]] std::string without_slash(const std::string& frame);
@@ -26,4 +26,4 @@ namespace extperfc::convert {
 [[nodiscard]] boost::array<double, 36> to_covariance_message(const Eigen::Matrix3d& covariance);
 [[nodiscard]] Eigen::Matrix3d to_covariance(const boost::array<double, 36>& covariance);
 
-}  // namespace extperfc::convert
+}  // namespace extperfc::ros_convert

@@ -6,7 +6,7 @@
 #include <string>
 #include <utility>
 
-namespace extperfc::convert {
+namespace extperfc::ros_convert {
 
 namespace {
 
@@ -138,4 +138,4 @@ sensor_msgs::LaserScan to_message(const scan::PlanarScan& scan, const ScanFacts&
   return message;
 }
 
-}  // namespace extperfc::convert
+}  // namespace extperfc::ros_convert

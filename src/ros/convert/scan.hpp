@@ -8,7 +8,7 @@
 #include "extperfc/scan/cloud_to_scan.hpp"
 #include "extperfc/scan/cloud_view.hpp"
 
-namespace extperfc::convert {
+namespace extperfc::ros_convert {
 
 /// The message's data seen as a cloud; valid as long as the message. Fields: x, y, z, and where they are
 /// there intensity (or "i"), ring, and time, t or timestamp. Errors: no x, y or z; a field of several numbers
@@ -24,4 +24,4 @@ struct ScanFacts {
 [[nodiscard]] sensor_msgs::LaserScan to_message(const scan::PlanarScan& scan, const ScanFacts& facts,
                                                 const std_msgs::Header& header);
 
-}  // namespace extperfc::convert
+}  // namespace extperfc::ros_convert

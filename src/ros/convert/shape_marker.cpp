@@ -6,7 +6,7 @@
 
 #include "ros/convert/geometry.hpp"
 
-namespace extperfc::convert {
+namespace extperfc::ros_convert {
 
 namespace {
 
@@ -68,4 +68,4 @@ Marker to_marker(const Geometry& geometry) {
   return marker;
 }
 
-}  // namespace extperfc::convert
+}  // namespace extperfc::ros_convert

@@ -26,7 +26,7 @@
 #include "ros/params/box_depth_params.hpp"
 #include "ros/params/detector_params.hpp"
 
-namespace extperfc {
+namespace extperfc::ros_depth {
 
 /// Computes a 3D position for every detected box from the depth image of the same stamp. Boxes without a
 /// valid depth are left out and counted in diagnostics.
@@ -99,11 +99,11 @@ class BoxDepthNodelet : public nodelet::Nodelet {
   ros_params::BoxDepthNodeletParams params_;
   std::unique_ptr<tf2_ros::Buffer> tf_buffer_;
   std::unique_ptr<tf2_ros::TransformListener> tf_listener_;
-  std::optional<health::Reporter> reporter_;
-  health::InputHealth detections_health_{"detections"};
-  health::InputHealth depth_health_{"depth"};
-  health::InputHealth info_health_{"camera info"};
-  health::WorkHealth work_health_;
+  std::optional<ros_health::Reporter> reporter_;
+  ros_health::InputHealth detections_health_{"detections"};
+  ros_health::InputHealth depth_health_{"depth"};
+  ros_health::InputHealth info_health_{"camera info"};
+  ros_health::WorkHealth work_health_;
 
   std::mutex subscription_mutex_;
   bool closing_{false};
@@ -184,7 +184,7 @@ void BoxDepthNodelet::update_subscription() {
 
 void BoxDepthNodelet::on_detections(const DetectionsEvent& event) {
   const auto& message = event.getConstMessage();
-  detections_health_.received(message->header.stamp, message.get(), health::came_by_pointer(event));
+  detections_health_.received(message->header.stamp, message.get(), ros_health::came_by_pointer(event));
   std::optional<Matcher::Pair> pair;
   {
     const std::lock_guard lock(state_mutex_);
@@ -195,7 +195,7 @@ void BoxDepthNodelet::on_detections(const DetectionsEvent& event) {
 
 void BoxDepthNodelet::on_depth(const DepthEvent& event) {
   const auto& message = event.getConstMessage();
-  depth_health_.received(message->header.stamp, message->data.data(), health::came_by_pointer(event));
+  depth_health_.received(message->header.stamp, message->data.data(), ros_health::came_by_pointer(event));
   std::optional<Matcher::Pair> pair;
   {
     const std::lock_guard lock(state_mutex_);
@@ -206,7 +206,7 @@ void BoxDepthNodelet::on_depth(const DepthEvent& event) {
 
 void BoxDepthNodelet::on_info(const InfoEvent& event) {
   const auto& message = event.getConstMessage();
-  info_health_.received(message->header.stamp, message.get(), health::came_by_pointer(event));
+  info_health_.received(message->header.stamp, message.get(), ros_health::came_by_pointer(event));
   const std::lock_guard lock(state_mutex_);
   info_ = message;
 }
@@ -228,15 +228,15 @@ void BoxDepthNodelet::process(const Matcher::Pair& pair) {
   const auto message = boost::make_shared<vision_msgs::Detection3DArray>(std::move(objects->centers));
   surface_publisher_.publish(boost::make_shared<vision_msgs::Detection3DArray>(std::move(objects->surface)));
   objects_publisher_.publish(message);
-  work_health_.done(work_ms, health::age_ms(message->header.stamp));
+  work_health_.done(work_ms, ros_health::age_ms(message->header.stamp));
   if (markers_publisher_.getNumSubscribers() > 0)
     markers_publisher_.publish(boost::make_shared<visualization_msgs::MarkerArray>(
-        convert::to_markers(*message, class_names(), params_.marker_lifetime_s)));
+        ros_convert::to_markers(*message, class_names(), params_.marker_lifetime_s)));
 }
 
 Result<BoxDepthNodelet::Objects> BoxDepthNodelet::locate_all(const Matcher::Pair& pair) {
   const auto& [detections, depth_message] = pair;
-  const auto depth = convert::share_image(depth_message);
+  const auto depth = ros_convert::share_image(depth_message);
   if (!depth) return tl::unexpected(Error{depth.error().code, "depth: " + depth.error().message});
   if (!is_depth(depth->view.format))
     return fail(ErrorCode::kUnsupported, "depth: encoding '" + depth_message->encoding +
@@ -245,7 +245,7 @@ Result<BoxDepthNodelet::Objects> BoxDepthNodelet::locate_all(const Matcher::Pair
   if (!camera) return tl::unexpected(camera.error());
   const auto target_T_optical = transform_at(depth_message->header);
   if (!target_T_optical) return tl::unexpected(target_T_optical.error());
-  const auto located = depth::locate_boxes(convert::from_message(*detections), depth->view, *camera,
+  const auto located = depth::locate_boxes(ros_convert::from_message(*detections), depth->view, *camera,
                                            params_.estimate, shapes_to_fit(*target_T_optical));
   {
     const std::lock_guard lock(state_mutex_);
@@ -258,10 +258,10 @@ Result<BoxDepthNodelet::Objects> BoxDepthNodelet::locate_all(const Matcher::Pair
   objects.centers.header = objects.surface.header = header;
   for (const auto& [detection, object, fit] : located.boxes) {
     objects.surface.detections.push_back(
-        convert::to_surface_message(detection, object, *target_T_optical, header));
+        ros_convert::to_surface_message(detection, object, *target_T_optical, header));
     objects.centers.detections.push_back(
-        fit ? convert::to_message(detection, *fit, *target_T_optical, header)
-            : convert::to_message(detection, object, *target_T_optical, header));
+        fit ? ros_convert::to_message(detection, *fit, *target_T_optical, header)
+            : ros_convert::to_message(detection, object, *target_T_optical, header));
   }
   return objects;
 }
@@ -291,7 +291,7 @@ Result<CameraModel> BoxDepthNodelet::camera_for(const ImageView& depth) {
   if (!info)
     return fail(ErrorCode::kNotFound, "no camera info on " + getNodeHandle().resolveName(kInfoTopic) +
                                           " yet: positions need intrinsics");
-  auto camera = convert::to_camera_model(*info);
+  auto camera = ros_convert::to_camera_model(*info);
   if (camera && (camera->width != depth.width || camera->height != depth.height))
     return fail(ErrorCode::kInvalidArgument,
                 "camera info is for " + std::to_string(camera->width) + " x " +
@@ -334,6 +334,6 @@ void BoxDepthNodelet::report(diagnostic_updater::DiagnosticStatusWrapper& status
   unmatched_at_report_ = matcher_->unmatched();
 }
 
-}  // namespace extperfc
+}  // namespace extperfc::ros_depth
 
-PLUGINLIB_EXPORT_CLASS(extperfc::BoxDepthNodelet, nodelet::Nodelet)
+PLUGINLIB_EXPORT_CLASS(extperfc::ros_depth::BoxDepthNodelet, nodelet::Nodelet)

@@ -25,7 +25,7 @@
 #include "ros/health/stream_health.hpp"
 #include "ros/params/detector_params.hpp"
 
-namespace extperfc {
+namespace extperfc::ros_detect {
 
 /// Finds objects in a colour image with a neural network. The newest image replaces one that waits for the
 /// network.
@@ -78,15 +78,15 @@ class DetectorNodelet : public nodelet::Nodelet {
   void work(int slot);
   std::optional<Job> next_job();
   void process(const Job& job, int slot);
-  void publish(const std_msgs::Header& header, const convert::SharedImage& image,
+  void publish(const std_msgs::Header& header, const ros_convert::SharedImage& image,
                const detect::DetectorOutput& output, double work_ms);
   void report(diagnostic_updater::DiagnosticStatusWrapper& status);
 
   ros_params::DetectorParams params_;
   std::optional<detect::Detector> detector_;
-  health::InputHealth input_{"image"};
-  health::WorkHealth work_health_;
-  std::optional<health::Reporter> reporter_;
+  ros_health::InputHealth input_{"image"};
+  ros_health::WorkHealth work_health_;
+  std::optional<ros_health::Reporter> reporter_;
 
   std::mutex subscription_mutex_;
   bool closing_{false};
@@ -162,7 +162,7 @@ void DetectorNodelet::update_subscription() {
     if (!raw_subscriber_)
       raw_subscriber_ = getNodeHandle().subscribe<sensor_msgs::Image>(
           kImageTopic, kQueue, boost::function<void(const ImageEvent&)>([this](const ImageEvent& event) {
-            on_image(event.getConstMessage(), health::came_by_pointer(event));
+            on_image(event.getConstMessage(), ros_health::came_by_pointer(event));
           }));
   } else if (!decoding_subscriber_) {
     decoding_subscriber_ = transport_->subscribe(
@@ -189,7 +189,7 @@ std::optional<DetectorNodelet::Job> DetectorNodelet::next_job() {
 
 void DetectorNodelet::process(const Job& job, int slot) {
   const Stopwatch watch;
-  const auto image = convert::share_image(job.message);
+  const auto image = ros_convert::share_image(job.message);
   auto output = image ? detector_->detect(image->view, slot) : tl::unexpected(image.error());
   const double work_ms = watch.milliseconds();
   order_.finish(job.ticket, [&] {
@@ -201,13 +201,13 @@ void DetectorNodelet::process(const Job& job, int slot) {
   });
 }
 
-void DetectorNodelet::publish(const std_msgs::Header& header, const convert::SharedImage& image,
+void DetectorNodelet::publish(const std_msgs::Header& header, const ros_convert::SharedImage& image,
                               const detect::DetectorOutput& output, double work_ms) {
   detections_publisher_.publish(
-      boost::make_shared<vision_msgs::Detection2DArray>(convert::to_message(output.detections, header)));
-  work_health_.done(work_ms, health::age_ms(header.stamp));
+      boost::make_shared<vision_msgs::Detection2DArray>(ros_convert::to_message(output.detections, header)));
+  work_health_.done(work_ms, ros_health::age_ms(header.stamp));
   if (annotated_publisher_.getNumSubscribers() == 0) return;
-  if (auto annotated = convert::annotate(image, output.detections, detector_->spec().classes)) {
+  if (auto annotated = ros_convert::annotate(image, output.detections, detector_->spec().classes)) {
     annotated_publisher_.publish(*annotated);
   } else {
     NODELET_WARN_THROTTLE(10.0, "%s", annotated.error().message.c_str());
@@ -223,6 +223,6 @@ void DetectorNodelet::report(diagnostic_updater::DiagnosticStatusWrapper& status
   work_health_.report(status);
 }
 
-}  // namespace extperfc
+}  // namespace extperfc::ros_detect
 
-PLUGINLIB_EXPORT_CLASS(extperfc::DetectorNodelet, nodelet::Nodelet)
+PLUGINLIB_EXPORT_CLASS(extperfc::ros_detect::DetectorNodelet, nodelet::Nodelet)

@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-namespace extperfc::health {
+namespace extperfc::ros_health {
 
 namespace {
 
@@ -31,4 +31,4 @@ void Reporter::report() {
   timer_.setPeriod(ros::WallDuration(std::max(kShortestPeriodS, updater_.getPeriod())), false);
 }
 
-}  // namespace extperfc::health
+}  // namespace extperfc::ros_health

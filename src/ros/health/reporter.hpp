@@ -6,7 +6,7 @@
 #include <diagnostic_updater/diagnostic_updater.h>
 #include <ros/node_handle.h>
 
-namespace extperfc::health {
+namespace extperfc::ros_health {
 
 /// Publishes what a nodelet says about itself on /diagnostics: soon after start(), then every
 /// `~diagnostic_period` [s of wall time], 1 by default, at least 0.01. A change counts from the next report
@@ -37,4 +37,4 @@ class Reporter {
   ros::WallTimer timer_;
 };
 
-}  // namespace extperfc::health
+}  // namespace extperfc::ros_health

@@ -4,7 +4,7 @@
 
 #include "extperfc/base/running_stats.hpp"
 
-namespace extperfc::health {
+namespace extperfc::ros_health {
 
 using diagnostic_msgs::DiagnosticStatus;
 
@@ -81,4 +81,4 @@ void WorkHealth::report(diagnostic_updater::DiagnosticStatusWrapper& status) {
   if (!error_.empty()) status.mergeSummary(DiagnosticStatus::ERROR, error_);
 }
 
-}  // namespace extperfc::health
+}  // namespace extperfc::ros_health

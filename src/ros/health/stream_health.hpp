@@ -12,7 +12,7 @@
 #include <ros/this_node.h>
 #include <ros/time.h>
 
-namespace extperfc::health {
+namespace extperfc::ros_health {
 
 /// True when a message came from a publisher of this process, so that it travelled as a pointer.
 template <typename M>
@@ -88,4 +88,4 @@ class WorkHealth {
   std::string error_;  ///< of the last item; empty when it went well
 };
 
-}  // namespace extperfc::health
+}  // namespace extperfc::ros_health

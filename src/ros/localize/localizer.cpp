@@ -18,8 +18,8 @@ void on_signal(int /*signal*/) {
 }
 
 int run() {
-  auto node = extperfc::localizer::LocalizerNode::make(ros::NodeHandle(), ros::NodeHandle("~"),
-                                                       ros::this_node::getName());
+  auto node = extperfc::ros_localize::LocalizerNode::make(ros::NodeHandle(), ros::NodeHandle("~"),
+                                                          ros::this_node::getName());
   if (!node) {
     ROS_FATAL("%s", node.error().message.c_str());
     return 1;

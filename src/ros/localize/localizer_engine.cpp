@@ -9,7 +9,7 @@
 #include "ros/convert/laser_scan.hpp"
 #include "ros/convert/planar_pose.hpp"
 
-namespace extperfc::localizer {
+namespace extperfc::ros_localize {
 
 namespace {
 
@@ -72,7 +72,7 @@ Result<Located> LocalizerEngine::locate(const sensor_msgs::LaserScan& message) {
   if (!odom_T_base) return tl::unexpected(odom_T_base.error());
   const auto base_T_scanner = transform_at(params_.base_frame, message.header.frame_id, stamp);
   if (!base_T_scanner) return tl::unexpected(base_T_scanner.error());
-  const auto scan = convert::to_laser_scan(message, *base_T_scanner);
+  const auto scan = ros_convert::to_laser_scan(message, *base_T_scanner);
   if (!scan) return tl::unexpected(scan.error());
 
   const Odometry now{stamp, *odom_T_base};
@@ -161,4 +161,4 @@ Result<Pose> LocalizerEngine::transform_at(const std::string& target, const std:
   return fail(ErrorCode::kCorrupt, "the transform from " + source + " to " + target + " is not finite");
 }
 
-}  // namespace extperfc::localizer
+}  // namespace extperfc::ros_localize

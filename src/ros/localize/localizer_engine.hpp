@@ -12,7 +12,7 @@
 #include "ros/localize/localizer_inbox.hpp"
 #include "ros/params/localizer_params.hpp"
 
-namespace extperfc::localizer {
+namespace extperfc::ros_localize {
 
 /// Result of one scan.
 struct Located {
@@ -64,4 +64,4 @@ class LocalizerEngine {
   Pose2 map_T_odom_;
 };
 
-}  // namespace extperfc::localizer
+}  // namespace extperfc::ros_localize

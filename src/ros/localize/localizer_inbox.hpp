@@ -15,7 +15,7 @@
 #include "extperfc/world/occupancy_grid.hpp"
 #include "extperfc/world/pose.hpp"
 
-namespace extperfc::localizer {
+namespace extperfc::ros_localize {
 
 /// An initial pose: pose of the base in the map at a time.
 struct GivenPose {
@@ -103,4 +103,4 @@ class LocalizerInbox {
   bool closed_{false};
 };
 
-}  // namespace extperfc::localizer
+}  // namespace extperfc::ros_localize

@@ -12,7 +12,7 @@
 #include "ros/convert/occupancy_grid.hpp"
 #include "ros/convert/planar_pose.hpp"
 
-namespace extperfc::localizer {
+namespace extperfc::ros_localize {
 
 namespace {
 
@@ -93,7 +93,7 @@ void LocalizerNode::advertise() {
 
 void LocalizerNode::on_scan(const ScanEvent& event) {
   const auto& scan = event.getConstMessage();
-  scan_health_.received(scan->header.stamp, scan->ranges.data(), health::came_by_pointer(event));
+  scan_health_.received(scan->header.stamp, scan->ranges.data(), ros_health::came_by_pointer(event));
   if (time_ran_back(scan->header.stamp)) inbox_.put_time_jump();
   inbox_.put_scan(scan);
 }
@@ -116,9 +116,9 @@ Result<GivenPose> LocalizerNode::to_given_pose(const PoseMessage& message) const
   if (!frame.empty() && frame != params_.global_frame)
     return fail(ErrorCode::kInvalidArgument,
                 "ignoring initial pose: its frame is " + frame + ", must be " + params_.global_frame);
-  const auto pose = convert::to_pose2(message.pose.pose);
+  const auto pose = ros_convert::to_pose2(message.pose.pose);
   if (!pose) return fail(ErrorCode::kInvalidArgument, "ignoring initial pose: " + pose.error().message);
-  const auto covariance = convert::to_covariance(message.pose.covariance);
+  const auto covariance = ros_convert::to_covariance(message.pose.covariance);
   if (!covariance.allFinite() || covariance.diagonal().minCoeff() < 0)
     return fail(ErrorCode::kInvalidArgument,
                 "ignoring initial pose: covariance must be finite with a non-negative diagonal");
@@ -145,7 +145,7 @@ bool LocalizerNode::on_nomotion_update(std_srvs::Empty::Request&, std_srvs::Empt
 }
 
 bool LocalizerNode::on_set_map(nav_msgs::SetMap::Request& request, nav_msgs::SetMap::Response& response) {
-  auto map = convert::to_occupancy_grid(request.map);
+  auto map = ros_convert::to_occupancy_grid(request.map);
   const auto given = to_given_pose(request.initial_pose);
   response.success = map && given;
   if (!map)
@@ -171,7 +171,7 @@ void LocalizerNode::work_off(const Work& work) {
       error = located.error().message;
     else if (*located) {
       publish(**located);
-      work_health_.done(watch.milliseconds(), health::age_ms((*located)->stamp));
+      work_health_.done(watch.milliseconds(), ros_health::age_ms((*located)->stamp));
     }
   } catch (const std::exception& thrown) {
     error = thrown.what();
@@ -197,7 +197,7 @@ void LocalizerNode::broadcast(const Located& located) {
   message.header.frame_id = params_.global_frame;
   message.header.stamp = located.stamp + ros::Duration(params_.transform_tolerance);
   message.child_frame_id = params_.odom_frame;
-  message.transform = convert::to_transform_message(located.map_T_odom);
+  message.transform = ros_convert::to_transform_message(located.map_T_odom);
   tf_broadcaster_.sendTransform(message);
 }
 
@@ -205,8 +205,8 @@ void LocalizerNode::publish_pose(const Located& located) {
   PoseMessage message;
   message.header.frame_id = params_.global_frame;
   message.header.stamp = located.stamp;
-  message.pose.pose = convert::to_pose_message(located.map_T_base);
-  message.pose.covariance = convert::to_covariance_message(located.estimate.covariance);
+  message.pose.pose = ros_convert::to_pose_message(located.map_T_base);
+  message.pose.covariance = ros_convert::to_covariance_message(located.estimate.covariance);
   pose_publisher_.publish(message);
 }
 
@@ -216,7 +216,7 @@ void LocalizerNode::publish_cloud(const ros::Time& stamp) {
   message.header.stamp = stamp;
   message.poses.reserve(engine_.particles().size());
   for (const auto& particle : engine_.particles())
-    message.poses.push_back(convert::to_pose_message(particle.pose));
+    message.poses.push_back(ros_convert::to_pose_message(particle.pose));
   cloud_publisher_.publish(message);
   last_cloud_ = stamp;
 }
@@ -288,4 +288,4 @@ void LocalizerNode::report_estimate(diagnostic_updater::DiagnosticStatusWrapper&
                          deviation.x(), deviation.y(), deviation.z());
 }
 
-}  // namespace extperfc::localizer
+}  // namespace extperfc::ros_localize

@@ -22,7 +22,7 @@
 #include "ros/localize/map_source.hpp"
 #include "ros/params/localizer_params.hpp"
 
-namespace extperfc::localizer {
+namespace extperfc::ros_localize {
 
 /// Monte Carlo localization in a known map, with amcl's topics, services and parameters: a launch file for
 /// amcl works after a change of package, type and name. Also a program: rosrun extperfc localizer.
@@ -104,8 +104,8 @@ class LocalizerNode {
   LocalizerInbox inbox_;
   LocalizerEngine engine_;  ///< of the worker
   MapSource map_source_;
-  health::InputHealth scan_health_{"scan"};
-  health::WorkHealth work_health_;
+  ros_health::InputHealth scan_health_{"scan"};
+  ros_health::WorkHealth work_health_;
 
   ros::Publisher pose_publisher_;
   ros::Publisher cloud_publisher_;
@@ -137,4 +137,4 @@ class LocalizerNode {
   std::thread worker_;
 };
 
-}  // namespace extperfc::localizer
+}  // namespace extperfc::ros_localize

@@ -6,13 +6,13 @@
 
 #include "ros/localize/localizer_node.hpp"
 
-namespace extperfc {
+namespace extperfc::ros_localize {
 
 /// LocalizerNode as a nodelet.
 class LocalizerNodelet : public nodelet::Nodelet {
  private:
   void onInit() override {
-    auto node = localizer::LocalizerNode::make(getNodeHandle(), getPrivateNodeHandle(), getName());
+    auto node = LocalizerNode::make(getNodeHandle(), getPrivateNodeHandle(), getName());
     if (!node) {
       NODELET_FATAL("%s", node.error().message.c_str());
       throw std::runtime_error(node.error().message);
@@ -20,9 +20,9 @@ class LocalizerNodelet : public nodelet::Nodelet {
     node_ = std::move(*node);
   }
 
-  std::unique_ptr<localizer::LocalizerNode> node_;
+  std::unique_ptr<LocalizerNode> node_;
 };
 
-}  // namespace extperfc
+}  // namespace extperfc::ros_localize
 
-PLUGINLIB_EXPORT_CLASS(extperfc::LocalizerNodelet, nodelet::Nodelet)
+PLUGINLIB_EXPORT_CLASS(extperfc::ros_localize::LocalizerNodelet, nodelet::Nodelet)

@@ -12,7 +12,7 @@
 
 #include "ros/convert/occupancy_grid.hpp"
 
-namespace extperfc::localizer {
+namespace extperfc::ros_localize {
 
 namespace {
 constexpr const char* kTopic = "map";
@@ -75,7 +75,7 @@ void MapSource::on_message(const nav_msgs::OccupancyGridConstPtr& message) {
 }
 
 void MapSource::accept(const nav_msgs::OccupancyGrid& message) {
-  auto map = convert::to_occupancy_grid(message);
+  auto map = ros_convert::to_occupancy_grid(message);
   if (!map) {
     ROS_ERROR("%s", map.error().message.c_str());
     return say(map.error().message);
@@ -122,4 +122,4 @@ void MapSource::say(const std::string& problem) {
   problem_ = problem;
 }
 
-}  // namespace extperfc::localizer
+}  // namespace extperfc::ros_localize

@@ -14,7 +14,7 @@
 #include "ros/localize/localizer_inbox.hpp"
 #include "ros/params/localizer_params.hpp"
 
-namespace extperfc::localizer {
+namespace extperfc::ros_localize {
 
 /// Source of the map: the file map_file, the topic `map`, or, as with amcl, the service `static_map`, which
 /// is called until it answers. `on_map` is called from a callback or a thread of this class.
@@ -58,4 +58,4 @@ class MapSource {
   ros::ServiceClient client_;  ///< of a call that lasts; shut down to end it
 };
 
-}  // namespace extperfc::localizer
+}  // namespace extperfc::ros_localize

@@ -6,7 +6,7 @@
 
 #include "ros/convert/planar_pose.hpp"
 
-namespace extperfc {
+namespace extperfc::ros_mapping {
 
 namespace {
 
@@ -32,7 +32,7 @@ void FramePublisher::set(const std::string& child_frame, const Pose2& map_T_chil
   transform_.emplace();
   transform_->header.frame_id = options_.map_frame;
   transform_->child_frame_id = child_frame;
-  transform_->transform = convert::to_transform_message(map_T_child);
+  transform_->transform = ros_convert::to_transform_message(map_T_child);
 }
 
 void FramePublisher::clear() {
@@ -69,4 +69,4 @@ std::optional<geometry_msgs::TransformStamped> FramePublisher::due_locked() {
   return message;
 }
 
-}  // namespace extperfc
+}  // namespace extperfc::ros_mapping

@@ -12,7 +12,7 @@
 
 #include "extperfc/world/pose.hpp"
 
-namespace extperfc {
+namespace extperfc::ros_mapping {
 
 /// Publishes map -> odom (or map -> base without odometry) periodically, independent of scans, stamped ahead
 /// by `delay_s` so that lookups at the present time succeed. The same stamp is never published twice.
@@ -50,4 +50,4 @@ class FramePublisher {
   std::thread thread_;
 };
 
-}  // namespace extperfc
+}  // namespace extperfc::ros_mapping

@@ -7,7 +7,7 @@
 
 #include <Eigen/Geometry>
 
-namespace extperfc {
+namespace extperfc::ros_mapping {
 
 namespace {
 
@@ -112,4 +112,4 @@ std::size_t ImuYaw::ignored() const {
   return ignored_;
 }
 
-}  // namespace extperfc
+}  // namespace extperfc::ros_mapping

@@ -12,7 +12,7 @@
 
 #include "extperfc/world/pose.hpp"
 
-namespace extperfc {
+namespace extperfc::ros_mapping {
 
 /// The base's yaw by an IMU: from its orientation, or from its angular velocity when it gives no orientation
 /// (orientation_covariance[0] = -1). Only differences are meaningful. Thread-safe, bounded.
@@ -59,4 +59,4 @@ class ImuYaw {
   bool closed_{false};
 };
 
-}  // namespace extperfc
+}  // namespace extperfc::ros_mapping

@@ -11,7 +11,7 @@
 #include "ros/convert/occupancy_grid.hpp"
 #include "ros/convert/planar_pose.hpp"
 
-namespace extperfc {
+namespace extperfc::ros_mapping {
 
 namespace {
 
@@ -134,7 +134,7 @@ void MapPublisher::publish_map(const ros::Time& stamp) {
   std_msgs::Header header;
   header.frame_id = options_.map_frame;
   header.stamp = stamp;
-  const auto message = boost::make_shared<nav_msgs::OccupancyGrid>(convert::to_message(*map, header));
+  const auto message = boost::make_shared<nav_msgs::OccupancyGrid>(ros_convert::to_message(*map, header));
   message->info.map_load_time = stamp;
   map_publisher_.publish(message);
   metadata_publisher_.publish(message->info);
@@ -162,7 +162,7 @@ void MapPublisher::publish_trajectory(const ros::Time& stamp) {
     geometry_msgs::PoseStamped pose;
     pose.header.frame_id = options_.map_frame;
     pose.header.stamp.fromSec(std::clamp(trajectory[i].stamp_s, 0.0, kLatestStampS));
-    pose.pose = convert::to_pose_message(trajectory[i].pose);
+    pose.pose = ros_convert::to_pose_message(trajectory[i].pose);
     message->poses.push_back(pose);
   }
   trajectory_publisher_.publish(message);
@@ -180,7 +180,7 @@ bool MapPublisher::current(nav_msgs::OccupancyGrid& message) {
     const std::lock_guard lock(mutex_);
     header.stamp = stamp_;
   }
-  message = convert::to_message(*map, header);
+  message = ros_convert::to_message(*map, header);
   message.info.map_load_time = header.stamp;
   return true;
 }
@@ -199,4 +199,4 @@ MapPublisher::Statistics MapPublisher::statistics() const {
   return statistics_;
 }
 
-}  // namespace extperfc
+}  // namespace extperfc::ros_mapping

@@ -13,7 +13,7 @@
 
 #include "ros/mapping/shared_mapper.hpp"
 
-namespace extperfc {
+namespace extperfc::ros_mapping {
 
 /// Publishes map, map_metadata (both latched) and trajectory in a separate thread: the mapper is locked only
 /// while its map is copied, not while messages are built and sent.
@@ -90,4 +90,4 @@ class MapPublisher {
   std::thread thread_;
 };
 
-}  // namespace extperfc
+}  // namespace extperfc::ros_mapping

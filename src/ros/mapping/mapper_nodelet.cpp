@@ -10,7 +10,7 @@
 
 #include "ros/convert/laser_scan.hpp"
 
-namespace extperfc {
+namespace extperfc::ros_mapping {
 
 namespace {
 
@@ -105,13 +105,13 @@ void MapperNodelet::subscribe() {
 
 void MapperNodelet::on_scan(const ros::MessageEvent<const sensor_msgs::LaserScan>& event) {
   const auto& message = event.getConstMessage();
-  scan_health_.received(message->header.stamp, message->ranges.data(), health::came_by_pointer(event));
+  scan_health_.received(message->header.stamp, message->ranges.data(), ros_health::came_by_pointer(event));
   accept({message, nullptr, 0}, message->header);
 }
 
 void MapperNodelet::on_echoes(const ros::MessageEvent<const sensor_msgs::MultiEchoLaserScan>& event) {
   const auto& message = event.getConstMessage();
-  scan_health_.received(message->header.stamp, message->ranges.data(), health::came_by_pointer(event));
+  scan_health_.received(message->header.stamp, message->ranges.data(), ros_health::came_by_pointer(event));
   accept({nullptr, message, 0}, message->header);
 }
 
@@ -151,10 +151,10 @@ void MapperNodelet::process(const Waiting& waiting) {
   const double timeout_s = waiting.epoch == epoch_ ? params_.transform_timeout_s : 0.0;
   const auto& stamp = header_of(waiting.scan, waiting.echoes).stamp;
   const Stopwatch watch;
-  const auto added =
-      waiting.scan ? add(*waiting.scan, timeout_s) : add(convert::to_single_echo(*waiting.echoes), timeout_s);
+  const auto added = waiting.scan ? add(*waiting.scan, timeout_s)
+                                  : add(ros_convert::to_single_echo(*waiting.echoes), timeout_s);
   if (added) {
-    work_health_.done(watch.milliseconds(), health::age_ms(stamp));
+    work_health_.done(watch.milliseconds(), ros_health::age_ms(stamp));
     last_complaint_ = {};
   } else if (!closing_) {
     complain(added.error());
@@ -175,7 +175,7 @@ Result<void> MapperNodelet::add(const sensor_msgs::LaserScan& message, double ti
                 "the scan has no stamp or no frame_id: its driver must set both");
   const auto base_T_scanner = frames_->base_T(message.header.frame_id, stamp, timeout_s);
   if (!base_T_scanner) return tl::unexpected(base_T_scanner.error());
-  const auto scan = convert::to_laser_scan(message, *base_T_scanner, params_.max_tilt_rad);
+  const auto scan = ros_convert::to_laser_scan(message, *base_T_scanner, params_.max_tilt_rad);
   if (!scan) return tl::unexpected(scan.error());
   const auto odometry = odometry_at(stamp, timeout_s);
   if (!odometry) return tl::unexpected(odometry.error());
@@ -287,6 +287,6 @@ void MapperNodelet::report_map(diagnostic_updater::DiagnosticStatusWrapper& stat
   status.addf("map built and sent [ms]", "%.2f", map.build_ms);
 }
 
-}  // namespace extperfc
+}  // namespace extperfc::ros_mapping
 
-PLUGINLIB_EXPORT_CLASS(extperfc::MapperNodelet, nodelet::Nodelet)
+PLUGINLIB_EXPORT_CLASS(extperfc::ros_mapping::MapperNodelet, nodelet::Nodelet)

@@ -27,7 +27,7 @@
 #include "ros/mapping/shared_mapper.hpp"
 #include "ros/params/mapper_params.hpp"
 
-namespace extperfc {
+namespace extperfc::ros_mapping {
 
 /// Maps a floor from planar scans and odometry, and publishes the robot's pose in the map (SLAM by a
 /// Rao-Blackwellised particle filter). Names as in gmapping's slam_gmapping where the meaning is the same.
@@ -115,8 +115,8 @@ class MapperNodelet : public nodelet::Nodelet {
   std::unique_ptr<diagnostic_updater::Updater> updater_;
   ros::WallTimer diagnostics_timer_;
   ImuYaw imu_;
-  health::InputHealth scan_health_{"scan"};
-  health::WorkHealth work_health_;
+  ros_health::InputHealth scan_health_{"scan"};
+  ros_health::WorkHealth work_health_;
   std::unique_ptr<MappingHealth> health_;
 
   std::atomic<bool> paused_{false};
@@ -140,4 +140,4 @@ class MapperNodelet : public nodelet::Nodelet {
   std::thread worker_;
 };
 
-}  // namespace extperfc
+}  // namespace extperfc::ros_mapping

@@ -9,7 +9,7 @@
 #include "extperfc/sources/mrpt_map.hpp"
 #include "extperfc/world/map_file.hpp"
 
-namespace extperfc {
+namespace extperfc::ros_mapping {
 
 namespace {
 
@@ -129,4 +129,4 @@ bool MapperServices::reset(Trigger::Request& /*request*/, Trigger::Response& res
   return true;
 }
 
-}  // namespace extperfc
+}  // namespace extperfc::ros_mapping

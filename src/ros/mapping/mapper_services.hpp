@@ -16,7 +16,7 @@
 #include "ros/mapping/map_publisher.hpp"
 #include "ros/mapping/shared_mapper.hpp"
 
-namespace extperfc {
+namespace extperfc::ros_mapping {
 
 /// dynamic_map, ~save_map, ~load_session, ~pause, ~resume and ~reset. Their answers name what was wrong.
 class MapperServices {
@@ -57,4 +57,4 @@ class MapperServices {
   ros::AsyncSpinner spinner_{1, &queue_};
 };
 
-}  // namespace extperfc
+}  // namespace extperfc::ros_mapping

@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-namespace extperfc {
+namespace extperfc::ros_mapping {
 
 using diagnostic_msgs::DiagnosticStatus;
 using diagnostic_updater::DiagnosticStatusWrapper;
@@ -135,4 +135,4 @@ void MappingHealth::report_warnings(DiagnosticStatusWrapper& status) const {
   warn_of(status, queue_full_, "scans come faster than they are used: see throttle_scans and particles");
 }
 
-}  // namespace extperfc
+}  // namespace extperfc::ros_mapping

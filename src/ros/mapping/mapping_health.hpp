@@ -10,7 +10,7 @@
 
 #include "extperfc/mapping/mapper.hpp"
 
-namespace extperfc {
+namespace extperfc::ros_mapping {
 
 /// Counts of scans by their result, for diagnostics. Thread-safe.
 class MappingHealth {
@@ -75,4 +75,4 @@ class MappingHealth {
   Event queue_full_;
 };
 
-}  // namespace extperfc
+}  // namespace extperfc::ros_mapping

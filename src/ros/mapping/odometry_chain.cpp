@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-namespace extperfc {
+namespace extperfc::ros_mapping {
 
 namespace {
 
@@ -45,4 +45,4 @@ bool OdometryChain::possible(const Pose2& motion, double duration_s) const {
          std::abs(motion.yaw) <= kSlackRad + limits_.max_yaw_rate_rad_s * passed_s;
 }
 
-}  // namespace extperfc
+}  // namespace extperfc::ros_mapping

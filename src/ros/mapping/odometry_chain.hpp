@@ -4,7 +4,7 @@
 
 #include "extperfc/world/pose.hpp"
 
-namespace extperfc {
+namespace extperfc::ros_mapping {
 
 /// Odometry for the mapper: without the jumps of a restarted odometry, and with the rotation of an IMU where
 /// there is one. Its poses are those of odometry up to a rigid motion that changes at jumps only.
@@ -45,4 +45,4 @@ class OdometryChain {
   std::optional<Pose2> pose_;
 };
 
-}  // namespace extperfc
+}  // namespace extperfc::ros_mapping

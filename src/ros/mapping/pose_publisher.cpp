@@ -8,7 +8,7 @@
 
 #include "ros/convert/planar_pose.hpp"
 
-namespace extperfc {
+namespace extperfc::ros_mapping {
 
 PosePublisher::PosePublisher(ros::NodeHandle handle, ros::NodeHandle private_handle, std::string map_frame)
     : map_frame_(std::move(map_frame)),
@@ -34,8 +34,8 @@ void PosePublisher::publish(const mapping::MapperUpdate& update, const ros::Time
 void PosePublisher::publish_pose(const mapping::MapperUpdate& update, const std_msgs::Header& header) const {
   geometry_msgs::PoseWithCovarianceStamped message;
   message.header = header;
-  message.pose.pose = convert::to_pose_message(update.pose);
-  message.pose.covariance = convert::to_covariance_message(update.covariance);
+  message.pose.pose = ros_convert::to_pose_message(update.pose);
+  message.pose.covariance = ros_convert::to_covariance_message(update.covariance);
   pose_.publish(message);
 }
 
@@ -44,8 +44,8 @@ void PosePublisher::publish_particles(const std_msgs::Header& header, SharedMapp
   geometry_msgs::PoseArray message;
   message.header = header;
   message.poses.reserve(particles.size());
-  for (const auto& particle : particles) message.poses.push_back(convert::to_pose_message(particle.pose));
+  for (const auto& particle : particles) message.poses.push_back(ros_convert::to_pose_message(particle.pose));
   particles_.publish(message);
 }
 
-}  // namespace extperfc
+}  // namespace extperfc::ros_mapping

@@ -6,7 +6,7 @@
 
 #include "ros/mapping/shared_mapper.hpp"
 
-namespace extperfc {
+namespace extperfc::ros_mapping {
 
 /// Publishes the results of one scan: pose, and after key frames particlecloud and ~entropy. Worker thread.
 class PosePublisher {
@@ -25,4 +25,4 @@ class PosePublisher {
   ros::Publisher entropy_;
 };
 
-}  // namespace extperfc
+}  // namespace extperfc::ros_mapping

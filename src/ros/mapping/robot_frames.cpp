@@ -8,7 +8,7 @@
 
 #include "ros/convert/planar_pose.hpp"
 
-namespace extperfc {
+namespace extperfc::ros_mapping {
 
 namespace {
 
@@ -33,7 +33,7 @@ std::string text_of(double seconds) {
 }  // namespace
 
 Result<Pose> RobotFrames::base_T(const std::string& sensor_frame, const ros::Time& stamp, double timeout_s) {
-  return lookup(base_frame_, convert::without_slash(sensor_frame), stamp, timeout_s);
+  return lookup(base_frame_, ros_convert::without_slash(sensor_frame), stamp, timeout_s);
 }
 
 Result<Pose2> RobotFrames::odom_T_base(const ros::Time& stamp, double timeout_s) {
@@ -46,7 +46,7 @@ Result<Pose2> RobotFrames::odom_T_base(const ros::Time& stamp, double timeout_s)
     return tl::unexpected(pose.error());
   }
   misses_ = 0;
-  return convert::to_pose2(tf2::eigenToTransform(*pose).transform);
+  return ros_convert::to_pose2(tf2::eigenToTransform(*pose).transform);
 }
 
 /// Polls: tf2's own wait would not end while simulated time stands still.
@@ -90,9 +90,9 @@ std::string RobotFrames::why_missing(const std::string& target, const std::strin
 void RobotFrames::ran_back_to(const ros::Time& stamp, const std::string& sensor_frame) {
   bool stale = false;
   for (const auto& latest :
-       {newest(odom_frame_, base_frame_), newest(base_frame_, convert::without_slash(sensor_frame))})
+       {newest(odom_frame_, base_frame_), newest(base_frame_, ros_convert::without_slash(sensor_frame))})
     stale = stale || (latest && latest->toSec() > stamp.toSec() + kStaleAfterScanS);
   if (stale) buffer_.clear();
 }
 
-}  // namespace extperfc
+}  // namespace extperfc::ros_mapping

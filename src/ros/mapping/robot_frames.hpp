@@ -11,7 +11,7 @@
 #include "extperfc/base/error.hpp"
 #include "extperfc/world/pose.hpp"
 
-namespace extperfc {
+namespace extperfc::ros_mapping {
 
 /// Transforms of the robot at a stamp. Waits in wall time, because simulated time may stand still. Every
 /// error names the frames, the stamp, and why there is no transform.
@@ -47,4 +47,4 @@ class RobotFrames {
   tf2_ros::TransformListener listener_{buffer_};
 };
 
-}  // namespace extperfc
+}  // namespace extperfc::ros_mapping

@@ -8,7 +8,7 @@
 #include <optional>
 #include <utility>
 
-namespace extperfc {
+namespace extperfc::ros_mapping {
 
 /// Queue from callbacks to one worker. When it is full the oldest item is dropped and counted.
 template <typename T>
@@ -70,4 +70,4 @@ class ScanQueue {
   bool closed_{false};
 };
 
-}  // namespace extperfc
+}  // namespace extperfc::ros_mapping

@@ -5,7 +5,7 @@
 
 #include "extperfc/mapping/mapper.hpp"
 
-namespace extperfc {
+namespace extperfc::ros_mapping {
 
 /// The mapper with a mutex, for the worker that adds scans and for threads that read its results.
 class SharedMapper {
@@ -29,4 +29,4 @@ class SharedMapper {
   mapping::Mapper mapper_;
 };
 
-}  // namespace extperfc
+}  // namespace extperfc::ros_mapping

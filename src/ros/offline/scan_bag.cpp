@@ -40,7 +40,7 @@ Pose2 planar(const Pose& pose) {
 std::optional<sensor_msgs::LaserScan> scan_of(const rosbag::MessageInstance& message) {
   if (const auto scan = message.instantiate<sensor_msgs::LaserScan>()) return *scan;
   if (const auto echoes = message.instantiate<sensor_msgs::MultiEchoLaserScan>())
-    return convert::to_single_echo(*echoes);
+    return ros_convert::to_single_echo(*echoes);
   return std::nullopt;
 }
 
@@ -121,7 +121,7 @@ bool ScanBag::is_static(const std::string& topic) const {
 Result<std::string> ScanBag::scanner_frame() {
   rosbag::View view(bag_, rosbag::TopicQuery(topics_.scan));
   for (const auto& message : view)
-    if (const auto scan = scan_of(message)) return convert::without_slash(scan->header.frame_id);
+    if (const auto scan = scan_of(message)) return ros_convert::without_slash(scan->header.frame_id);
   return fail(ErrorCode::kCorrupt, topics_.scan + " holds no laser scan that can be read");
 }
 
@@ -192,7 +192,7 @@ void ScanBag::use(const rosbag::MessageInstance& message) {
   } else if (const auto transforms = message.instantiate<tf2_msgs::TFMessage>()) {
     use_transforms(*transforms, is_static(topic));
   } else if (const auto odometry = message.instantiate<nav_msgs::Odometry>()) {
-    const auto pose = convert::to_pose2(odometry->pose.pose);
+    const auto pose = ros_convert::to_pose2(odometry->pose.pose);
     if (pose)
       pairing_.add_odometry(odometry->header.stamp.toSec(), *pose);
     else
@@ -208,7 +208,7 @@ void ScanBag::use_transforms(const tf2_msgs::TFMessage& message, bool is_static)
 
 void ScanBag::use_scan(const sensor_msgs::LaserScan& message) {
   const std::size_t index = scans_++;
-  auto scan = convert::to_laser_scan(message, base_T_scanner_);
+  auto scan = ros_convert::to_laser_scan(message, base_T_scanner_);
   if (!scan) return complain(topics_.scan + ": " + scan.error().message);
   if (const double max_m = options_.log.max_range_m; max_m > 0) {
     for (auto& range : scan->ranges)

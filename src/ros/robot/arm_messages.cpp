@@ -7,7 +7,7 @@
 
 #include "ros/robot/names.hpp"
 
-namespace extperfc::convert {
+namespace extperfc::ros_robot {
 
 namespace {
 
@@ -34,7 +34,7 @@ std::optional<ArmMode> mode_from(std::int32_t mode) {
 
 std::optional<int> joint_index(const std::string& name, simulate::Side side) {
   for (int i = 0; i < kArmJoints; ++i)
-    if (name == robot_names::joint(side, i)) return i;
+    if (name == joint_name(side, i)) return i;
   return std::nullopt;
 }
 
@@ -60,7 +60,7 @@ Result<simulate::ArmCommand> from_message(const JointCommand& message, simulate:
     const auto joint = joint_index(message.names[i], side);
     if (!joint)
       return refuse("'" + message.names[i] + "' is not a joint of this arm; its joints are " +
-                    robot_names::joint(side, 0) + " to " + robot_names::joint(side, kArmJoints - 1));
+                    joint_name(side, 0) + " to " + joint_name(side, kArmJoints - 1));
     if (command.values[*joint]) return refuse(message.names[i] + " is given twice");
     if (!std::isfinite(message.command[i]))
       return refuse(message.names[i] + " has a value that is not finite");
@@ -109,7 +109,7 @@ sensor_msgs::JointState to_message(const simulate::JointSample& sample, const ro
 baxter_core_msgs::EndpointState endpoint_message(const simulate::ArmState& state, const ros::Time& stamp) {
   baxter_core_msgs::EndpointState message;
   message.header.stamp = stamp;
-  message.header.frame_id = robot_names::kBaseFrame;
+  message.header.frame_id = kBaseFrame;
   const auto set = [](auto& to, const auto& from) {
     to.x = from.x();
     to.y = from.y();
@@ -130,8 +130,8 @@ baxter_core_msgs::SEAJointState torques_message(const simulate::ArmState& state,
                                                 const ros::Time& stamp) {
   baxter_core_msgs::SEAJointState message;
   message.header.stamp = stamp;
-  message.header.frame_id = robot_names::kBaseFrame;
-  for (int i = 0; i < kArmJoints; ++i) message.name.push_back(robot_names::joint(side, i));
+  message.header.frame_id = kBaseFrame;
+  for (int i = 0; i < kArmJoints; ++i) message.name.push_back(joint_name(side, i));
   const std::vector<double> none(kArmJoints, 0.0);
   message.commanded_position = to_list(state.command);
   message.commanded_velocity = none;
@@ -147,4 +147,4 @@ baxter_core_msgs::SEAJointState torques_message(const simulate::ArmState& state,
   return message;
 }
 
-}  // namespace extperfc::convert
+}  // namespace extperfc::ros_robot

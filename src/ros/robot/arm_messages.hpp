@@ -10,7 +10,7 @@
 #include "extperfc/simulate/robot_io.hpp"
 
 /// Baxter's messages of robot, joints and arms <-> the simulator's types.
-namespace extperfc::convert {
+namespace extperfc::ros_robot {
 
 /// Errors: unknown mode, a joint that this arm does not have, a joint twice, counts of names and values that
 /// differ, no joint at all, a value that is not finite.
@@ -25,4 +25,4 @@ namespace extperfc::convert {
 [[nodiscard]] baxter_core_msgs::SEAJointState torques_message(const simulate::ArmState& state,
                                                               simulate::Side side, const ros::Time& stamp);
 
-}  // namespace extperfc::convert
+}  // namespace extperfc::ros_robot

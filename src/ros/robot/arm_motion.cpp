@@ -5,7 +5,7 @@
 
 #include "ros/robot/names.hpp"
 
-namespace extperfc {
+namespace extperfc::ros_robot {
 
 using simulate::TrajectoryCode;
 using simulate::TrajectoryEnd;
@@ -15,7 +15,7 @@ namespace {
 std::vector<simulate::FollowedJoint> followed_joints(const RobotModel& robot, simulate::Side side) {
   std::vector<simulate::FollowedJoint> joints;
   for (int i = 0; i < simulate::kArmJoints; ++i) {
-    simulate::FollowedJoint joint{robot_names::joint(side, i)};
+    simulate::FollowedJoint joint{joint_name(side, i)};
     if (const auto index = robot.joint(joint.name)) {
       joint.lower = robot.joints()[*index].lower;
       joint.upper = robot.joints()[*index].upper;
@@ -40,7 +40,8 @@ std::string reason_for_rest(const simulate::RobotState& state) {
 
 }  // namespace
 
-ArmMotion::ArmMotion(SimHost& host, simulate::Side side, const simulate::TrajectoryFollowerParams& params)
+ArmMotion::ArmMotion(ros_simulate::SimHost& host, simulate::Side side,
+                     const simulate::TrajectoryFollowerParams& params)
     : host_(host), side_(side), params_(params) {}
 
 simulate::TrajectoryResult<void> ArmMotion::start(const simulate::Simulator& simulator,
@@ -97,4 +98,4 @@ void ArmMotion::post_set_point(double time_s) {
   });
 }
 
-}  // namespace extperfc
+}  // namespace extperfc::ros_robot

@@ -9,7 +9,7 @@
 
 #include "ros/simulate/sim_host.hpp"
 
-namespace extperfc {
+namespace extperfc::ros_robot {
 
 /// Leads one arm along trajectories for the action and the tuck service. The newest request has
 /// the arm. Of the simulation thread, all of it.
@@ -23,7 +23,8 @@ class ArmMotion {
   };
   using WhenDone = std::function<void(Status, const simulate::TrajectoryEnd&)>;
 
-  ArmMotion(SimHost& host, simulate::Side side, const simulate::TrajectoryFollowerParams& params);
+  ArmMotion(ros_simulate::SimHost& host, simulate::Side side,
+            const simulate::TrajectoryFollowerParams& params);
 
   /// Takes the arm, or says why not; then the motion before goes on. `when_done` is called once, from the
   /// simulation thread, and not if this fails.
@@ -45,7 +46,7 @@ class ArmMotion {
   void finish(Status status, const simulate::TrajectoryEnd& end);
   void post_set_point(double time_s);
 
-  SimHost& host_;
+  ros_simulate::SimHost& host_;
   const simulate::Side side_;
   const simulate::TrajectoryFollowerParams params_;
   std::optional<simulate::TrajectoryFollower> follower_;  ///< made when the robot's limits are known
@@ -56,4 +57,4 @@ class ArmMotion {
 /// One per side.
 using ArmMotions = std::array<ArmMotion*, 2>;
 
-}  // namespace extperfc
+}  // namespace extperfc::ros_robot

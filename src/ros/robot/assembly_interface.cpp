@@ -5,9 +5,9 @@
 
 #include "ros/robot/arm_messages.hpp"
 
-namespace extperfc {
+namespace extperfc::ros_robot {
 
-AssemblyInterface::AssemblyInterface(ros::NodeHandle handle, SimHost& host, double rate_hz)
+AssemblyInterface::AssemblyInterface(ros::NodeHandle handle, ros_simulate::SimHost& host, double rate_hz)
     : host_(host), ticker_(rate_hz) {
   publisher_ = handle.advertise<baxter_core_msgs::AssemblyState>("robot/state", 10);
   enable_subscriber_ = handle.subscribe("robot/set_super_enable", 10, &AssemblyInterface::on_enable, this);
@@ -18,7 +18,7 @@ AssemblyInterface::AssemblyInterface(ros::NodeHandle handle, SimHost& host, doub
 void AssemblyInterface::after_step(const simulate::Simulator& simulator, const ros::Time& stamp) {
   if (!ticker_.due(stamp.toSec()) || publisher_.getNumSubscribers() == 0) return;
   publisher_.publish(
-      boost::make_shared<baxter_core_msgs::AssemblyState>(convert::to_message(simulator.robot_state())));
+      boost::make_shared<baxter_core_msgs::AssemblyState>(to_message(simulator.robot_state())));
 }
 
 void AssemblyInterface::on_enable(const std_msgs::BoolConstPtr& message) {
@@ -45,4 +45,4 @@ void AssemblyInterface::hand_over(const char* topic, std::function<void(simulate
     complaints_.report(std::string(topic) + ": the simulation accepts no commands now");
 }
 
-}  // namespace extperfc
+}  // namespace extperfc::ros_robot

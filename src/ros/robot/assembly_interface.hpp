@@ -8,7 +8,7 @@
 #include "ros/simulate/sim_host.hpp"
 #include "ros/simulate/ticker.hpp"
 
-namespace extperfc {
+namespace extperfc::ros_robot {
 
 /// The robot as a whole: switched on, off, stopped in an emergency and reset after it.
 ///
@@ -20,7 +20,7 @@ namespace extperfc {
 ///   robot/state  baxter_core_msgs/AssemblyState
 class AssemblyInterface {
  public:
-  AssemblyInterface(ros::NodeHandle handle, SimHost& host, double rate_hz);
+  AssemblyInterface(ros::NodeHandle handle, ros_simulate::SimHost& host, double rate_hz);
 
   void after_step(const simulate::Simulator& simulator, const ros::Time& stamp);
 
@@ -30,8 +30,8 @@ class AssemblyInterface {
   void on_reset(const std_msgs::EmptyConstPtr& message);
   void hand_over(const char* topic, std::function<void(simulate::Simulator&)> work);
 
-  SimHost& host_;
-  Ticker ticker_;
+  ros_simulate::SimHost& host_;
+  ros_simulate::Ticker ticker_;
   Complaints complaints_;
   ros::Publisher publisher_;
   ros::Subscriber enable_subscriber_;
@@ -39,4 +39,4 @@ class AssemblyInterface {
   ros::Subscriber reset_subscriber_;
 };
 
-}  // namespace extperfc
+}  // namespace extperfc::ros_robot

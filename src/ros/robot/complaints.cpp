@@ -4,7 +4,7 @@
 
 #include <ros/console.h>
 
-namespace extperfc {
+namespace extperfc::ros_robot {
 
 Complaints::Complaints(std::function<void(const std::string&)> log) : log_(std::move(log)) {
   if (!log_) log_ = [](const std::string& line) { ROS_ERROR("%s", line.c_str()); };
@@ -25,4 +25,4 @@ void Complaints::report(const std::string& message, Clock::time_point now) {
   log_(line);
 }
 
-}  // namespace extperfc
+}  // namespace extperfc::ros_robot

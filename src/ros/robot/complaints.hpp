@@ -6,7 +6,7 @@
 #include <optional>
 #include <string>
 
-namespace extperfc {
+namespace extperfc::ros_robot {
 
 /// Errors about bad input: at once, but one per second at most, so that a sender at 100 Hz does not bury the
 /// log. What is left out is counted in the next line. Thread-safe.
@@ -26,4 +26,4 @@ class Complaints {
   unsigned long left_out_{0};
 };
 
-}  // namespace extperfc
+}  // namespace extperfc::ros_robot

@@ -5,7 +5,7 @@
 
 #include "ros/robot/names.hpp"
 
-namespace extperfc {
+namespace extperfc::ros_robot {
 
 using actionlib_msgs::GoalStatus;
 using control_msgs::GripperCommandResult;
@@ -38,14 +38,14 @@ Result<GripperCommand> from_message(const control_msgs::GripperCommand& message)
 
 }  // namespace
 
-GripperAction::GripperAction(const ros::NodeHandle& handle, SimHost& host, simulate::Side side,
+GripperAction::GripperAction(const ros::NodeHandle& handle, ros_simulate::SimHost& host, simulate::Side side,
                              const GripperActionParams& params)
     : host_(host),
       side_(side),
       params_(params),
       ticker_(params.feedback_rate_hz),
       server_(
-          handle, robot_names::gripper(side, "gripper_action"), [this](const Goal& goal) { on_goal(goal); },
+          handle, gripper_name(side, "gripper_action"), [this](const Goal& goal) { on_goal(goal); },
           [this](const Goal& goal) { on_cancel(goal); }, false) {
   server_.start();
 }
@@ -131,4 +131,4 @@ void GripperAction::judge(const GripperCommandResult& now, const simulate::Simul
     take().setAborted(now, "neither reached nor holding something in time: is a finger stuck?");
 }
 
-}  // namespace extperfc
+}  // namespace extperfc::ros_robot

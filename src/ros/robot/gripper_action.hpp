@@ -10,7 +10,7 @@
 #include "ros/simulate/sim_host.hpp"
 #include "ros/simulate/ticker.hpp"
 
-namespace extperfc {
+namespace extperfc::ros_robot {
 
 struct GripperActionParams {
   double tolerance_percent{5};  ///< of the opening: this near is there
@@ -30,7 +30,7 @@ struct GripperActionParams {
 ///                                                     configured
 class GripperAction {
  public:
-  GripperAction(const ros::NodeHandle& handle, SimHost& host, simulate::Side side,
+  GripperAction(const ros::NodeHandle& handle, ros_simulate::SimHost& host, simulate::Side side,
                 const GripperActionParams& params);
 
   void after_step(const simulate::Simulator& simulator, const ros::Time& stamp);
@@ -49,14 +49,14 @@ class GripperAction {
   void judge(const control_msgs::GripperCommandResult& now, const simulate::Simulator& simulator,
              double time_s);
 
-  SimHost& host_;
+  ros_simulate::SimHost& host_;
   const simulate::Side side_;
   const GripperActionParams params_;
-  Ticker ticker_;
+  ros_simulate::Ticker ticker_;
   std::optional<Goal> active_;                       ///< of the simulation thread, like what follows
   std::optional<simulate::GripperCommand> waiting_;  ///< for the end of a calibration
   std::optional<double> begun_s_;                    ///< stamp of the first step after the last command
   Server server_;                                    // last: no callback comes after the rest is gone
 };
 
-}  // namespace extperfc
+}  // namespace extperfc::ros_robot

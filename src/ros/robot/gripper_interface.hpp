@@ -8,7 +8,7 @@
 #include "ros/simulate/sim_host.hpp"
 #include "ros/simulate/ticker.hpp"
 
-namespace extperfc {
+namespace extperfc::ros_robot {
 
 /// One electric gripper's topics.
 ///
@@ -23,7 +23,7 @@ namespace extperfc {
 ///   robot/end_effector/<side>_gripper/properties  baxter_core_msgs/EndEffectorProperties, latched
 class GripperInterface {
  public:
-  GripperInterface(ros::NodeHandle handle, SimHost& host, simulate::Side side, double rate_hz);
+  GripperInterface(ros::NodeHandle handle, ros_simulate::SimHost& host, simulate::Side side, double rate_hz);
 
   void after_step(const simulate::Simulator& simulator, const ros::Time& stamp);
 
@@ -32,9 +32,9 @@ class GripperInterface {
   void on_properties(const baxter_core_msgs::EndEffectorPropertiesConstPtr& message);
   void refuse(const std::string& why);
 
-  SimHost& host_;
+  ros_simulate::SimHost& host_;
   const simulate::Side side_;
-  Ticker ticker_;
+  ros_simulate::Ticker ticker_;
   Complaints complaints_;
   baxter_core_msgs::EndEffectorCommandConstPtr last_;  ///< that was taken; of the simulation thread
   ros::Publisher state_publisher_;
@@ -43,4 +43,4 @@ class GripperInterface {
   ros::Subscriber command_subscriber_;
 };
 
-}  // namespace extperfc
+}  // namespace extperfc::ros_robot

@@ -4,7 +4,7 @@
 
 #include <nlohmann/json.hpp>
 
-namespace extperfc::convert {
+namespace extperfc::ros_robot {
 
 namespace {
 
@@ -130,4 +130,4 @@ EndEffectorProperties gripper_properties() {
   return message;
 }
 
-}  // namespace extperfc::convert
+}  // namespace extperfc::ros_robot

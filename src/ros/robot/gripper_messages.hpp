@@ -11,7 +11,7 @@
 #include "extperfc/simulate/robot_io.hpp"
 
 /// Messages of Baxter's electric gripper <-> the simulator's types.
-namespace extperfc::convert {
+namespace extperfc::ros_robot {
 
 inline constexpr std::uint32_t kGripperId = 65664;  ///< hardware id of both simulated grippers
 
@@ -27,4 +27,4 @@ inline constexpr std::uint32_t kGripperId = 65664;  ///< hardware id of both sim
                                                             const ros::Time& stamp);
 [[nodiscard]] baxter_core_msgs::EndEffectorProperties gripper_properties();
 
-}  // namespace extperfc::convert
+}  // namespace extperfc::ros_robot

@@ -4,11 +4,11 @@
 
 #include <baxter_core_msgs/HeadState.h>
 
-namespace extperfc {
+namespace extperfc::ros_robot {
 
 using baxter_core_msgs::HeadPanCommand;
 
-HeadInterface::HeadInterface(ros::NodeHandle handle, SimHost& host, double rate_hz)
+HeadInterface::HeadInterface(ros::NodeHandle handle, ros_simulate::SimHost& host, double rate_hz)
     : host_(host), ticker_(rate_hz) {
   publisher_ = handle.advertise<baxter_core_msgs::HeadState>("robot/head/head_state", 10);
   pan_subscriber_ = handle.subscribe("robot/head/command_head_pan", 10, &HeadInterface::on_pan, this);
@@ -51,4 +51,4 @@ void HeadInterface::on_nod(const std_msgs::BoolConstPtr& message) {
     complaints_.report("robot/head/command_head_nod: the simulation accepts no commands now");
 }
 
-}  // namespace extperfc
+}  // namespace extperfc::ros_robot

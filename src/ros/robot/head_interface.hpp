@@ -8,7 +8,7 @@
 #include "ros/simulate/sim_host.hpp"
 #include "ros/simulate/ticker.hpp"
 
-namespace extperfc {
+namespace extperfc::ros_robot {
 
 /// The head rotates about the vertical axis, and nods.
 ///
@@ -20,7 +20,7 @@ namespace extperfc {
 ///   robot/head/head_state  baxter_core_msgs/HeadState
 class HeadInterface {
  public:
-  HeadInterface(ros::NodeHandle handle, SimHost& host, double rate_hz);
+  HeadInterface(ros::NodeHandle handle, ros_simulate::SimHost& host, double rate_hz);
 
   void after_step(const simulate::Simulator& simulator, const ros::Time& stamp);
 
@@ -29,8 +29,8 @@ class HeadInterface {
   void on_nod(const std_msgs::BoolConstPtr& message);
   void pan(simulate::Simulator& simulator, const baxter_core_msgs::HeadPanCommand& command);
 
-  SimHost& host_;
-  Ticker ticker_;
+  ros_simulate::SimHost& host_;
+  ros_simulate::Ticker ticker_;
   Complaints complaints_;
   bool pan_motor_{true};  ///< of the simulation thread
   ros::Publisher publisher_;
@@ -38,4 +38,4 @@ class HeadInterface {
   ros::Subscriber nod_subscriber_;
 };
 
-}  // namespace extperfc
+}  // namespace extperfc::ros_robot

@@ -4,9 +4,9 @@
 
 #include "ros/robot/arm_messages.hpp"
 
-namespace extperfc {
+namespace extperfc::ros_robot {
 
-JointStatePublisher::JointStatePublisher(ros::NodeHandle handle, SimHost& host, double rate_hz)
+JointStatePublisher::JointStatePublisher(ros::NodeHandle handle, ros_simulate::SimHost& host, double rate_hz)
     : host_(host), ticker_(rate_hz) {
   publisher_ = handle.advertise<sensor_msgs::JointState>("robot/joint_states", 10);
   rate_subscriber_ =
@@ -15,8 +15,7 @@ JointStatePublisher::JointStatePublisher(ros::NodeHandle handle, SimHost& host, 
 
 void JointStatePublisher::after_step(const simulate::Simulator& simulator, const ros::Time& stamp) {
   if (!ticker_.due(stamp.toSec()) || publisher_.getNumSubscribers() == 0) return;
-  publisher_.publish(
-      boost::make_shared<sensor_msgs::JointState>(convert::to_message(simulator.joints(), stamp)));
+  publisher_.publish(boost::make_shared<sensor_msgs::JointState>(to_message(simulator.joints(), stamp)));
 }
 
 void JointStatePublisher::on_rate(const std_msgs::UInt16ConstPtr& message) {
@@ -24,8 +23,8 @@ void JointStatePublisher::on_rate(const std_msgs::UInt16ConstPtr& message) {
     return complaints_.report("robot/joint_state_publish_rate: " + std::to_string(message->data) +
                               " Hz is outside [1, 1000]: the rate stays");
   const double rate_hz = message->data;
-  if (!host_.post([this, rate_hz](simulate::Simulator&) { ticker_ = Ticker(rate_hz); }))
+  if (!host_.post([this, rate_hz](simulate::Simulator&) { ticker_ = ros_simulate::Ticker(rate_hz); }))
     complaints_.report("robot/joint_state_publish_rate: the simulation accepts no commands now");
 }
 
-}  // namespace extperfc
+}  // namespace extperfc::ros_robot

@@ -7,7 +7,7 @@
 #include "ros/simulate/sim_host.hpp"
 #include "ros/simulate/ticker.hpp"
 
-namespace extperfc {
+namespace extperfc::ros_robot {
 
 /// Every joint that moves, wheels and fingers included.
 ///
@@ -17,18 +17,18 @@ namespace extperfc {
 ///   robot/joint_states  sensor_msgs/JointState
 class JointStatePublisher {
  public:
-  JointStatePublisher(ros::NodeHandle handle, SimHost& host, double rate_hz);
+  JointStatePublisher(ros::NodeHandle handle, ros_simulate::SimHost& host, double rate_hz);
 
   void after_step(const simulate::Simulator& simulator, const ros::Time& stamp);
 
  private:
   void on_rate(const std_msgs::UInt16ConstPtr& message);
 
-  SimHost& host_;
-  Ticker ticker_;  ///< of the simulation thread
+  ros_simulate::SimHost& host_;
+  ros_simulate::Ticker ticker_;  ///< of the simulation thread
   Complaints complaints_;
   ros::Publisher publisher_;
   ros::Subscriber rate_subscriber_;
 };
 
-}  // namespace extperfc
+}  // namespace extperfc::ros_robot

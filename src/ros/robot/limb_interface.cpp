@@ -6,12 +6,12 @@
 #include "ros/robot/arm_messages.hpp"
 #include "ros/robot/names.hpp"
 
-namespace extperfc {
+namespace extperfc::ros_robot {
 
-LimbInterface::LimbInterface(ros::NodeHandle handle, SimHost& host, simulate::Side side, ArmMotion& motion,
-                             double rate_hz)
+LimbInterface::LimbInterface(ros::NodeHandle handle, ros_simulate::SimHost& host, simulate::Side side,
+                             ArmMotion& motion, double rate_hz)
     : host_(host), side_(side), motion_(motion), ticker_(rate_hz) {
-  const auto name = [side](const char* leaf) { return robot_names::limb(side, leaf); };
+  const auto name = [side](const char* leaf) { return limb_name(side, leaf); };
   endpoint_publisher_ = handle.advertise<baxter_core_msgs::EndpointState>(name("endpoint_state"), 10);
   torques_publisher_ =
       handle.advertise<baxter_core_msgs::SEAJointState>(name("gravity_compensation_torques"), 10);
@@ -33,14 +33,14 @@ void LimbInterface::after_step(const simulate::Simulator& simulator, const ros::
   const auto state = simulator.arm_state(side_);
   if (endpoint)
     endpoint_publisher_.publish(
-        boost::make_shared<baxter_core_msgs::EndpointState>(convert::endpoint_message(state, stamp)));
+        boost::make_shared<baxter_core_msgs::EndpointState>(endpoint_message(state, stamp)));
   if (torques)
     torques_publisher_.publish(
-        boost::make_shared<baxter_core_msgs::SEAJointState>(convert::torques_message(state, side_, stamp)));
+        boost::make_shared<baxter_core_msgs::SEAJointState>(torques_message(state, side_, stamp)));
 }
 
 void LimbInterface::on_command(const baxter_core_msgs::JointCommandConstPtr& message) {
-  auto command = convert::from_message(*message, side_);
+  auto command = from_message(*message, side_);
   if (!command) return refuse("joint_command", command.error().message);
   hand_over("joint_command",
             [this, command = *command](simulate::Simulator& simulator) { drive(simulator, command); });
@@ -51,7 +51,7 @@ void LimbInterface::drive(simulate::Simulator& simulator, const simulate::ArmCom
     return refuse("joint_command", "the robot is disabled: publish true on robot/set_super_enable");
   if (auto taken = simulator.command_arm(side_, command); !taken)
     return refuse("joint_command", taken.error().message);
-  motion_.yield_arm("a command on " + robot_names::limb(side_, "joint_command") + " took the arm");
+  motion_.yield_arm("a command on " + limb_name(side_, "joint_command") + " took the arm");
 }
 
 void LimbInterface::on_speed_ratio(const std_msgs::Float64ConstPtr& message) {
@@ -71,11 +71,11 @@ void LimbInterface::on_timeout(const std_msgs::Float64ConstPtr& message) {
 }
 
 void LimbInterface::refuse(const std::string& leaf, const std::string& why) {
-  complaints_.report(robot_names::limb(side_, leaf) + " is ignored: " + why);
+  complaints_.report(limb_name(side_, leaf) + " is ignored: " + why);
 }
 
 void LimbInterface::hand_over(const std::string& leaf, std::function<void(simulate::Simulator&)> work) {
   if (!host_.post(std::move(work))) refuse(leaf, "the simulation accepts no commands now");
 }
 
-}  // namespace extperfc
+}  // namespace extperfc::ros_robot

@@ -13,7 +13,7 @@
 #include "ros/simulate/sim_host.hpp"
 #include "ros/simulate/ticker.hpp"
 
-namespace extperfc {
+namespace extperfc::ros_robot {
 
 /// One arm's topics.
 ///
@@ -29,7 +29,7 @@ namespace extperfc {
 ///   robot/limb/<side>/gravity_compensation_torques  baxter_core_msgs/SEAJointState
 class LimbInterface {
  public:
-  LimbInterface(ros::NodeHandle handle, SimHost& host, simulate::Side side, ArmMotion& motion,
+  LimbInterface(ros::NodeHandle handle, ros_simulate::SimHost& host, simulate::Side side, ArmMotion& motion,
                 double rate_hz);
 
   void after_step(const simulate::Simulator& simulator, const ros::Time& stamp);
@@ -42,10 +42,10 @@ class LimbInterface {
   void refuse(const std::string& leaf, const std::string& why);
   void hand_over(const std::string& leaf, std::function<void(simulate::Simulator&)> work);
 
-  SimHost& host_;
+  ros_simulate::SimHost& host_;
   const simulate::Side side_;
   ArmMotion& motion_;
-  Ticker ticker_;
+  ros_simulate::Ticker ticker_;
   Complaints complaints_;
   ros::Publisher endpoint_publisher_;
   ros::Publisher torques_publisher_;
@@ -55,4 +55,4 @@ class LimbInterface {
   ros::Subscriber dynamics_subscriber_;
 };
 
-}  // namespace extperfc
+}  // namespace extperfc::ros_robot

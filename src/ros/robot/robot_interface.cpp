@@ -12,13 +12,14 @@
 #include "ros/robot/trajectory_action.hpp"
 #include "ros/robot/tuck_service.hpp"
 
-namespace extperfc {
+namespace extperfc::ros_robot {
 
 using ros_params::RobotInterfaceParams;
 
 /// Everything of one side.
 struct RobotInterface::Arm {
-  Arm(const ros::NodeHandle& handle, SimHost& host, simulate::Side side, const RobotInterfaceParams& params)
+  Arm(const ros::NodeHandle& handle, ros_simulate::SimHost& host, simulate::Side side,
+      const RobotInterfaceParams& params)
       : motion(host, side, params.trajectory),
         limb(handle, host, side, motion, params.state_rate_hz),
         trajectory_action(handle, host, side, motion, params.feedback_rate_hz),
@@ -43,7 +44,7 @@ struct RobotInterface::Arm {
 };
 
 struct RobotInterface::Parts {
-  Parts(const ros::NodeHandle& handle, SimHost& host, const RobotInterfaceParams& params)
+  Parts(const ros::NodeHandle& handle, ros_simulate::SimHost& host, const RobotInterfaceParams& params)
       : joints(handle, host, params.joint_state_rate_hz),
         assembly(handle, host, params.state_rate_hz),
         head(handle, host, params.state_rate_hz),
@@ -68,7 +69,7 @@ struct RobotInterface::Parts {
   TuckService tuck;
 };
 
-RobotInterface::RobotInterface(const ros::NodeHandle& handle, SimHost& host,
+RobotInterface::RobotInterface(const ros::NodeHandle& handle, ros_simulate::SimHost& host,
                                const RobotInterfaceParams& params)
     : parts_(std::make_unique<Parts>(handle, host, params)) {
   host.after_step([parts = parts_.get()](const simulate::Simulator& simulator, const ros::Time& stamp) {
@@ -78,4 +79,4 @@ RobotInterface::RobotInterface(const ros::NodeHandle& handle, SimHost& host,
 
 RobotInterface::~RobotInterface() = default;
 
-}  // namespace extperfc
+}  // namespace extperfc::ros_robot

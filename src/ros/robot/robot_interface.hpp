@@ -7,7 +7,7 @@
 #include "ros/params/robot_interface_params.hpp"
 #include "ros/simulate/sim_host.hpp"
 
-namespace extperfc {
+namespace extperfc::ros_robot {
 
 /// Baxter's ROS interface of a simulated robot: topics, actions and services under robot/, relative to the
 /// handle's namespace and served by its callback queue.
@@ -20,7 +20,7 @@ class RobotInterface {
  public:
   /// Make it before the simulation starts. `host` must outlive it, and its simulation thread must have ended
   /// before this ends.
-  RobotInterface(const ros::NodeHandle& handle, SimHost& host,
+  RobotInterface(const ros::NodeHandle& handle, ros_simulate::SimHost& host,
                  const ros_params::RobotInterfaceParams& params);
   ~RobotInterface();
   RobotInterface(const RobotInterface&) = delete;
@@ -32,4 +32,4 @@ class RobotInterface {
   std::unique_ptr<Parts> parts_;
 };
 
-}  // namespace extperfc
+}  // namespace extperfc::ros_robot

@@ -10,7 +10,7 @@
 #include "ros/simulate/sim_host.hpp"
 #include "ros/simulate/ticker.hpp"
 
-namespace extperfc {
+namespace extperfc::ros_robot {
 
 /// Follows trajectories. Goals that cannot be followed are rejected, with error_code and error_string in the
 /// result. A newer goal takes the arm from an older one, which ends preempted; a cancelled goal slows down
@@ -23,8 +23,8 @@ namespace extperfc {
 /// Threads: goals are handed to the simulation thread, which has all of the state.
 class TrajectoryAction {
  public:
-  TrajectoryAction(const ros::NodeHandle& handle, SimHost& host, simulate::Side side, ArmMotion& motion,
-                   double feedback_rate_hz);
+  TrajectoryAction(const ros::NodeHandle& handle, ros_simulate::SimHost& host, simulate::Side side,
+                   ArmMotion& motion, double feedback_rate_hz);
 
   void after_step(const ros::Time& stamp);
 
@@ -37,11 +37,11 @@ class TrajectoryAction {
   void begin(Goal goal, const simulate::Simulator& simulator);
   void end(Goal goal, ArmMotion::Status status, const simulate::TrajectoryEnd& end);
 
-  SimHost& host_;
+  ros_simulate::SimHost& host_;
   ArmMotion& motion_;
-  Ticker ticker_;
+  ros_simulate::Ticker ticker_;
   std::optional<Goal> active_;
   Server server_;  // last: no callback comes after the rest is gone
 };
 
-}  // namespace extperfc
+}  // namespace extperfc::ros_robot

@@ -1,6 +1,6 @@
 #include "ros/robot/trajectory_messages.hpp"
 
-namespace extperfc::convert {
+namespace extperfc::ros_robot {
 
 namespace {
 
@@ -72,4 +72,4 @@ control_msgs::FollowJointTrajectoryFeedback feedback_message(
   return message;
 }
 
-}  // namespace extperfc::convert
+}  // namespace extperfc::ros_robot

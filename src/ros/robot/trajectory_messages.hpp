@@ -11,7 +11,7 @@
 #include "extperfc/simulate/trajectory_goal.hpp"
 
 /// control_msgs/FollowJointTrajectory <-> the follower's types.
-namespace extperfc::convert {
+namespace extperfc::ros_robot {
 
 /// A stamp of zero starts at once. Efforts are left out: positions are what is followed.
 [[nodiscard]] simulate::TrajectoryGoal from_message(const control_msgs::FollowJointTrajectoryGoal& message);
@@ -21,4 +21,4 @@ namespace extperfc::convert {
     const std::vector<simulate::FollowedJoint>& joints, const simulate::JointMotion& desired,
     const simulate::JointMotion& actual, const ros::Time& stamp);
 
-}  // namespace extperfc::convert
+}  // namespace extperfc::ros_robot

@@ -6,7 +6,7 @@
 
 #include "ros/robot/names.hpp"
 
-namespace extperfc {
+namespace extperfc::ros_robot {
 
 using simulate::ArmValues;
 using simulate::kArmJoints;
@@ -79,9 +79,8 @@ std::array<simulate::TrajectoryGoal, 2> plan_tuck(bool tuck, const std::array<Ar
     for (int side = 0; side < 2; ++side) goals[side].points.push_back(at_rest(time_s, at[side]));
   }
   for (const Side side : simulate::kSides)
-    for (int i = 0; i < kArmJoints; ++i)
-      goals[static_cast<int>(side)].joints.push_back(robot_names::joint(side, i));
+    for (int i = 0; i < kArmJoints; ++i) goals[static_cast<int>(side)].joints.push_back(joint_name(side, i));
   return goals;
 }
 
-}  // namespace extperfc
+}  // namespace extperfc::ros_robot

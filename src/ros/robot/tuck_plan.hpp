@@ -5,7 +5,7 @@
 #include "extperfc/simulate/robot_io.hpp"
 #include "extperfc/simulate/trajectory_goal.hpp"
 
-namespace extperfc {
+namespace extperfc::ros_robot {
 
 /// Poses of Baxter's own tuck program [rad].
 [[nodiscard]] simulate::ArmValues tucked_pose(simulate::Side side);
@@ -23,4 +23,4 @@ struct TuckSpeed {
 [[nodiscard]] std::array<simulate::TrajectoryGoal, 2> plan_tuck(
     bool tuck, const std::array<simulate::ArmValues, 2>& from, const TuckSpeed& speed);
 
-}  // namespace extperfc
+}  // namespace extperfc::ros_robot

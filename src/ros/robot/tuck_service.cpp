@@ -5,7 +5,7 @@
 #include <string>
 #include <utility>
 
-namespace extperfc {
+namespace extperfc::ros_robot {
 
 using simulate::Side;
 
@@ -17,7 +17,7 @@ struct TuckService::Job {
   std::promise<std::string> answer;
 };
 
-TuckService::TuckService(ros::NodeHandle handle, SimHost& host, const ArmMotions& motions,
+TuckService::TuckService(ros::NodeHandle handle, ros_simulate::SimHost& host, const ArmMotions& motions,
                          const TuckSpeed& speed)
     : host_(host), motions_(motions), speed_(speed) {
   handle.setCallbackQueue(&queue_);
@@ -80,4 +80,4 @@ void TuckService::arm_done(const std::shared_ptr<Job>& job, Side side, ArmMotion
   if (job->moving_arms == 0) job->answer.set_value(job->problem);
 }
 
-}  // namespace extperfc
+}  // namespace extperfc::ros_robot

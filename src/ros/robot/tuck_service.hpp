@@ -12,7 +12,7 @@
 #include "ros/robot/tuck_plan.hpp"
 #include "ros/simulate/sim_host.hpp"
 
-namespace extperfc {
+namespace extperfc::ros_robot {
 
 /// Tucks and untucks both arms. Answers when they are there, or with the reason why not: a disabled robot, a
 /// tolerance, another command to an arm. It takes about 10 s of simulated time. A second call waits for the
@@ -23,7 +23,8 @@ namespace extperfc {
 /// Threads: a separate thread waits, so that the robot's topics stay alive meanwhile.
 class TuckService {
  public:
-  TuckService(ros::NodeHandle handle, SimHost& host, const ArmMotions& motions, const TuckSpeed& speed);
+  TuckService(ros::NodeHandle handle, ros_simulate::SimHost& host, const ArmMotions& motions,
+              const TuckSpeed& speed);
   ~TuckService();
   TuckService(const TuckService&) = delete;
   TuckService& operator=(const TuckService&) = delete;
@@ -37,7 +38,7 @@ class TuckService {
   void arm_done(const std::shared_ptr<Job>& job, simulate::Side side, ArmMotion::Status status,
                 const simulate::TrajectoryEnd& end);
 
-  SimHost& host_;
+  ros_simulate::SimHost& host_;
   const ArmMotions motions_;
   const TuckSpeed speed_;
   std::atomic<bool> closing_{false};
@@ -46,4 +47,4 @@ class TuckService {
   ros::AsyncSpinner spinner_{1, &queue_};
 };
 
-}  // namespace extperfc
+}  // namespace extperfc::ros_robot

@@ -22,7 +22,7 @@
 #include "ros/params/cloud_to_scan_params.hpp"
 #include "ros/scan/sweep_poses.hpp"
 
-namespace extperfc {
+namespace extperfc::ros_scan {
 
 /// Converts a lidar's point cloud to planar scans: compensates the robot's motion and tilt, and removes the
 /// floor and the robot itself. Both scans have the cloud's stamp and the frame target_frame. NaN is an
@@ -82,9 +82,9 @@ class CloudToScanNodelet : public nodelet::Nodelet {
   scan::SelfFilter robot_;
   scan::PlanarScans scans_;
   std::optional<SweepPoses> poses_;
-  std::optional<health::Reporter> reporter_;
-  health::InputHealth cloud_health_{"cloud"};
-  health::WorkHealth work_health_;
+  std::optional<ros_health::Reporter> reporter_;
+  ros_health::InputHealth cloud_health_{"cloud"};
+  ros_health::WorkHealth work_health_;
 
   std::mutex subscription_mutex_;
   std::atomic<bool> closing_{false};
@@ -144,7 +144,7 @@ void CloudToScanNodelet::update_subscription() {
 
 void CloudToScanNodelet::on_cloud(const CloudEvent& event) {
   const auto& message = event.getConstMessage();
-  cloud_health_.received(message->header.stamp, message->data.data(), health::came_by_pointer(event));
+  cloud_health_.received(message->header.stamp, message->data.data(), ros_health::came_by_pointer(event));
   clouds_.put(message);
 }
 
@@ -155,7 +155,7 @@ void CloudToScanNodelet::process(const sensor_msgs::PointCloud2& cloud) {
 }
 
 Result<void> CloudToScanNodelet::flatten(const sensor_msgs::PointCloud2& message) {
-  const auto cloud = convert::to_cloud_view(message);
+  const auto cloud = ros_convert::to_cloud_view(message);
   if (!cloud) return tl::unexpected(cloud.error());
   if (auto valid = scan::validate(*cloud); !valid) return valid;
   const auto span = scan::time_span(*cloud, params_.scan.azimuth_times, params_.scan.scan_time);
@@ -164,7 +164,7 @@ Result<void> CloudToScanNodelet::flatten(const sensor_msgs::PointCloud2& message
   const Stopwatch watch;
   const auto statistics = converter_->convert(*cloud, sweep->track, robot_, scans_);
   if (!statistics) return tl::unexpected(statistics.error());
-  work_health_.done(watch.milliseconds(), health::age_ms(message.header.stamp));
+  work_health_.done(watch.milliseconds(), ros_health::age_ms(message.header.stamp));
   if (sweep->track.size() > 1 && !statistics->deskewed && statistics->points > 0)
     sweep->not_deskewed = "the cloud's points are not in the order of their firing";
   const std::lock_guard lock(statistics_mutex_);
@@ -176,13 +176,13 @@ Result<void> CloudToScanNodelet::flatten(const sensor_msgs::PointCloud2& message
 void CloudToScanNodelet::publish(const std_msgs::Header& cloud) {
   auto header = cloud;
   if (!params_.target_frame.empty()) header.frame_id = params_.target_frame;
-  const convert::ScanFacts facts{params_.scan.scan_time, params_.scan.range_min, params_.scan.range_max};
+  const ros_convert::ScanFacts facts{params_.scan.scan_time, params_.scan.range_min, params_.scan.range_max};
   if (supported_.getNumSubscribers() > 0)
     supported_.publish(
-        boost::make_shared<sensor_msgs::LaserScan>(convert::to_message(scans_.supported, facts, header)));
+        boost::make_shared<sensor_msgs::LaserScan>(ros_convert::to_message(scans_.supported, facts, header)));
   if (nearest_.getNumSubscribers() > 0)
     nearest_.publish(
-        boost::make_shared<sensor_msgs::LaserScan>(convert::to_message(scans_.nearest, facts, header)));
+        boost::make_shared<sensor_msgs::LaserScan>(ros_convert::to_message(scans_.nearest, facts, header)));
 }
 
 void CloudToScanNodelet::report(diagnostic_updater::DiagnosticStatusWrapper& status) {
@@ -234,6 +234,6 @@ void CloudToScanNodelet::report_points(diagnostic_updater::DiagnosticStatusWrapp
                          params_.scan.ground.band_m, params_.scan.ground.z_m);
 }
 
-}  // namespace extperfc
+}  // namespace extperfc::ros_scan
 
-PLUGINLIB_EXPORT_CLASS(extperfc::CloudToScanNodelet, nodelet::Nodelet)
+PLUGINLIB_EXPORT_CLASS(extperfc::ros_scan::CloudToScanNodelet, nodelet::Nodelet)

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-namespace extperfc {
+namespace extperfc::ros_scan {
 
 void ImuTilt::add(const sensor_msgs::Imu& message) {
   const auto& q = message.orientation;
@@ -46,4 +46,4 @@ std::string ImuTilt::frame() const {
   return frame_;
 }
 
-}  // namespace extperfc
+}  // namespace extperfc::ros_scan

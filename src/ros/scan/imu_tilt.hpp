@@ -11,7 +11,7 @@
 
 #include "extperfc/base/error.hpp"
 
-namespace extperfc {
+namespace extperfc::ros_scan {
 
 /// The latest orientations of an IMU, by time. Thread-safe.
 class ImuTilt {
@@ -38,4 +38,4 @@ class ImuTilt {
   bool without_orientation_{false};
 };
 
-}  // namespace extperfc
+}  // namespace extperfc::ros_scan

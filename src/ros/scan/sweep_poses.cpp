@@ -4,7 +4,7 @@
 
 #include "extperfc/scan/level.hpp"
 
-namespace extperfc {
+namespace extperfc::ros_scan {
 
 using ros_params::LevelFrom;
 
@@ -162,4 +162,4 @@ void SweepPoses::transform_robot(const std_msgs::Header& header, const Wait& wai
   robot.place(poses);
 }
 
-}  // namespace extperfc
+}  // namespace extperfc::ros_scan

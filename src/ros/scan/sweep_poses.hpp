@@ -17,7 +17,7 @@
 #include "ros/params/cloud_to_scan_params.hpp"
 #include "ros/scan/imu_tilt.hpp"
 
-namespace extperfc {
+namespace extperfc::ros_scan {
 
 /// Poses of one sweep from tf and the IMU.
 struct SweepGeometry {
@@ -67,4 +67,4 @@ class SweepPoses {
   ImuTilt imu_;
 };
 
-}  // namespace extperfc
+}  // namespace extperfc::ros_scan

@@ -14,7 +14,7 @@
 #include "ros/convert/geometry.hpp"
 #include "ros/simulate/frames.hpp"
 
-namespace extperfc {
+namespace extperfc::ros_simulate {
 
 namespace {
 
@@ -75,14 +75,15 @@ void BaseInterface::grow_variance(const Twist2& measured) {
 void BaseInterface::publish_odometry(const simulate::BaseState& base, const ros::Time& stamp) {
   const auto message = boost::make_shared<nav_msgs::Odometry>();
   message->header.stamp = stamp;
-  message->header.frame_id = frames::kOdom;
-  message->child_frame_id = frames::kFootprint;
-  message->pose.pose = convert::to_message(to_pose(base.odometry));
-  message->twist.twist = convert::to_message(base.measured);
+  message->header.frame_id = kOdomFrame;
+  message->child_frame_id = kFootprintFrame;
+  message->pose.pose = ros_convert::to_message(to_pose(base.odometry));
+  message->twist.twist = ros_convert::to_message(base.measured);
   const double fraction2 = square(noise_.wheel_noise) + square(noise_.wheel_slip);
   const Twist2& v = base.measured;
-  message->pose.covariance = convert::planar_covariance(variance_.x_m2, variance_.y_m2, variance_.yaw_rad2);
-  message->twist.covariance = convert::planar_covariance(
+  message->pose.covariance =
+      ros_convert::planar_covariance(variance_.x_m2, variance_.y_m2, variance_.yaw_rad2);
+  message->twist.covariance = ros_convert::planar_covariance(
       kSmall + fraction2 * square(v.vx), kSmall + (fraction2 + square(noise_.lateral_slip)) * square(v.vy),
       kSmall + fraction2 * square(v.wz));
   odom_publisher_.publish(message);
@@ -92,23 +93,23 @@ void BaseInterface::publish_frames(const simulate::BaseState& base, const ros::T
   std::vector<geometry_msgs::TransformStamped> transforms;
   const auto odom_T_base = to_pose(base.odometry);
   if (params_.publish_odom_frame)
-    transforms.push_back(convert::to_transform(odom_T_base, frames::kOdom, frames::kFootprint, stamp));
+    transforms.push_back(ros_convert::to_transform(odom_T_base, kOdomFrame, kFootprintFrame, stamp));
   if (params_.publish_map_frame)
-    transforms.push_back(convert::to_transform(to_pose(base.truth) * odom_T_base.inverse(), frames::kMap,
-                                               frames::kOdom, stamp));
+    transforms.push_back(
+        ros_convert::to_transform(to_pose(base.truth) * odom_T_base.inverse(), kMapFrame, kOdomFrame, stamp));
   if (!transforms.empty()) tf_broadcaster_.sendTransform(transforms);
 }
 
 void BaseInterface::publish_imu(const simulate::ImuSample& sample, const ros::Time& stamp) {
   const auto message = boost::make_shared<sensor_msgs::Imu>();
   message->header.stamp = stamp;
-  message->header.frame_id = frames::kImu;
+  message->header.frame_id = kImuFrame;
   message->orientation.z = std::sin(0.5 * sample.yaw);
   message->orientation.w = std::cos(0.5 * sample.yaw);
   const double drift2 = square(0.05);  // of the integrated yaw, which nothing corrects [rad^2]
   message->orientation_covariance = {kSmall, 0, 0, 0, kSmall, 0, 0, 0, drift2};
-  message->angular_velocity = convert::to_vector(sample.angular_velocity);
-  message->linear_acceleration = convert::to_vector(sample.acceleration);
+  message->angular_velocity = ros_convert::to_vector(sample.angular_velocity);
+  message->linear_acceleration = ros_convert::to_vector(sample.acceleration);
   const double gyro2 = square(noise_.gyro_noise_rad_s) + square(noise_.gyro_bias_rad_s) + 1e-12;
   const double accel2 = square(noise_.accel_noise_m_s2) + 1e-12;
   message->angular_velocity_covariance = {gyro2, 0, 0, 0, gyro2, 0, 0, 0, gyro2};
@@ -122,4 +123,4 @@ void BaseInterface::report(diagnostic_updater::DiagnosticStatusWrapper& status) 
   status.add("cmd_vel refused", refused_.load());
 }
 
-}  // namespace extperfc
+}  // namespace extperfc::ros_simulate

@@ -14,7 +14,7 @@
 #include "ros/simulate/sim_host.hpp"
 #include "ros/simulate/ticker.hpp"
 
-namespace extperfc {
+namespace extperfc::ros_simulate {
 
 /// How wrong the odometry may be by now: a random walk over what was driven.
 struct OdometryVariance {
@@ -64,4 +64,4 @@ class BaseInterface {
   ros::Subscriber command_subscriber_;
 };
 
-}  // namespace extperfc
+}  // namespace extperfc::ros_simulate

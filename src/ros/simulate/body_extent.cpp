@@ -3,7 +3,7 @@
 #include <type_traits>
 #include <variant>
 
-namespace extperfc {
+namespace extperfc::ros_simulate {
 
 namespace {
 
@@ -40,4 +40,4 @@ Eigen::AlignedBox3d extent_of(const simulate::BodySpec& body) {
   return box;
 }
 
-}  // namespace extperfc
+}  // namespace extperfc::ros_simulate

@@ -12,7 +12,7 @@
 #include "ros/convert/image.hpp"
 #include "ros/simulate/frames.hpp"
 
-namespace extperfc {
+namespace extperfc::ros_simulate {
 
 namespace {
 
@@ -51,9 +51,9 @@ Result<std::unique_ptr<CameraSensor>> CameraSensor::make(const ros::NodeHandle& 
                                                          const ros_params::CameraInterfaceParams& params,
                                                          const RobotModel& robot, std::uint64_t seed,
                                                          const TruthClasses& classes) {
-  const auto link = robot.link(frames::kCamera);
+  const auto link = robot.link(kCameraFrame);
   if (!link)
-    return fail(ErrorCode::kNotFound, std::string("the robot has no link ") + frames::kCamera +
+    return fail(ErrorCode::kNotFound, std::string("the robot has no link ") + kCameraFrame +
                                           ": add it to the URDF, or set camera/enabled to false");
   return std::unique_ptr<CameraSensor>(new CameraSensor(handle, params, *link, seed, classes));
 }
@@ -84,7 +84,7 @@ bool CameraSensor::wanted() const {
 bool CameraSensor::measure(simulate::SensorRig& rig, const SensorJob& job) {
   std_msgs::Header header;
   header.stamp = job.stamp;
-  header.frame_id = frames::kCamera;
+  header.frame_id = kCameraFrame;
   const bool wanted = images_wanted();
   if (wanted && !faults_.frozen(job.faults)) {
     rig.camera(params_.camera, job.now->world_T_link[static_cast<std::size_t>(link_)], images_);
@@ -94,7 +94,7 @@ bool CameraSensor::measure(simulate::SensorRig& rig, const SensorJob& job) {
   if (wanted) publish_truth(rig, header);
   if (wanted && faults_.apply(job.faults, job.now->time_s, images_) == Fate::kLost) return false;
   const auto info =
-      boost::make_shared<sensor_msgs::CameraInfo>(convert::to_camera_info(params_.camera.model, header));
+      boost::make_shared<sensor_msgs::CameraInfo>(ros_convert::to_camera_info(params_.camera.model, header));
   color_info_publisher_.publish(info);
   depth_info_publisher_.publish(info);
   if (wanted) publish_images(header);
@@ -115,7 +115,7 @@ void CameraSensor::publish_truth(simulate::SensorRig& rig, const std_msgs::Heade
                       static_cast<float>(box.x_max + 1), static_cast<float>(box.y_max + 1)}});
   }
   detections_publisher_.publish(
-      boost::make_shared<vision_msgs::Detection2DArray>(convert::to_message(boxes, header)));
+      boost::make_shared<vision_msgs::Detection2DArray>(ros_convert::to_message(boxes, header)));
 }
 
 sensor_msgs::ImagePtr CameraSensor::depth_message(const std_msgs::Header& header) const {
@@ -152,4 +152,4 @@ std::vector<std::pair<std::string, std::string>> CameraSensor::details() const {
           {"depth last", place_of(last_depth_)}};
 }
 
-}  // namespace extperfc
+}  // namespace extperfc::ros_simulate

@@ -13,7 +13,7 @@
 #include "ros/simulate/sensor_faults.hpp"
 #include "ros/simulate/truth_classes.hpp"
 
-namespace extperfc {
+namespace extperfc::ros_simulate {
 
 /// The RGB-D camera, as the RealSense's driver with depth aligned to colour shows it. Faults spoil the
 /// images, not the truth, and while the camera is frozen the truth is that of its image.
@@ -68,4 +68,4 @@ class CameraSensor : public Sensor {
   sensor_msgs::ImageConstPtr last_depth_;
 };
 
-}  // namespace extperfc
+}  // namespace extperfc::ros_simulate

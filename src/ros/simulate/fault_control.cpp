@@ -5,7 +5,7 @@
 #include <ros/console.h>
 #include <unistd.h>
 
-namespace extperfc {
+namespace extperfc::ros_simulate {
 
 using simulate::FaultKind;
 
@@ -45,4 +45,4 @@ std::string describe(const simulate::Fault& fault) {
   return text.str();
 }
 
-}  // namespace extperfc
+}  // namespace extperfc::ros_simulate

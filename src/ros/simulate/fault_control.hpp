@@ -10,7 +10,7 @@
 
 #include "ros/simulate/sim_thread.hpp"
 
-namespace extperfc {
+namespace extperfc::ros_simulate {
 
 /// Sets faults and carries out the two that the simulator itself cannot: a clock that jumps and a process
 /// that dies. Everything runs in the simulation thread.
@@ -36,4 +36,4 @@ class FaultControl {
 /// "lidar_rings 3,7", "camera_drop 0.5 for 2 s": for people.
 [[nodiscard]] std::string describe(const simulate::Fault& fault);
 
-}  // namespace extperfc
+}  // namespace extperfc::ros_simulate

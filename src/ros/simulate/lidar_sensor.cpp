@@ -3,14 +3,14 @@
 #include "ros/convert/cloud.hpp"
 #include "ros/simulate/frames.hpp"
 
-namespace extperfc {
+namespace extperfc::ros_simulate {
 
 Result<std::unique_ptr<LidarSensor>> LidarSensor::make(ros::NodeHandle handle,
                                                        const ros_params::LidarInterfaceParams& params,
                                                        const RobotModel& robot, std::uint64_t seed) {
-  const auto link = robot.link(frames::kLidar);
+  const auto link = robot.link(kLidarFrame);
   if (!link)
-    return fail(ErrorCode::kNotFound, std::string("the robot has no link ") + frames::kLidar +
+    return fail(ErrorCode::kNotFound, std::string("the robot has no link ") + kLidarFrame +
                                           ": add it to the URDF, or set lidar/enabled to false");
   return std::unique_ptr<LidarSensor>(new LidarSensor(handle, params, *link, seed));
 }
@@ -28,9 +28,9 @@ bool LidarSensor::measure(simulate::SensorRig& rig, const SensorJob& job) {
   if (faults_.apply(job.faults, job.now->time_s, points_) == Fate::kLost) return false;
   std_msgs::Header header;
   header.stamp = job.stamp;
-  header.frame_id = frames::kLidar;
-  publisher_.publish(convert::to_message(points_, 1.0 / params_.lidar.rotation_hz, header));
+  header.frame_id = kLidarFrame;
+  publisher_.publish(ros_convert::to_message(points_, 1.0 / params_.lidar.rotation_hz, header));
   return true;
 }
 
-}  // namespace extperfc
+}  // namespace extperfc::ros_simulate

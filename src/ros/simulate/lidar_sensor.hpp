@@ -9,7 +9,7 @@
 #include "ros/simulate/sensor.hpp"
 #include "ros/simulate/sensor_faults.hpp"
 
-namespace extperfc {
+namespace extperfc::ros_simulate {
 
 /// The VLP-16, as velodyne_pointcloud shows it. The first sweep comes one revolution after the first
 /// subscriber.
@@ -42,4 +42,4 @@ class LidarSensor : public Sensor {
   std::vector<simulate::LidarPoint> points_;
 };
 
-}  // namespace extperfc
+}  // namespace extperfc::ros_simulate

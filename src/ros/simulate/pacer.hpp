@@ -4,7 +4,7 @@
 #include <cstdint>
 #include <optional>
 
-namespace extperfc {
+namespace extperfc::ros_simulate {
 
 /// Deadlines of the simulation's steps on the steady clock.
 class Pacer {
@@ -76,4 +76,4 @@ class FactorMeter {
   double simulated_s_{0};
 };
 
-}  // namespace extperfc
+}  // namespace extperfc::ros_simulate

@@ -11,7 +11,7 @@
 
 #include "ros/simulate/frames.hpp"
 
-namespace extperfc {
+namespace extperfc::ros_simulate {
 
 namespace {
 
@@ -64,7 +64,7 @@ bool HandRangeSensor::measure(simulate::SensorRig& rig, const SensorJob& job) {
 
 Result<std::unique_ptr<SonarSensor>> SonarSensor::make(ros::NodeHandle handle, double rate_hz,
                                                        const RobotModel& robot) {
-  const auto link = link_of(robot, frames::kSonar);
+  const auto link = link_of(robot, kSonarFrame);
   if (!link) return tl::unexpected(link.error());
   return std::unique_ptr<SonarSensor>(new SonarSensor(handle, rate_hz, *link));
 }
@@ -77,7 +77,7 @@ SonarSensor::SonarSensor(ros::NodeHandle& handle, double rate_hz, int link)
 bool SonarSensor::measure(simulate::SensorRig& rig, const SensorJob& job) {
   const auto message = boost::make_shared<sensor_msgs::PointCloud>();
   message->header.stamp = job.stamp;
-  message->header.frame_id = frames::kSonar;
+  message->header.frame_id = kSonarFrame;
   message->channels.resize(2);
   message->channels[0].name = "SensorId";
   message->channels[1].name = "Distance";
@@ -99,4 +99,4 @@ bool SonarSensor::measure(simulate::SensorRig& rig, const SensorJob& job) {
   return true;
 }
 
-}  // namespace extperfc
+}  // namespace extperfc::ros_simulate

@@ -10,7 +10,7 @@
 #include "ros/params/simulator_params.hpp"
 #include "ros/simulate/sensor.hpp"
 
-namespace extperfc {
+namespace extperfc::ros_simulate {
 
 /// The infrared sensors in Baxter's hands.
 ///
@@ -63,4 +63,4 @@ class SonarSensor : public Sensor {
   ros::Publisher publisher_;
 };
 
-}  // namespace extperfc
+}  // namespace extperfc::ros_simulate

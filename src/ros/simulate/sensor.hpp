@@ -11,7 +11,7 @@
 #include "extperfc/simulate/sensor_rig.hpp"
 #include "extperfc/simulate/simulator.hpp"
 
-namespace extperfc {
+namespace extperfc::ros_simulate {
 
 /// What a sensor needs to measure once, after the simulation has gone on.
 struct SensorJob {
@@ -35,4 +35,4 @@ class Sensor {
   [[nodiscard]] virtual std::vector<std::pair<std::string, std::string>> details() const { return {}; }
 };
 
-}  // namespace extperfc
+}  // namespace extperfc::ros_simulate

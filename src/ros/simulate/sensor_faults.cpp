@@ -6,7 +6,7 @@
 #include <cstddef>
 #include <string>
 
-namespace extperfc {
+namespace extperfc::ros_simulate {
 
 using simulate::Fault;
 using simulate::FaultKind;
@@ -92,4 +92,4 @@ Fate LidarFaults::apply(const std::vector<Fault>& active, double time_s,
   return Fate::kDelivered;
 }
 
-}  // namespace extperfc
+}  // namespace extperfc::ros_simulate

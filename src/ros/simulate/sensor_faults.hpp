@@ -6,7 +6,7 @@
 #include "extperfc/simulate/robot_io.hpp"
 #include "extperfc/simulate/sensor_rig.hpp"
 
-namespace extperfc {
+namespace extperfc::ros_simulate {
 
 /// What becomes of a measurement.
 enum class Fate { kDelivered, kLost };
@@ -43,4 +43,4 @@ class LidarFaults {
   std::uint64_t seed_;
 };
 
-}  // namespace extperfc
+}  // namespace extperfc::ros_simulate

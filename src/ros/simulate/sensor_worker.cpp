@@ -8,7 +8,7 @@
 
 #include "extperfc/base/stopwatch.hpp"
 
-namespace extperfc {
+namespace extperfc::ros_simulate {
 
 namespace {
 
@@ -104,7 +104,7 @@ void SensorWorker::measure(Station& station, const SensorJob& job) {
     if (posed_ != job.now) rig_->pose(*job.now);
     posed_ = job.now;
     published = station.sensor->measure(*rig_, job);
-    station.health.done(watch.milliseconds(), health::age_ms(job.stamp));
+    station.health.done(watch.milliseconds(), ros_health::age_ms(job.stamp));
   } catch (const std::exception& error) {
     if (station.health.failed(error.what())) ROS_ERROR("%s: %s", station.sensor->name(), error.what());
   }
@@ -130,4 +130,4 @@ void SensorWorker::report(std::size_t index, diagnostic_updater::DiagnosticStatu
   station.health.report(status);
 }
 
-}  // namespace extperfc
+}  // namespace extperfc::ros_simulate

@@ -16,7 +16,7 @@
 #include "ros/simulate/sensor.hpp"
 #include "ros/simulate/ticker.hpp"
 
-namespace extperfc {
+namespace extperfc::ros_simulate {
 
 /// Lets sensors measure in one thread beside the simulation. Each has room for one job: a newer one replaces
 /// one that waits, and is counted. The job that waits longest is next.
@@ -49,7 +49,7 @@ class SensorWorker {
     std::uint64_t lost{0};
     double cpu_s{0};
     std::uint64_t measured{0};
-    health::WorkHealth health;
+    ros_health::WorkHealth health;
   };
 
   void put(Station& station, SensorJob job);
@@ -70,4 +70,4 @@ class SensorWorker {
   std::thread thread_;
 };
 
-}  // namespace extperfc
+}  // namespace extperfc::ros_simulate

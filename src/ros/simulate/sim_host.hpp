@@ -10,7 +10,7 @@
 
 #include "extperfc/simulate/simulator.hpp"
 
-namespace extperfc {
+namespace extperfc::ros_simulate {
 
 /// Owner of the simulation thread, the only thread that touches the Simulator. Interfaces to ROS hand their
 /// commands over and publish from after_step().
@@ -43,4 +43,4 @@ class SimHost {
   virtual void after_step(std::function<void(const simulate::Simulator&, const ros::Time&)> publish) = 0;
 };
 
-}  // namespace extperfc
+}  // namespace extperfc::ros_simulate

@@ -6,7 +6,7 @@
 #include <Eigen/Geometry>
 #include <ros/console.h>
 
-namespace extperfc {
+namespace extperfc::ros_simulate {
 
 namespace {
 
@@ -138,4 +138,4 @@ void SimServices::move_body(const MoveBody::Request& request, MoveBody::Response
          response);
 }
 
-}  // namespace extperfc
+}  // namespace extperfc::ros_simulate

@@ -15,7 +15,7 @@
 #include "ros/simulate/fault_control.hpp"
 #include "ros/simulate/sim_thread.hpp"
 
-namespace extperfc {
+namespace extperfc::ros_simulate {
 
 /// Services of the simulation. They answer in separate threads, so that a long sim/step blocks no other call.
 ///
@@ -56,4 +56,4 @@ class SimServices {
   ros::AsyncSpinner spinner_;
 };
 
-}  // namespace extperfc
+}  // namespace extperfc::ros_simulate

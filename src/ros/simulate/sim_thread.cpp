@@ -8,7 +8,7 @@
 #include <rosgraph_msgs/Clock.h>
 #include <std_msgs/Float32.h>
 
-namespace extperfc {
+namespace extperfc::ros_simulate {
 
 SimThread::SimThread(ros::NodeHandle handle, const ros_params::SimTimeParams& params,
                      std::unique_ptr<simulate::Simulator> simulator)
@@ -208,4 +208,4 @@ SimThread::Status SimThread::status() const {
   return status_;
 }
 
-}  // namespace extperfc
+}  // namespace extperfc::ros_simulate

@@ -21,7 +21,7 @@
 #include "ros/simulate/pacer.hpp"
 #include "ros/simulate/sim_host.hpp"
 
-namespace extperfc {
+namespace extperfc::ros_simulate {
 
 /// Steps the simulator in a separate thread, at the wanted real-time factor, and publishes its clock.
 /// Published time = start_time_s + the simulator's time + what clock jumps added.
@@ -117,4 +117,4 @@ class SimThread : public SimHost {
   std::thread thread_;
 };
 
-}  // namespace extperfc
+}  // namespace extperfc::ros_simulate

@@ -9,7 +9,7 @@
 #include "ros/simulate/range_sensors.hpp"
 #include "ros/simulate/truth_classes.hpp"
 
-namespace extperfc {
+namespace extperfc::ros_simulate {
 
 namespace {
 
@@ -97,7 +97,7 @@ Result<void> Simulation::build(const ros::NodeHandle& handle, const ros::NodeHan
   thread_ = std::make_unique<SimThread>(handle, params.time, std::move(simulator));
   faults_ = std::make_unique<FaultControl>(*thread_, params.faults);
   if (auto begun = faults_->begin(present); !begun) return begun;
-  robot_ = std::make_unique<RobotInterface>(handle, *thread_, params.robot);
+  robot_ = std::make_unique<ros_robot::RobotInterface>(handle, *thread_, params.robot);
   base_ = std::make_unique<BaseInterface>(handle, *thread_, params.base, params.simulator.base);
   truth_ = std::make_unique<TruthPublisher>(handle, private_handle, *thread_, params.truth, present.world(),
                                             classes);
@@ -143,4 +143,4 @@ void Simulation::report_time(diagnostic_updater::DiagnosticStatusWrapper& status
   status.add("debts dropped", now.debts_dropped);
 }
 
-}  // namespace extperfc
+}  // namespace extperfc::ros_simulate

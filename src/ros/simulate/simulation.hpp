@@ -22,7 +22,7 @@
 #include "ros/simulate/sim_thread.hpp"
 #include "ros/simulate/truth_publisher.hpp"
 
-namespace extperfc {
+namespace extperfc::ros_simulate {
 
 /// Everything that extperfc/simulator is made of, put together.
 class Simulation {
@@ -55,10 +55,10 @@ class Simulation {
   std::unique_ptr<SensorWorker> sensors_;  ///< outlives the thread, which waits for it
   std::unique_ptr<SimThread> thread_;
   std::unique_ptr<FaultControl> faults_;
-  std::unique_ptr<RobotInterface> robot_;
+  std::unique_ptr<ros_robot::RobotInterface> robot_;
   std::unique_ptr<BaseInterface> base_;
   std::unique_ptr<TruthPublisher> truth_;
   std::unique_ptr<SimServices> services_;
 };
 
-}  // namespace extperfc
+}  // namespace extperfc::ros_simulate

@@ -10,7 +10,7 @@
 #include "ros/params/simulator_params.hpp"
 #include "ros/simulate/simulation.hpp"
 
-namespace extperfc {
+namespace extperfc::ros_simulate {
 
 /// A mobile Baxter in a simulated world, with the topics, services, actions and frames of the real one.
 ///
@@ -32,7 +32,7 @@ class SimulatorNodelet : public nodelet::Nodelet {
   void add_diagnostics();
 
   std::unique_ptr<Simulation> simulation_;
-  std::optional<health::Reporter> reporter_;  ///< last: it asks the simulation
+  std::optional<ros_health::Reporter> reporter_;  ///< last: it asks the simulation
 };
 
 void SimulatorNodelet::onInit() {
@@ -55,6 +55,6 @@ void SimulatorNodelet::add_diagnostics() {
   reporter_->start();
 }
 
-}  // namespace extperfc
+}  // namespace extperfc::ros_simulate
 
-PLUGINLIB_EXPORT_CLASS(extperfc::SimulatorNodelet, nodelet::Nodelet)
+PLUGINLIB_EXPORT_CLASS(extperfc::ros_simulate::SimulatorNodelet, nodelet::Nodelet)

@@ -4,7 +4,7 @@
 #include <cstdint>
 #include <utility>
 
-namespace extperfc {
+namespace extperfc::ros_simulate {
 
 /// Reports when an event that happens `rate_hz` times per second of simulated time is due. The times are the
 /// multiples of the period, independent of the length of a step: at 240 steps per second 100 Hz comes after
@@ -30,4 +30,4 @@ class Ticker {
   std::int64_t last_{0};
 };
 
-}  // namespace extperfc
+}  // namespace extperfc::ros_simulate

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <utility>
 
-namespace extperfc {
+namespace extperfc::ros_simulate {
 
 TruthClasses::TruthClasses(std::vector<std::string> known, const simulate::WorldSpec& world)
     : names_(std::move(known)) {
@@ -17,4 +17,4 @@ int TruthClasses::id(const std::string& label) const {
   return found == names_.end() ? -1 : static_cast<int>(found - names_.begin());
 }
 
-}  // namespace extperfc
+}  // namespace extperfc::ros_simulate

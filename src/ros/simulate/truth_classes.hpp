@@ -6,7 +6,7 @@
 #include "extperfc/simulate/sensor_rig.hpp"
 #include "extperfc/simulate/world_spec.hpp"
 
-namespace extperfc {
+namespace extperfc::ros_simulate {
 
 /// Class ids of the ground truth: those of the detector's model first, further labels of the world after
 /// them in order of appearance.
@@ -22,4 +22,4 @@ class TruthClasses {
   std::vector<std::string> names_;
 };
 
-}  // namespace extperfc
+}  // namespace extperfc::ros_simulate

@@ -13,7 +13,7 @@
 #include "ros/simulate/body_extent.hpp"
 #include "ros/simulate/frames.hpp"
 
-namespace extperfc {
+namespace extperfc::ros_simulate {
 
 namespace {
 
@@ -31,10 +31,10 @@ vision_msgs::Detection3D to_detection(int class_id, const Pose& map_T_object,
   detection.results.resize(1);
   detection.results[0].id = class_id;
   detection.results[0].score = 1.0;
-  detection.bbox.center = convert::to_message(map_T_object * make_pose(extent.center()));
-  detection.bbox.size = convert::to_vector(extent.sizes());
+  detection.bbox.center = ros_convert::to_message(map_T_object * make_pose(extent.center()));
+  detection.bbox.size = ros_convert::to_vector(extent.sizes());
   detection.results[0].pose.pose = detection.bbox.center;
-  detection.results[0].pose.covariance = convert::planar_covariance(kExact, kExact, kExact);
+  detection.results[0].pose.covariance = ros_convert::planar_covariance(kExact, kExact, kExact);
   return detection;
 }
 
@@ -73,11 +73,11 @@ Result<void> TruthPublisher::publish_map(const simulate::WorldSpec& world,
   auto plan = simulate::floor_plan(world, params.map_resolution_m, params.map_min_z_m, params.map_max_z_m);
   if (!plan) return tl::unexpected(plan.error());
   const auto grid = boost::make_shared<nav_msgs::OccupancyGrid>();
-  grid->header.frame_id = frames::kMap;
+  grid->header.frame_id = kMapFrame;
   grid->info.resolution = static_cast<float>(plan->resolution_m);
   grid->info.width = static_cast<std::uint32_t>(plan->width);
   grid->info.height = static_cast<std::uint32_t>(plan->height);
-  grid->info.origin.position = convert::to_point({plan->origin_m.x(), plan->origin_m.y(), 0});
+  grid->info.origin.position = ros_convert::to_point({plan->origin_m.x(), plan->origin_m.y(), 0});
   grid->info.origin.orientation.w = 1.0;
   grid->data.assign(plan->data.begin(), plan->data.end());
   map_publisher_.publish(grid);
@@ -121,11 +121,11 @@ void TruthPublisher::after_step(const simulate::Simulator& simulator, const ros:
 void TruthPublisher::publish_odometry(const simulate::BaseState& base, const ros::Time& stamp) {
   const auto message = boost::make_shared<nav_msgs::Odometry>();
   message->header.stamp = stamp;
-  message->header.frame_id = frames::kMap;
-  message->child_frame_id = frames::kFootprint;
-  message->pose.pose = convert::to_message(to_pose(base.truth));
-  message->pose.covariance = convert::planar_covariance(kExact, kExact, kExact);
-  message->twist.twist = convert::to_message(base.velocity);
+  message->header.frame_id = kMapFrame;
+  message->child_frame_id = kFootprintFrame;
+  message->pose.pose = ros_convert::to_message(to_pose(base.truth));
+  message->pose.covariance = ros_convert::planar_covariance(kExact, kExact, kExact);
+  message->twist.twist = ros_convert::to_message(base.velocity);
   message->twist.covariance = message->pose.covariance;
   odom_publisher_.publish(message);
 }
@@ -133,7 +133,7 @@ void TruthPublisher::publish_odometry(const simulate::BaseState& base, const ros
 void TruthPublisher::publish_objects(const simulate::Snapshot& snapshot, const ros::Time& stamp) {
   const auto message = boost::make_shared<vision_msgs::Detection3DArray>();
   message->header.stamp = stamp;
-  message->header.frame_id = frames::kMap;
+  message->header.frame_id = kMapFrame;
   for (const auto& object : objects_) {
     const Pose pose = object.is_person ? to_pose(snapshot.world_T_person[object.index])
                                        : snapshot.world_T_body[object.index];
@@ -142,4 +142,4 @@ void TruthPublisher::publish_objects(const simulate::Snapshot& snapshot, const r
   objects_publisher_.publish(message);
 }
 
-}  // namespace extperfc
+}  // namespace extperfc::ros_simulate

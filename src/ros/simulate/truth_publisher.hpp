@@ -13,7 +13,7 @@
 #include "ros/simulate/truth_classes.hpp"
 #include "ros/simulate/world_markers.hpp"
 
-namespace extperfc {
+namespace extperfc::ros_simulate {
 
 /// The ground truth, for evaluation and for people; a robot does not publish it.
 ///
@@ -67,4 +67,4 @@ class TruthPublisher {
   ros::Publisher markers_publisher_;
 };
 
-}  // namespace extperfc
+}  // namespace extperfc::ros_simulate

@@ -8,13 +8,12 @@
 #include "ros/convert/shape_marker.hpp"
 #include "ros/simulate/frames.hpp"
 
-namespace extperfc {
+namespace extperfc::ros_simulate {
 
 namespace {
 
 using visualization_msgs::Marker;
 using visualization_msgs::MarkerArray;
-
 
 std_msgs::ColorRGBA to_color(const Eigen::Vector3f& rgb) {
   std_msgs::ColorRGBA color;
@@ -26,7 +25,7 @@ std_msgs::ColorRGBA to_color(const Eigen::Vector3f& rgb) {
 }
 
 Marker solid(const Geometry& geometry, const Eigen::Vector3f& rgb) {
-  Marker marker = convert::to_marker(geometry);
+  Marker marker = ros_convert::to_marker(geometry);
   marker.color = to_color(rgb);
   return marker;
 }
@@ -69,7 +68,7 @@ void WorldMarkers::add_person(const simulate::PersonSpec& person) {
 
 void WorldMarkers::add_part(Carrier& carrier, Marker marker, const Pose& carrier_T_part,
                             const std::string& ns) {
-  marker.header.frame_id = frames::kMap;
+  marker.header.frame_id = kMapFrame;
   marker.ns = ns;
   marker.id = next_id_++;
   carrier.parts.push_back({std::move(marker), carrier_T_part});
@@ -86,7 +85,7 @@ void WorldMarkers::append(const Carrier& carrier, const Pose& map_T_carrier, con
   for (const auto& part : carrier.parts) {
     array.markers.push_back(part.marker);
     array.markers.back().header.stamp = stamp;
-    array.markers.back().pose = convert::to_message(map_T_carrier * part.carrier_T_part);
+    array.markers.back().pose = ros_convert::to_message(map_T_carrier * part.carrier_T_part);
   }
 }
 
@@ -109,4 +108,4 @@ MarkerArray WorldMarkers::moved(const simulate::Snapshot& snapshot, const ros::T
   return array;
 }
 
-}  // namespace extperfc
+}  // namespace extperfc::ros_simulate

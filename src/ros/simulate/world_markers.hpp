@@ -8,7 +8,7 @@
 #include "extperfc/simulate/simulator.hpp"
 #include "extperfc/simulate/world_spec.hpp"
 
-namespace extperfc {
+namespace extperfc::ros_simulate {
 
 /// The simulated world as rviz markers in the frame `map`: one marker per shape, people as figures.
 /// Not thread-safe.
@@ -47,4 +47,4 @@ class WorldMarkers {
   int next_id_{0};
 };
 
-}  // namespace extperfc
+}  // namespace extperfc::ros_simulate

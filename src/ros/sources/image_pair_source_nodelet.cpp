@@ -4,7 +4,7 @@
 
 #include "ros/sources/source_nodelet.hpp"
 
-namespace extperfc {
+namespace extperfc::ros_sources {
 
 /// Plays a folder of aligned colour and depth images (TUM-style association file or equal names).
 ///
@@ -18,6 +18,6 @@ class ImagePairSourceNodelet : public SourceNodelet {
   }
 };
 
-}  // namespace extperfc
+}  // namespace extperfc::ros_sources
 
-PLUGINLIB_EXPORT_CLASS(extperfc::ImagePairSourceNodelet, nodelet::Nodelet)
+PLUGINLIB_EXPORT_CLASS(extperfc::ros_sources::ImagePairSourceNodelet, nodelet::Nodelet)

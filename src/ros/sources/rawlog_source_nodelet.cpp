@@ -4,7 +4,7 @@
 
 #include "ros/sources/source_nodelet.hpp"
 
-namespace extperfc {
+namespace extperfc::ros_sources {
 
 /// Plays the RGB-D observations of an MRPT rawlog.
 ///
@@ -19,6 +19,6 @@ class RawlogSourceNodelet : public SourceNodelet {
   }
 };
 
-}  // namespace extperfc
+}  // namespace extperfc::ros_sources
 
-PLUGINLIB_EXPORT_CLASS(extperfc::RawlogSourceNodelet, nodelet::Nodelet)
+PLUGINLIB_EXPORT_CLASS(extperfc::ros_sources::RawlogSourceNodelet, nodelet::Nodelet)

@@ -13,7 +13,7 @@
 
 #include "ros/convert/image.hpp"
 
-namespace extperfc {
+namespace extperfc::ros_sources {
 
 namespace {
 
@@ -147,7 +147,7 @@ void RecordingPlayer::publish(const Messages& messages) {
     tf_broadcaster_.sendTransform(transform);
   }
   const auto info =
-      boost::make_shared<sensor_msgs::CameraInfo>(convert::to_camera_info(camera_of(*sample), header));
+      boost::make_shared<sensor_msgs::CameraInfo>(ros_convert::to_camera_info(camera_of(*sample), header));
   color_info_publisher_.publish(info);
   depth_info_publisher_.publish(info);
   if (messages.depth) {  // before colour, so that it waits for the detections and not they for it
@@ -183,4 +183,4 @@ void RecordingPlayer::report(diagnostic_updater::DiagnosticStatusWrapper& status
                          static_cast<unsigned long>(unreadable_.load()));
 }
 
-}  // namespace extperfc
+}  // namespace extperfc::ros_sources

@@ -18,7 +18,7 @@
 
 #include "ros/params/source_params.hpp"
 
-namespace extperfc {
+namespace extperfc::ros_sources {
 
 /// Plays a recording as an RGB-D camera would publish it; shared by the nodelets that differ only in what
 /// they open. Images travel as pointers inside one manager; `color last` and `depth last` in diagnostics are
@@ -80,4 +80,4 @@ class RecordingPlayer {
   std::thread thread_;
 };
 
-}  // namespace extperfc
+}  // namespace extperfc::ros_sources

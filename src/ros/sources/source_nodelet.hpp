@@ -10,7 +10,7 @@
 #include "ros/params/source_params.hpp"
 #include "ros/sources/recording_player.hpp"
 
-namespace extperfc {
+namespace extperfc::ros_sources {
 
 /// Common part of the nodelets that play recordings: load parameters, open, play, report.
 class SourceNodelet : public nodelet::Nodelet {
@@ -37,7 +37,7 @@ class SourceNodelet : public nodelet::Nodelet {
   }
 
   std::unique_ptr<RecordingPlayer> player_;
-  std::optional<health::Reporter> reporter_;  ///< last: it asks the player
+  std::optional<ros_health::Reporter> reporter_;  ///< last: it asks the player
 };
 
-}  // namespace extperfc
+}  // namespace extperfc::ros_sources

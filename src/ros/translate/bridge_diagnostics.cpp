@@ -6,7 +6,7 @@
 #include <utility>
 #include <vector>
 
-namespace extperfc::translator {
+namespace extperfc::ros_translate {
 
 namespace {
 
@@ -243,4 +243,4 @@ std::string to_text(const BridgeStatus& status, ReportParams params) {
   return text;
 }
 
-}  // namespace extperfc::translator
+}  // namespace extperfc::ros_translate

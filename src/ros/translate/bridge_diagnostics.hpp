@@ -9,7 +9,7 @@
 #include "extperfc/translate/bridge.hpp"
 
 /// A bridge's status as diagnostics and as text. Pure functions.
-namespace extperfc::translator {
+namespace extperfc::ros_translate {
 
 struct ReportParams {
   std::string node;  ///< its name; statuses are "<node>: link", "<node>: topic /x, robot to workstation", ...
@@ -38,4 +38,4 @@ struct ReportParams {
 /// All of it as lines for a terminal.
 [[nodiscard]] std::string to_text(const translate::BridgeStatus& status, ReportParams params);
 
-}  // namespace extperfc::translator
+}  // namespace extperfc::ros_translate

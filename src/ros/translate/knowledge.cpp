@@ -5,7 +5,7 @@
 #include <system_error>
 #include <utility>
 
-namespace extperfc::translator {
+namespace extperfc::ros_translate {
 
 namespace {
 
@@ -108,4 +108,4 @@ Result<Knowledge> load_knowledge(const ros_params::TranslatorParams& params, con
   return knowledge;
 }
 
-}  // namespace extperfc::translator
+}  // namespace extperfc::ros_translate

@@ -10,7 +10,7 @@
 #include "ros/params/translator_params.hpp"
 
 /// The translator's definitions and rules at the start.
-namespace extperfc::translator {
+namespace extperfc::ros_translate {
 
 /// The set that the packages on ROS_PACKAGE_PATH become.
 inline constexpr const char* kInstalledSet = "installed";
@@ -36,4 +36,4 @@ struct Knowledge {
 /// The folders of a search path such as ROS_PACKAGE_PATH.
 [[nodiscard]] std::vector<std::filesystem::path> split_search_path(const std::string& search_path);
 
-}  // namespace extperfc::translator
+}  // namespace extperfc::ros_translate

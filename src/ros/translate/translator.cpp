@@ -15,7 +15,7 @@
 namespace {
 
 using extperfc::ros_params::load_translator_params;
-using extperfc::translator::TranslatorNode;
+using extperfc::ros_translate::TranslatorNode;
 
 /// roscpp's farewell to a master that is gone may hang on a network that swallows packets; nothing of ours is
 /// left then, so the program ends.

@@ -11,7 +11,7 @@
 
 #include "ros/translate/knowledge.hpp"
 
-namespace extperfc::translator {
+namespace extperfc::ros_translate {
 
 namespace {
 
@@ -180,4 +180,4 @@ bool TranslatorNode::on_reload_rules(Trigger::Request& /*request*/, Trigger::Res
   return true;
 }
 
-}  // namespace extperfc::translator
+}  // namespace extperfc::ros_translate

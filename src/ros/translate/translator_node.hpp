@@ -17,7 +17,7 @@
 #include "ros/params/translator_params.hpp"
 #include "ros/translate/bridge_diagnostics.hpp"
 
-namespace extperfc::translator {
+namespace extperfc::ros_translate {
 
 /// Bridges the ROS 1 masters of a robot and of a workstation, and converts messages, services and actions
 /// whose definitions differ. Bridged messages do not pass through roscpp: the bridge has separate nodes at
@@ -78,4 +78,4 @@ class TranslatorNode {
   std::uint64_t restarts_{0};  ///< of the home master, as far as this node has registered again
 };
 
-}  // namespace extperfc::translator
+}  // namespace extperfc::ros_translate

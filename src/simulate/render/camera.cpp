@@ -6,7 +6,7 @@
 
 #include "simulate/render/lanes.hpp"
 
-namespace extperfc::simulate::render {
+namespace extperfc::simulate {
 
 namespace {
 
@@ -235,4 +235,4 @@ void Camera::finish(const CameraParams& params, NoiseKey key, CameraImages& imag
   }
 }
 
-}  // namespace extperfc::simulate::render
+}  // namespace extperfc::simulate

@@ -11,7 +11,7 @@
 #include "simulate/render/scene.hpp"
 #include "simulate/render/shading.hpp"
 
-namespace extperfc::simulate::render {
+namespace extperfc::simulate {
 
 /// x/z and y/z of every pixel of a camera, tile by tile: 16 x/z, then 16 y/z. Lens distortion included.
 class RayTable {
@@ -62,4 +62,4 @@ class Camera {
   Tile tile_{};
 };
 
-}  // namespace extperfc::simulate::render
+}  // namespace extperfc::simulate

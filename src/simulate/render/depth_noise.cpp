@@ -5,7 +5,7 @@
 
 #include "simulate/render/lanes.hpp"
 
-namespace extperfc::simulate::render {
+namespace extperfc::simulate {
 
 namespace {
 
@@ -167,4 +167,4 @@ void DepthNoise::apply(const CameraParams& params, NoiseKey key, CameraImages& i
   }
 }
 
-}  // namespace extperfc::simulate::render
+}  // namespace extperfc::simulate

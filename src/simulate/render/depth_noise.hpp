@@ -8,7 +8,7 @@
 
 #include "simulate/render/hash_noise.hpp"
 
-namespace extperfc::simulate::render {
+namespace extperfc::simulate {
 
 /// Errors of an active stereo camera whose depth is aligned to colour. Works on disparity, where the noise is
 /// the same at every distance: d = focal * baseline / z.
@@ -31,4 +31,4 @@ class DepthNoise {
   std::vector<float> in_shadow_;  ///< 1: yes
 };
 
-}  // namespace extperfc::simulate::render
+}  // namespace extperfc::simulate

@@ -2,7 +2,7 @@
 
 #include <cmath>
 
-namespace extperfc::simulate::render {
+namespace extperfc::simulate {
 
 namespace {
 
@@ -25,4 +25,4 @@ NoiseKey noise_key(std::uint64_t seed, std::uint32_t sensor, double time_s, std:
   return {static_cast<std::uint32_t>(x), static_cast<std::uint32_t>(x >> 32)};
 }
 
-}  // namespace extperfc::simulate::render
+}  // namespace extperfc::simulate

@@ -4,7 +4,7 @@
 
 /// Noise that is a function of a key and a counter, so that it does not depend on the order of calls and runs
 /// in all lanes at once.
-namespace extperfc::simulate::render {
+namespace extperfc::simulate {
 
 struct NoiseKey {
   std::uint32_t a{0};
@@ -38,4 +38,4 @@ struct NoiseKey {
   return (static_cast<float>(static_cast<std::int32_t>(sum)) - 510.0F) * 0.0067659F;
 }
 
-}  // namespace extperfc::simulate::render
+}  // namespace extperfc::simulate

@@ -6,7 +6,7 @@
 
 #include "simulate/render/lanes.hpp"
 
-namespace extperfc::simulate::render {
+namespace extperfc::simulate {
 
 namespace {
 
@@ -114,4 +114,4 @@ void resolve_row(const ImagePlanes& planes, int y, int width, float* red, float*
                     planes.sky_seen.row(y), width, out[i]);
 }
 
-}  // namespace extperfc::simulate::render
+}  // namespace extperfc::simulate

@@ -5,7 +5,7 @@
 
 #include "simulate/render/ray_scene.hpp"
 
-namespace extperfc::simulate::render {
+namespace extperfc::simulate {
 
 /// Floats in rows, with a border that holds -1, so that neighbours need no check.
 class Plane {
@@ -52,4 +52,4 @@ void spread(const Plane& depth, Plane& seen, Plane& scratch, int width, int heig
 /// Puts a row together: display values in [0, 1] (not linear), three per `width` pixels, planar.
 void resolve_row(const ImagePlanes& planes, int y, int width, float* red, float* green, float* blue);
 
-}  // namespace extperfc::simulate::render
+}  // namespace extperfc::simulate

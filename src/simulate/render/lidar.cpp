@@ -5,7 +5,7 @@
 
 #include "extperfc/base/math.hpp"
 
-namespace extperfc::simulate::render {
+namespace extperfc::simulate {
 
 namespace {
 
@@ -175,4 +175,4 @@ void Lidar::sweep(const LidarParams& params, const Pose& world_T_begin, const Po
   }
 }
 
-}  // namespace extperfc::simulate::render
+}  // namespace extperfc::simulate

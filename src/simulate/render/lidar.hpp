@@ -9,7 +9,7 @@
 #include "simulate/render/hash_noise.hpp"
 #include "simulate/render/scene.hpp"
 
-namespace extperfc::simulate::render {
+namespace extperfc::simulate {
 
 inline constexpr int kRings = 16;
 
@@ -47,4 +47,4 @@ class Lidar {
   LaneMask active_{};
 };
 
-}  // namespace extperfc::simulate::render
+}  // namespace extperfc::simulate

@@ -8,7 +8,7 @@
 
 #include "simulate/render/stl.hpp"
 
-namespace extperfc::simulate::render {
+namespace extperfc::simulate {
 
 namespace {
 
@@ -146,7 +146,7 @@ Result<Mesh> make(const TriangleMesh& file, const Material& /*material*/, std::u
   return read_stl(file, surface);
 }
 
-bool is_sliver(const Mesh& mesh, const Triangle& triangle) {
+bool is_sliver(const Mesh& mesh, const MeshTriangle& triangle) {
   const Vector3f& a = mesh.vertices[triangle.corners[0]].position;
   const Vector3f ab = mesh.vertices[triangle.corners[1]].position - a;
   const Vector3f ac = mesh.vertices[triangle.corners[2]].position - a;
@@ -158,7 +158,7 @@ bool is_sliver(const Mesh& mesh, const Triangle& triangle) {
 
 void Mesh::drop_slivers() {
   triangles.erase(std::remove_if(triangles.begin(), triangles.end(),
-                                 [&](const Triangle& t) { return is_sliver(*this, t); }),
+                                 [&](const MeshTriangle& t) { return is_sliver(*this, t); }),
                   triangles.end());
 }
 
@@ -198,4 +198,4 @@ void join_rows(Mesh& mesh, std::uint32_t first, std::uint32_t second, std::uint3
   }
 }
 
-}  // namespace extperfc::simulate::render
+}  // namespace extperfc::simulate

@@ -10,7 +10,7 @@
 #include "extperfc/base/error.hpp"
 #include "extperfc/world/shape.hpp"
 
-namespace extperfc::simulate::render {
+namespace extperfc::simulate {
 
 struct Vertex {
   Eigen::Vector3f position;  ///< [m]
@@ -18,14 +18,14 @@ struct Vertex {
   Eigen::Vector2f texture;   ///< metres of surface until scaled; then repetitions of the texture
 };
 
-struct Triangle {
+struct MeshTriangle {
   std::array<std::uint32_t, 3> corners;  ///< counter-clockwise seen from outside
   std::uint32_t surface;                 ///< index into the scene's surfaces
 };
 
 struct Mesh {
   std::vector<Vertex> vertices;
-  std::vector<Triangle> triangles;
+  std::vector<MeshTriangle> triangles;
 
   /// Drops triangles without an area.
   void drop_slivers();
@@ -45,4 +45,4 @@ struct Mesh {
 void join_rows(Mesh& mesh, std::uint32_t first, std::uint32_t second, std::uint32_t row_length,
                std::uint32_t surface);
 
-}  // namespace extperfc::simulate::render
+}  // namespace extperfc::simulate

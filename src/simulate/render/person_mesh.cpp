@@ -6,7 +6,7 @@
 
 #include "extperfc/base/math.hpp"
 
-namespace extperfc::simulate::render {
+namespace extperfc::simulate {
 
 namespace {
 
@@ -242,4 +242,4 @@ Material person_material(PersonPart part, const Eigen::Vector3f& clothes, std::u
   return {{0.16F, 0.14F, 0.13F}, Texture::kNone, 1.0F, 0.25F};
 }
 
-}  // namespace extperfc::simulate::render
+}  // namespace extperfc::simulate

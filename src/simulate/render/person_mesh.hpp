@@ -7,7 +7,7 @@
 
 #include "simulate/render/mesh.hpp"
 
-namespace extperfc::simulate::render {
+namespace extperfc::simulate {
 
 enum class PersonPart { kSkin, kHair, kShirt, kTrousers, kShoes };
 inline constexpr std::array<PersonPart, 5> kPersonParts{
@@ -21,4 +21,4 @@ using PersonSurfaces = std::array<std::uint32_t, kPersonParts.size()>;
 /// `clothes` colours the shirt; skin, hair and trousers vary with `number`.
 [[nodiscard]] Material person_material(PersonPart part, const Eigen::Vector3f& clothes, std::uint32_t number);
 
-}  // namespace extperfc::simulate::render
+}  // namespace extperfc::simulate

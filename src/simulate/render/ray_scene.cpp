@@ -5,7 +5,7 @@
 
 #include <embree3/rtcore.h>
 
-namespace extperfc::simulate::render {
+namespace extperfc::simulate {
 
 namespace {
 
@@ -120,4 +120,4 @@ const char* RayScene::name() {
   return "Embree " RTC_VERSION_STRING ", 16-wide";
 }
 
-}  // namespace extperfc::simulate::render
+}  // namespace extperfc::simulate

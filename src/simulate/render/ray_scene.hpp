@@ -12,7 +12,7 @@ struct RTCDeviceTy;
 struct RTCSceneTy;
 struct RTCGeometryTy;
 
-namespace extperfc::simulate::render {
+namespace extperfc::simulate {
 
 inline constexpr int kLanes = 16;
 inline constexpr std::uint32_t kNoHit = 0xFFFFFFFFU;
@@ -84,4 +84,4 @@ class RayScene {
   std::vector<RTCGeometryTy*> instances_;
 };
 
-}  // namespace extperfc::simulate::render
+}  // namespace extperfc::simulate

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <utility>
 
-namespace extperfc::simulate::render {
+namespace extperfc::simulate {
 
 namespace {
 
@@ -77,4 +77,4 @@ void Scene::pose(const Snapshot& snapshot) {
   if (moved) rays_->commit();
 }
 
-}  // namespace extperfc::simulate::render
+}  // namespace extperfc::simulate

@@ -9,7 +9,7 @@
 #include "simulate/render/ray_scene.hpp"
 #include "simulate/render/stage.hpp"
 
-namespace extperfc::simulate::render {
+namespace extperfc::simulate {
 
 /// What shading needs of a triangle: one cache line.
 struct alignas(64) TriangleRecord {
@@ -55,4 +55,4 @@ class Scene {
   std::vector<MeshFrame> frames_;
 };
 
-}  // namespace extperfc::simulate::render
+}  // namespace extperfc::simulate

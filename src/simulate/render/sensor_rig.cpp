@@ -14,8 +14,6 @@
 
 namespace extperfc::simulate {
 
-namespace render {
-
 namespace {
 
 /// Where everything stands before the first snapshot.
@@ -98,18 +96,16 @@ double RayCastRig::range(const Pose& world_T_sensor, double half_angle_rad, doub
 
 }  // namespace
 
-}  // namespace render
-
 Result<std::unique_ptr<SensorRig>> SensorRig::make(const RobotModel& robot, const WorldSpec& world,
                                                    std::uint64_t seed) {
-  auto stage = render::build_stage(robot, world);
+  auto stage = build_stage(robot, world);
   if (!stage) return tl::unexpected(stage.error());
-  auto rays = render::RayScene::make();
+  auto rays = RayScene::make();
   if (!rays)
     return fail(ErrorCode::kUnsupported, "Embree does not run on this processor: the simulator needs it");
-  render::Scene scene(std::move(*stage), std::move(rays));
-  scene.pose(render::first_snapshot(robot, world));
-  return std::make_unique<render::RayCastRig>(std::move(scene), world.light, seed);
+  Scene scene(std::move(*stage), std::move(rays));
+  scene.pose(first_snapshot(robot, world));
+  return std::make_unique<RayCastRig>(std::move(scene), world.light, seed);
 }
 
 }  // namespace extperfc::simulate

@@ -7,7 +7,7 @@
 #include "simulate/render/image_planes.hpp"
 #include "simulate/render/lanes.hpp"
 
-namespace extperfc::simulate::render {
+namespace extperfc::simulate {
 
 namespace {
 
@@ -296,4 +296,4 @@ EXTPERFC_LANES void reflect(Tile& tile) {
   }
 }
 
-}  // namespace extperfc::simulate::render
+}  // namespace extperfc::simulate

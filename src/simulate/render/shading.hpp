@@ -9,7 +9,7 @@
 
 /// Light on sixteen surface points at a time. A packet is a tile of 4 x 4 pixels; lane k is column k % 4, row
 /// k / 4 of it.
-namespace extperfc::simulate::render {
+namespace extperfc::simulate {
 
 /// Camera and light of one image.
 struct View {
@@ -69,4 +69,4 @@ void fetch_textures(Tile& tile);
 /// What comes back of the light, textures included.
 void reflect(Tile& tile);
 
-}  // namespace extperfc::simulate::render
+}  // namespace extperfc::simulate

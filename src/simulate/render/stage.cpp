@@ -6,7 +6,7 @@
 
 #include "simulate/render/person_mesh.hpp"
 
-namespace extperfc::simulate::render {
+namespace extperfc::simulate {
 
 namespace {
 
@@ -131,4 +131,4 @@ Result<Stage> build_stage(const RobotModel& robot, const WorldSpec& world) {
   return builder.take();
 }
 
-}  // namespace extperfc::simulate::render
+}  // namespace extperfc::simulate

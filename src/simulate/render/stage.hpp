@@ -12,7 +12,7 @@
 #include "simulate/render/mesh.hpp"
 #include "simulate/render/textures.hpp"
 
-namespace extperfc::simulate::render {
+namespace extperfc::simulate {
 
 /// What a ray finds on a triangle.
 struct TriangleSurface {
@@ -46,4 +46,4 @@ struct Stage {
 /// Errors: a mesh that cannot be read, more than 65,000 instances.
 [[nodiscard]] Result<Stage> build_stage(const RobotModel& robot, const WorldSpec& world);
 
-}  // namespace extperfc::simulate::render
+}  // namespace extperfc::simulate

@@ -6,7 +6,7 @@
 
 #include "extperfc/world/stl.hpp"
 
-namespace extperfc::simulate::render {
+namespace extperfc::simulate {
 
 namespace {
 
@@ -80,4 +80,4 @@ Result<Mesh> read_stl(const TriangleMesh& file, std::uint32_t surface) {
   return build(faces, surface);
 }
 
-}  // namespace extperfc::simulate::render
+}  // namespace extperfc::simulate

@@ -8,7 +8,7 @@
 
 #include "simulate/render/hash_noise.hpp"
 
-namespace extperfc::simulate::render {
+namespace extperfc::simulate {
 
 namespace {
 
@@ -285,4 +285,4 @@ const MipTexture* texture_of(Texture texture) {
   return nullptr;
 }
 
-}  // namespace extperfc::simulate::render
+}  // namespace extperfc::simulate

@@ -5,7 +5,7 @@
 
 #include "extperfc/world/shape.hpp"
 
-namespace extperfc::simulate::render {
+namespace extperfc::simulate {
 
 /// A square pattern that repeats, with all its halvings down to one pixel. Pixels are 0x00BBGGRR, sRGB.
 struct MipTexture {
@@ -26,4 +26,4 @@ struct MipTexture {
 /// every machine but for rounding.
 [[nodiscard]] const MipTexture* texture_of(Texture texture);
 
-}  // namespace extperfc::simulate::render
+}  // namespace extperfc::simulate

@@ -6,7 +6,7 @@
 
 #include "extperfc/base/math.hpp"
 
-namespace extperfc::simulate::render_tool {
+namespace extperfc::simulate {
 
 namespace {
 constexpr double kMiddleGrey = 0.44;  // mean brightness that automatic exposure aims at
@@ -136,4 +136,4 @@ void apply_camera_effects(Rng& rng, std::vector<std::uint8_t>& rgb, int width, i
   add_noise(rng, rgb, std::abs(rng.normal(0, 0.012)));
 }
 
-}  // namespace extperfc::simulate::render_tool
+}  // namespace extperfc::simulate

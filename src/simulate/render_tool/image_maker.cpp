@@ -12,7 +12,7 @@
 #include "simulate/render_tool/random_view.hpp"
 #include "simulate/render_tool/whole_view.hpp"
 
-namespace extperfc::simulate::render_tool {
+namespace extperfc::simulate {
 
 namespace {
 
@@ -181,4 +181,4 @@ Result<const AnnotatedImage*> ImageMaker::make(int number) {
   return &image_;
 }
 
-}  // namespace extperfc::simulate::render_tool
+}  // namespace extperfc::simulate

@@ -9,7 +9,7 @@
 
 #include "simulate/render_tool/options.hpp"
 
-namespace extperfc::simulate::render_tool {
+namespace extperfc::simulate {
 
 struct Annotation {
   std::string label;
@@ -60,4 +60,4 @@ class ImageMaker {
 /// A number that differs for every pair, for seeds (SplitMix64).
 [[nodiscard]] std::uint64_t mix(std::uint64_t seed, std::uint64_t number);
 
-}  // namespace extperfc::simulate::render_tool
+}  // namespace extperfc::simulate

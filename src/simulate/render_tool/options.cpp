@@ -7,7 +7,7 @@
 
 #include "extperfc/base/sha256.hpp"
 
-namespace extperfc::simulate::render_tool {
+namespace extperfc::simulate {
 
 const char* const kHelp = R"(Writes training images with Pascal VOC boxes from random worlds.
 
@@ -145,4 +145,4 @@ std::string fingerprint(const Options& options) {
   return out.str();
 }
 
-}  // namespace extperfc::simulate::render_tool
+}  // namespace extperfc::simulate

@@ -7,7 +7,7 @@
 
 #include "extperfc/base/error.hpp"
 
-namespace extperfc::simulate::render_tool {
+namespace extperfc::simulate {
 
 struct Options {
   std::filesystem::path out;
@@ -36,4 +36,4 @@ extern const char* const kHelp;
 /// Reads the world's file.
 [[nodiscard]] std::string fingerprint(const Options& options);
 
-}  // namespace extperfc::simulate::render_tool
+}  // namespace extperfc::simulate

@@ -5,7 +5,7 @@
 
 #include "extperfc/base/math.hpp"
 
-namespace extperfc::simulate::render_tool {
+namespace extperfc::simulate {
 
 namespace {
 constexpr double kWallGap = 0.35;  // between camera and the border of the floor plan [m]
@@ -68,4 +68,4 @@ Pose random_view(Rng& rng, const WorldSpec& world, const std::vector<Eigen::Vect
   return look_at(eye, target + past, rng.normal(0, 0.05));
 }
 
-}  // namespace extperfc::simulate::render_tool
+}  // namespace extperfc::simulate

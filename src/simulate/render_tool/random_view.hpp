@@ -9,7 +9,7 @@
 #include "extperfc/world/camera_model.hpp"
 #include "extperfc/world/pose.hpp"
 
-namespace extperfc::simulate::render_tool {
+namespace extperfc::simulate {
 
 /// Colour camera of a D435i at this size, with a few per cent of variation.
 [[nodiscard]] CameraModel random_camera(Rng& rng, int width, int height);
@@ -22,4 +22,4 @@ namespace extperfc::simulate::render_tool {
 /// above the floor, looking slightly past the target, inside the floor plan, hardly tilted.
 [[nodiscard]] Pose random_view(Rng& rng, const WorldSpec& world, const std::vector<Eigen::Vector3d>& targets);
 
-}  // namespace extperfc::simulate::render_tool
+}  // namespace extperfc::simulate

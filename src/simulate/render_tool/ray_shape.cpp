@@ -5,7 +5,7 @@
 #include <limits>
 #include <utility>
 
-namespace extperfc::simulate::render_tool {
+namespace extperfc::simulate {
 
 namespace {
 
@@ -101,4 +101,4 @@ double bounding_radius_m(const Geometry& geometry) {
   return 0;
 }
 
-}  // namespace extperfc::simulate::render_tool
+}  // namespace extperfc::simulate

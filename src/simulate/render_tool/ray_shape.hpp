@@ -4,7 +4,7 @@
 
 #include "extperfc/world/shape.hpp"
 
-namespace extperfc::simulate::render_tool {
+namespace extperfc::simulate {
 
 /// A half line; the direction need not have unit length.
 struct Ray {
@@ -18,4 +18,4 @@ struct Ray {
 /// Radius of a sphere around the shape's origin that holds the shape [m].
 [[nodiscard]] double bounding_radius_m(const Geometry& geometry);
 
-}  // namespace extperfc::simulate::render_tool
+}  // namespace extperfc::simulate

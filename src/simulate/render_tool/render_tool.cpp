@@ -20,9 +20,8 @@
 #include "simulate/render_tool/options.hpp"
 #include "simulate/render_tool/voc_folder.hpp"
 
-using namespace extperfc;                         // NOLINT: a program, not a header
-using namespace extperfc::simulate;               // NOLINT
-using namespace extperfc::simulate::render_tool;  // NOLINT
+using namespace extperfc;            // NOLINT: a program, not a header
+using namespace extperfc::simulate;  // NOLINT
 
 namespace {
 

@@ -10,7 +10,7 @@
 #include <opencv2/core.hpp>
 #include <opencv2/imgcodecs.hpp>
 
-namespace extperfc::simulate::render_tool {
+namespace extperfc::simulate {
 
 namespace fs = std::filesystem;
 
@@ -174,4 +174,4 @@ Result<int> VocFolder::write_sets() const {
   return count;
 }
 
-}  // namespace extperfc::simulate::render_tool
+}  // namespace extperfc::simulate

@@ -8,7 +8,7 @@
 #include "simulate/render_tool/image_maker.hpp"
 #include "simulate/render_tool/options.hpp"
 
-namespace extperfc::simulate::render_tool {
+namespace extperfc::simulate {
 
 /// A data set in Pascal VOC's layout. An image is there when its XML is: the XML is written last, and every
 /// file gets its name when it is complete. Different images may be written by different threads.
@@ -34,4 +34,4 @@ class VocFolder {
 /// "000001" for image 0.
 [[nodiscard]] std::string image_name(int number);
 
-}  // namespace extperfc::simulate::render_tool
+}  // namespace extperfc::simulate

@@ -6,7 +6,7 @@
 
 #include "simulate/render_tool/ray_shape.hpp"
 
-namespace extperfc::simulate::render_tool {
+namespace extperfc::simulate {
 
 namespace {
 
@@ -68,4 +68,4 @@ WholeView whole_view(const BodySpec& body, const CameraModel& camera, const Pose
   return view;
 }
 
-}  // namespace extperfc::simulate::render_tool
+}  // namespace extperfc::simulate

@@ -4,7 +4,7 @@
 #include "extperfc/world/camera_model.hpp"
 #include "extperfc/world/pose.hpp"
 
-namespace extperfc::simulate::render_tool {
+namespace extperfc::simulate {
 
 /// How a body would look if nothing stood before it and the image had no border. Numbers of pixels.
 struct WholeView {
@@ -17,4 +17,4 @@ struct WholeView {
 [[nodiscard]] WholeView whole_view(const BodySpec& body, const CameraModel& camera,
                                    const Pose& world_T_optical);
 
-}  // namespace extperfc::simulate::render_tool
+}  // namespace extperfc::simulate

@@ -10,8 +10,6 @@ namespace extperfc::simulate {
 
 namespace {
 
-using namespace worlds;  // NOLINT: outlines
-
 constexpr double kTouch = 1e-9;  // a wall that only touches a cell's border does not occupy it [m]
 constexpr double kMaxCells = 1e8;
 

@@ -7,7 +7,7 @@
 
 #include "simulate/worlds/materials.hpp"
 
-namespace extperfc::simulate::worlds {
+namespace extperfc::simulate {
 
 namespace {
 
@@ -319,4 +319,4 @@ ObjectModel whiteboard(double width_m, double height_m, std::uint64_t seed) {
   return model;
 }
 
-}  // namespace extperfc::simulate::worlds
+}  // namespace extperfc::simulate

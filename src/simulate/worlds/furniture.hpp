@@ -8,7 +8,7 @@
 
 /// Furniture from boxes, cylinders and spheres. All objects stand on z = 0 with their front towards +x.
 /// Sizes are [x (depth), y (width), z (height)] in metres.
-namespace extperfc::simulate::worlds {
+namespace extperfc::simulate {
 
 [[nodiscard]] ObjectModel table(const Eigen::Vector3d& size_m, const Material& top, const Material& legs);
 /// A table with drawers under its left end (+y); one sits at -x.
@@ -46,4 +46,4 @@ struct ShelfParams {
 /// White board with a tray and some writing, flat on a wall as painting().
 [[nodiscard]] ObjectModel whiteboard(double width_m, double height_m, std::uint64_t seed);
 
-}  // namespace extperfc::simulate::worlds
+}  // namespace extperfc::simulate

@@ -6,7 +6,7 @@
 
 #include "simulate/worlds/materials.hpp"
 
-namespace extperfc::simulate::worlds {
+namespace extperfc::simulate {
 
 namespace {
 
@@ -77,4 +77,4 @@ Material MaterialReader::read(YamlMap& map, const std::string& fallback) const {
   return material;
 }
 
-}  // namespace extperfc::simulate::worlds
+}  // namespace extperfc::simulate

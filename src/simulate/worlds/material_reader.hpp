@@ -6,7 +6,7 @@
 #include "extperfc/world/shape.hpp"
 #include "extperfc/world/yaml_map.hpp"
 
-namespace extperfc::simulate::worlds {
+namespace extperfc::simulate {
 
 /// Reads what surfaces look like; knows the built-in materials and those of the world itself.
 class MaterialReader {
@@ -30,4 +30,4 @@ class MaterialReader {
 [[nodiscard]] Eigen::Vector3f read_colour(YamlMap& map, const std::string& key,
                                           const Eigen::Vector3f& fallback);
 
-}  // namespace extperfc::simulate::worlds
+}  // namespace extperfc::simulate

@@ -1,6 +1,6 @@
 #include "simulate/worlds/materials.hpp"
 
-namespace extperfc::simulate::worlds {
+namespace extperfc::simulate {
 
 namespace {
 
@@ -69,4 +69,4 @@ Material shaded(Material material, float factor) {
   return material;
 }
 
-}  // namespace extperfc::simulate::worlds
+}  // namespace extperfc::simulate

@@ -9,7 +9,7 @@
 
 #include "extperfc/world/shape.hpp"
 
-namespace extperfc::simulate::worlds {
+namespace extperfc::simulate {
 
 /// Names of all textures, in the order of the enumeration.
 [[nodiscard]] std::vector<std::string> texture_names();
@@ -24,4 +24,4 @@ namespace extperfc::simulate::worlds {
 /// `material` with its colour multiplied by `factor` and kept in [0, 1].
 [[nodiscard]] Material shaded(Material material, float factor);
 
-}  // namespace extperfc::simulate::worlds
+}  // namespace extperfc::simulate

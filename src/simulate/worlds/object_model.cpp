@@ -2,7 +2,7 @@
 
 #include "simulate/worlds/solid.hpp"
 
-namespace extperfc::simulate::worlds {
+namespace extperfc::simulate {
 
 void add(ObjectModel& model, const Geometry& geometry, const Eigen::Vector3d& xyz_m, const Material& material,
          double yaw_rad) {
@@ -34,4 +34,4 @@ Pose upright(double x_m, double y_m, double z_m, double yaw_rad) {
   return make_pose({x_m, y_m, z_m}, {0, 0, yaw_rad});
 }
 
-}  // namespace extperfc::simulate::worlds
+}  // namespace extperfc::simulate

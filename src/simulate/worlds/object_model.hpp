@@ -7,7 +7,7 @@
 
 #include "extperfc/simulate/world_spec.hpp"
 
-namespace extperfc::simulate::worlds {
+namespace extperfc::simulate {
 
 inline constexpr double kRightAngle = 1.57079632679489662;  ///< [rad]
 
@@ -42,4 +42,4 @@ void add(ObjectModel& model, const Geometry& geometry, const Pose& object_T_shap
 /// Pose on the floor plan at height z, turned about z.
 [[nodiscard]] Pose upright(double x_m, double y_m, double z_m, double yaw_rad);
 
-}  // namespace extperfc::simulate::worlds
+}  // namespace extperfc::simulate

@@ -5,7 +5,7 @@
 #include "simulate/worlds/furniture.hpp"
 #include "simulate/worlds/objects.hpp"
 
-namespace extperfc::simulate::worlds {
+namespace extperfc::simulate {
 
 namespace {
 
@@ -212,4 +212,4 @@ std::vector<std::string> object_kinds() {
   return kinds;
 }
 
-}  // namespace extperfc::simulate::worlds
+}  // namespace extperfc::simulate

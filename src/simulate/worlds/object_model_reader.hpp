@@ -7,7 +7,7 @@
 #include "simulate/worlds/material_reader.hpp"
 #include "simulate/worlds/object_model.hpp"
 
-namespace extperfc::simulate::worlds {
+namespace extperfc::simulate {
 
 inline constexpr Span kAny{-1e4, 1e4};      ///< positions [m] and angles [deg]
 inline constexpr Span kLength{1e-4, 1000};  ///< sizes [m]
@@ -18,4 +18,4 @@ inline constexpr Span kLength{1e-4, 1000};  ///< sizes [m]
                                                            const MaterialReader& materials);
 [[nodiscard]] std::vector<std::string> object_kinds();
 
-}  // namespace extperfc::simulate::worlds
+}  // namespace extperfc::simulate

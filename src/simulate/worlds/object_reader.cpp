@@ -8,7 +8,7 @@
 
 #include "simulate/worlds/object_model_reader.hpp"
 
-namespace extperfc::simulate::worlds {
+namespace extperfc::simulate {
 
 namespace {
 
@@ -293,4 +293,4 @@ const PlacedObject* ObjectReader::find(const std::string& name) const {
   return found == index_by_name_.end() ? nullptr : &objects_[found->second];
 }
 
-}  // namespace extperfc::simulate::worlds
+}  // namespace extperfc::simulate

@@ -11,7 +11,7 @@
 #include "simulate/worlds/object_model.hpp"
 #include "simulate/worlds/walls.hpp"
 
-namespace extperfc::simulate::worlds {
+namespace extperfc::simulate {
 
 /// Where something stands in the file, for problems that are found after reading.
 struct Origin {
@@ -86,4 +86,4 @@ class ObjectReader {
 [[nodiscard]] std::vector<Eigen::Vector2d> points_of(YamlMap& map, const std::string& key,
                                                      std::size_t min_count);
 
-}  // namespace extperfc::simulate::worlds
+}  // namespace extperfc::simulate

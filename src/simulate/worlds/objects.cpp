@@ -5,7 +5,7 @@
 #include "simulate/worlds/materials.hpp"
 #include "simulate/worlds/solid.hpp"
 
-namespace extperfc::simulate::worlds {
+namespace extperfc::simulate {
 
 namespace {
 
@@ -133,4 +133,4 @@ ObjectModel step_pyramid(double edge_m, double height_m, const Material& materia
   return model;
 }
 
-}  // namespace extperfc::simulate::worlds
+}  // namespace extperfc::simulate

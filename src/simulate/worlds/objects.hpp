@@ -5,7 +5,7 @@
 #include "simulate/worlds/object_model.hpp"
 
 /// Objects that a hand can take. They stand on z = 0; loose, with a mass from their volume.
-namespace extperfc::simulate::worlds {
+namespace extperfc::simulate {
 
 /// Density of objects without a given mass: light wood or hollow plastic [kg/m^3].
 inline constexpr double kDensity = 400;
@@ -33,4 +33,4 @@ inline constexpr double kDensity = 400;
 /// Steps of plates, each smaller than the one below.
 [[nodiscard]] ObjectModel step_pyramid(double edge_m, double height_m, const Material& material);
 
-}  // namespace extperfc::simulate::worlds
+}  // namespace extperfc::simulate

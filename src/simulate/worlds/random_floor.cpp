@@ -7,7 +7,7 @@
 #include "simulate/worlds/random_scene.hpp"
 #include "simulate/worlds/walls.hpp"
 
-namespace extperfc::simulate::worlds {
+namespace extperfc::simulate {
 
 namespace {
 
@@ -135,4 +135,4 @@ WorldSpec floor_world(const RandomWorldParams& params, std::uint64_t seed) {
   return scene.world();
 }
 
-}  // namespace extperfc::simulate::worlds
+}  // namespace extperfc::simulate

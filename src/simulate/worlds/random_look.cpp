@@ -6,7 +6,7 @@
 
 #include "simulate/worlds/materials.hpp"
 
-namespace extperfc::simulate::worlds {
+namespace extperfc::simulate {
 
 namespace {
 
@@ -117,4 +117,4 @@ LightSpec random_light(Rng& rng, const Eigen::Vector2d& room_min_m, const Eigen:
   return light;
 }
 
-}  // namespace extperfc::simulate::worlds
+}  // namespace extperfc::simulate

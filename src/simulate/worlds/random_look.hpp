@@ -5,7 +5,7 @@
 #include "extperfc/world/shape.hpp"
 
 /// What random objects look like.
-namespace extperfc::simulate::worlds {
+namespace extperfc::simulate {
 
 /// From hue, saturation and value, each in [0, 1], to sRGB.
 [[nodiscard]] Eigen::Vector3f colour_from_hsv(double hue, double saturation, double value);
@@ -25,4 +25,4 @@ struct ColourRange {
 [[nodiscard]] LightSpec random_light(Rng& rng, const Eigen::Vector2d& room_min_m,
                                      const Eigen::Vector2d& room_max_m, double ceiling_m);
 
-}  // namespace extperfc::simulate::worlds
+}  // namespace extperfc::simulate

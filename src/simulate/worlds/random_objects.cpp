@@ -9,7 +9,7 @@
 #include "simulate/worlds/objects.hpp"
 #include "simulate/worlds/random_look.hpp"
 
-namespace extperfc::simulate::worlds {
+namespace extperfc::simulate {
 
 namespace {
 constexpr double kGap = 0.003;  // minimum distance between objects [m]
@@ -162,4 +162,4 @@ void put_objects(RandomScene& scene, const RandomWorldParams& params, const Tabl
   }
 }
 
-}  // namespace extperfc::simulate::worlds
+}  // namespace extperfc::simulate

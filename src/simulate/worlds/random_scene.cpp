@@ -8,7 +8,7 @@
 #include "simulate/worlds/random_look.hpp"
 #include "simulate/worlds/solid.hpp"
 
-namespace extperfc::simulate::worlds {
+namespace extperfc::simulate {
 
 namespace {
 
@@ -186,4 +186,4 @@ void furnish_walls(RandomScene& scene, const Eigen::Vector2d& min_m, const Eigen
     if (rng.chance(0.6)) hang(scene, wall_side(min_m, max_m, side), height_m);
 }
 
-}  // namespace extperfc::simulate::worlds
+}  // namespace extperfc::simulate

@@ -11,7 +11,7 @@
 
 #include "simulate/worlds/object_model.hpp"
 
-namespace extperfc::simulate::worlds {
+namespace extperfc::simulate {
 
 /// A world that grows object by object, and who stands where.
 class RandomScene {
@@ -52,4 +52,4 @@ struct TableTop {
   Eigen::Vector2d half_m{0.3, 0.5};
 };
 
-}  // namespace extperfc::simulate::worlds
+}  // namespace extperfc::simulate

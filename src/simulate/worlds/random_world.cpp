@@ -11,8 +11,6 @@ namespace extperfc::simulate {
 
 namespace {
 
-using namespace worlds;  // NOLINT: the scene's parts
-
 constexpr int kMaxRandomObjects = 40;
 constexpr double kRobotFront = 0.5;  // [m] from its origin
 

@@ -7,7 +7,7 @@
 
 #include "extperfc/base/math.hpp"
 
-namespace extperfc::simulate::worlds {
+namespace extperfc::simulate {
 
 namespace {
 constexpr int kCorners = 32;         // of the polygon that stands for a circle
@@ -263,4 +263,4 @@ double box_overlap_m(const ShapeBox& a, const Pose& world_T_a, const ShapeBox& b
   return overlap_m;
 }
 
-}  // namespace extperfc::simulate::worlds
+}  // namespace extperfc::simulate

@@ -10,7 +10,7 @@
 
 /// Volumes, extents and outlines of shapes. Meshes count as the box that `scale` spans about their origin,
 /// which worlds do not use.
-namespace extperfc::simulate::worlds {
+namespace extperfc::simulate {
 
 [[nodiscard]] double volume_m3(const Geometry& geometry);
 
@@ -46,4 +46,4 @@ struct ShapeBox {
 [[nodiscard]] double box_overlap_m(const ShapeBox& a, const Pose& world_T_a, const ShapeBox& b,
                                    const Pose& world_T_b);
 
-}  // namespace extperfc::simulate::worlds
+}  // namespace extperfc::simulate

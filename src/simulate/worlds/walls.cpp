@@ -7,7 +7,7 @@
 
 #include "simulate/worlds/materials.hpp"
 
-namespace extperfc::simulate::worlds {
+namespace extperfc::simulate {
 
 namespace {
 constexpr double kPlay = 0.012;  // between a door and its frame [m]
@@ -124,4 +124,4 @@ Pose door_pose(const DoorParams& params, double open_rad) {
   return params.hinge_right ? upright(hinge, 0, 0, -open_rad) : upright(-hinge, 0, 0, open_rad);
 }
 
-}  // namespace extperfc::simulate::worlds
+}  // namespace extperfc::simulate

@@ -7,7 +7,7 @@
 
 #include "simulate/worlds/object_model.hpp"
 
-namespace extperfc::simulate::worlds {
+namespace extperfc::simulate {
 
 /// A hole in a wall.
 struct Opening {
@@ -48,4 +48,4 @@ struct DoorParams {
 /// Pose of the leaf in a frame in the middle of the opening, x along the wall.
 [[nodiscard]] Pose door_pose(const DoorParams& params, double open_rad);
 
-}  // namespace extperfc::simulate::worlds
+}  // namespace extperfc::simulate

@@ -6,7 +6,7 @@
 
 #include "simulate/worlds/solid.hpp"
 
-namespace extperfc::simulate::worlds {
+namespace extperfc::simulate {
 
 namespace {
 
@@ -136,4 +136,4 @@ void check_world(const WorldSpec& world, const std::vector<PlacedObject>& object
     check_path(world, fixed, world.people[i], people[i], problems);
 }
 
-}  // namespace extperfc::simulate::worlds
+}  // namespace extperfc::simulate

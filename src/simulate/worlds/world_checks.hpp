@@ -4,7 +4,7 @@
 
 #include "simulate/worlds/object_reader.hpp"
 
-namespace extperfc::simulate::worlds {
+namespace extperfc::simulate {
 
 /// What is wrong with objects that are fine on their own: outside the floor plan, inside each other, robot or
 /// people where they cannot be. `people` has one origin per person of `world`.
@@ -14,4 +14,4 @@ void check_world(const WorldSpec& world, const std::vector<PlacedObject>& object
 /// Depth by which two bodies certainly overlap: of boxes that lie within their shapes [m].
 [[nodiscard]] double certain_overlap_m(const BodySpec& a, const BodySpec& b);
 
-}  // namespace extperfc::simulate::worlds
+}  // namespace extperfc::simulate

@@ -14,8 +14,6 @@ namespace extperfc::simulate {
 
 namespace {
 
-using namespace worlds;  // NOLINT: the reader's own parts
-
 void read_floor_plan(YamlMap& file, WorldSpec& world) {
   if (!file.has("floor_plan"))
     file.problem("floor_plan", "is missing: add `floor_plan: {min: [x, y], max: [x, y]}` in metres");

@@ -4,7 +4,7 @@
 #include <string>
 #include <utility>
 
-#include "bridge_impl.hpp"
+#include "translate/bridge/bridge_impl.hpp"
 
 namespace extperfc::translate {
 

@@ -1,4 +1,4 @@
-#include "bridge_impl.hpp"
+#include "translate/bridge/bridge_impl.hpp"
 
 #include <algorithm>
 #include <chrono>

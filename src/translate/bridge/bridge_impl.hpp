@@ -11,13 +11,13 @@
 #include "extperfc/translate/bridge.hpp"
 #include "extperfc/translate/frame.hpp"
 
-#include "bridge_selector.hpp"
-#include "clock_monitor.hpp"
-#include "context.hpp"
-#include "param_route.hpp"
-#include "plan_cache.hpp"
-#include "service_route.hpp"
-#include "topic_route.hpp"
+#include "translate/bridge/bridge_selector.hpp"
+#include "translate/bridge/clock_monitor.hpp"
+#include "translate/bridge/context.hpp"
+#include "translate/bridge/param_route.hpp"
+#include "translate/bridge/plan_cache.hpp"
+#include "translate/bridge/service_route.hpp"
+#include "translate/bridge/topic_route.hpp"
 
 namespace extperfc::translate {
 

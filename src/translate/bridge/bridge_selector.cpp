@@ -1,4 +1,4 @@
-#include "bridge_selector.hpp"
+#include "translate/bridge/bridge_selector.hpp"
 
 #include <algorithm>
 #include <array>

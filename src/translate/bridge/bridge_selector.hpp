@@ -6,7 +6,7 @@
 
 #include "extperfc/translate/bridge.hpp"
 
-#include "name_filter.hpp"
+#include "translate/bridge/name_filter.hpp"
 
 namespace extperfc::translate {
 

@@ -1,9 +1,9 @@
-#include "clock_monitor.hpp"
+#include "translate/bridge/clock_monitor.hpp"
 
 #include <cmath>
 #include <utility>
 
-#include "little_endian.hpp"
+#include "translate/bridge/little_endian.hpp"
 
 namespace extperfc::translate {
 

@@ -8,7 +8,7 @@
 #include "extperfc/translate/clock_offset.hpp"
 #include "extperfc/translate/sntp_client.hpp"
 
-#include "context.hpp"
+#include "translate/bridge/context.hpp"
 
 namespace extperfc::translate {
 

@@ -8,7 +8,7 @@
 #include "extperfc/translate/bridge.hpp"
 #include "extperfc/translate/frame.hpp"
 
-#include "plan_cache.hpp"
+#include "translate/bridge/plan_cache.hpp"
 
 namespace extperfc::translate {
 

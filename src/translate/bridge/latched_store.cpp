@@ -1,10 +1,10 @@
-#include "latched_store.hpp"
+#include "translate/bridge/latched_store.hpp"
 
 #include <algorithm>
 #include <cstring>
 #include <utility>
 
-#include "little_endian.hpp"
+#include "translate/bridge/little_endian.hpp"
 
 namespace extperfc::translate {
 

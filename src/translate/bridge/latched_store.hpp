@@ -7,7 +7,7 @@
 
 #include "extperfc/translate/frame.hpp"
 
-#include "plan_cache.hpp"
+#include "translate/bridge/plan_cache.hpp"
 
 namespace extperfc::translate {
 

@@ -1,4 +1,4 @@
-#include "name_filter.hpp"
+#include "translate/bridge/name_filter.hpp"
 
 #include <algorithm>
 #include <utility>

@@ -1,4 +1,4 @@
-#include "param_route.hpp"
+#include "translate/bridge/param_route.hpp"
 
 #include <utility>
 

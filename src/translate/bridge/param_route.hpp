@@ -5,7 +5,7 @@
 #include <set>
 #include <string>
 
-#include "context.hpp"
+#include "translate/bridge/context.hpp"
 
 namespace extperfc::translate {
 

@@ -1,4 +1,4 @@
-#include "plan_cache.hpp"
+#include "translate/bridge/plan_cache.hpp"
 
 #include <utility>
 

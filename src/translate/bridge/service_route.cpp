@@ -1,4 +1,4 @@
-#include "service_route.hpp"
+#include "translate/bridge/service_route.hpp"
 
 #include <utility>
 

@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "context.hpp"
+#include "translate/bridge/context.hpp"
 
 namespace extperfc::translate {
 

@@ -1,9 +1,9 @@
-#include "topic_route.hpp"
+#include "translate/bridge/topic_route.hpp"
 
 #include <algorithm>
 #include <utility>
 
-#include "little_endian.hpp"
+#include "translate/bridge/little_endian.hpp"
 
 namespace extperfc::translate {
 

@@ -7,8 +7,8 @@
 #include <string>
 #include <vector>
 
-#include "context.hpp"
-#include "latched_store.hpp"
+#include "translate/bridge/context.hpp"
+#include "translate/bridge/latched_store.hpp"
 
 namespace extperfc::translate {
 

@@ -1,4 +1,4 @@
-#include "carrier_monitor.hpp"
+#include "translate/peer/carrier_monitor.hpp"
 
 #include <array>
 #include <memory>

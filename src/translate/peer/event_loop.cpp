@@ -18,7 +18,7 @@
 #include <sys/timerfd.h>
 #include <unistd.h>
 
-#include "timer_heap.hpp"
+#include "translate/peer/timer_heap.hpp"
 
 namespace extperfc::translate {
 namespace {

@@ -2,11 +2,11 @@
 
 #include <utility>
 
-#include "peer_core.hpp"
-#include "publication.hpp"
-#include "service_link.hpp"
-#include "service_server.hpp"
-#include "subscription.hpp"
+#include "translate/peer/peer_core.hpp"
+#include "translate/peer/publication.hpp"
+#include "translate/peer/service_link.hpp"
+#include "translate/peer/service_server.hpp"
+#include "translate/peer/subscription.hpp"
 
 namespace extperfc::translate {
 namespace {

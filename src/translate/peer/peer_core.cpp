@@ -1,4 +1,4 @@
-#include "peer_core.hpp"
+#include "translate/peer/peer_core.hpp"
 
 #include <array>
 #include <memory>
@@ -7,10 +7,10 @@
 #include <netdb.h>
 #include <unistd.h>
 
-#include "publication.hpp"
-#include "service_server.hpp"
-#include "subscription.hpp"
-#include "tcpros_frame_reader.hpp"
+#include "translate/peer/publication.hpp"
+#include "translate/peer/service_server.hpp"
+#include "translate/peer/subscription.hpp"
+#include "translate/peer/tcpros_frame_reader.hpp"
 
 namespace extperfc::translate {
 namespace {

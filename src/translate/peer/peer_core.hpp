@@ -8,10 +8,10 @@
 
 #include "extperfc/translate/peer.hpp"
 
-#include "carrier_monitor.hpp"
-#include "master_link.hpp"
-#include "tcpros_half_open.hpp"
-#include "tcpros_handshake.hpp"
+#include "translate/peer/carrier_monitor.hpp"
+#include "translate/peer/master_link.hpp"
+#include "translate/peer/tcpros_half_open.hpp"
+#include "translate/peer/tcpros_handshake.hpp"
 
 namespace extperfc::translate {
 

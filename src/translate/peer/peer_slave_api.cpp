@@ -5,10 +5,10 @@
 
 #include <unistd.h>
 
-#include "peer_core.hpp"
-#include "publication.hpp"
-#include "service_server.hpp"
-#include "subscription.hpp"
+#include "translate/peer/peer_core.hpp"
+#include "translate/peer/publication.hpp"
+#include "translate/peer/service_server.hpp"
+#include "translate/peer/subscription.hpp"
 
 /// What the master and other nodes ask of us. Source: http://wiki.ros.org/ROS/Slave_API.
 namespace extperfc::translate {

@@ -1,4 +1,4 @@
-#include "publication.hpp"
+#include "translate/peer/publication.hpp"
 
 #include <algorithm>
 #include <cerrno>
@@ -6,7 +6,7 @@
 
 #include <sys/epoll.h>
 
-#include "subscription.hpp"
+#include "translate/peer/subscription.hpp"
 
 namespace extperfc::translate {
 namespace {

@@ -6,10 +6,10 @@
 #include <string>
 #include <vector>
 
-#include "missing_subscribers.hpp"
-#include "peer_core.hpp"
-#include "tcpros_send_queue.hpp"
-#include "tcpros_stall.hpp"
+#include "translate/peer/missing_subscribers.hpp"
+#include "translate/peer/peer_core.hpp"
+#include "translate/peer/tcpros_send_queue.hpp"
+#include "translate/peer/tcpros_stall.hpp"
 
 namespace extperfc::translate {
 

@@ -1,11 +1,11 @@
-#include "service_link.hpp"
+#include "translate/peer/service_link.hpp"
 
 #include <deque>
 #include <utility>
 
 #include <sys/epoll.h>
 
-#include "tcpros_frame_reader.hpp"
+#include "translate/peer/tcpros_frame_reader.hpp"
 
 namespace extperfc::translate {
 namespace {

@@ -4,7 +4,7 @@
 #include <memory>
 #include <string>
 
-#include "peer_core.hpp"
+#include "translate/peer/peer_core.hpp"
 
 namespace extperfc::translate {
 

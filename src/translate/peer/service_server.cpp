@@ -1,4 +1,4 @@
-#include "service_server.hpp"
+#include "translate/peer/service_server.hpp"
 
 #include <utility>
 

@@ -5,9 +5,9 @@
 #include <memory>
 #include <string>
 
-#include "peer_core.hpp"
-#include "tcpros_frame_reader.hpp"
-#include "tcpros_stall.hpp"
+#include "translate/peer/peer_core.hpp"
+#include "translate/peer/tcpros_frame_reader.hpp"
+#include "translate/peer/tcpros_stall.hpp"
 
 namespace extperfc::translate {
 

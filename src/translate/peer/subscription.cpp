@@ -1,4 +1,4 @@
-#include "subscription.hpp"
+#include "translate/peer/subscription.hpp"
 
 #include <algorithm>
 #include <utility>

@@ -10,10 +10,10 @@
 #include <string>
 #include <vector>
 
-#include "missing_subscribers.hpp"
-#include "peer_core.hpp"
-#include "subscription_consumers.hpp"
-#include "tcpros_frame_reader.hpp"
+#include "translate/peer/missing_subscribers.hpp"
+#include "translate/peer/peer_core.hpp"
+#include "translate/peer/subscription_consumers.hpp"
+#include "translate/peer/tcpros_frame_reader.hpp"
 
 namespace extperfc::translate {
 

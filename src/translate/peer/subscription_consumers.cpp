@@ -1,4 +1,4 @@
-#include "subscription_consumers.hpp"
+#include "translate/peer/subscription_consumers.hpp"
 
 #include <algorithm>
 #include <utility>

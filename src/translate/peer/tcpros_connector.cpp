@@ -2,7 +2,7 @@
 
 #include <sys/epoll.h>
 
-#include "tcpros_handshake.hpp"
+#include "translate/peer/tcpros_handshake.hpp"
 
 namespace extperfc::translate {
 

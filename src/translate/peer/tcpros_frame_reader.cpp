@@ -1,4 +1,4 @@
-#include "tcpros_frame_reader.hpp"
+#include "translate/peer/tcpros_frame_reader.hpp"
 
 #include <algorithm>
 #include <cerrno>
@@ -7,7 +7,7 @@
 
 #include <sys/uio.h>
 
-#include "tcpros_socket.hpp"
+#include "translate/peer/tcpros_socket.hpp"
 
 namespace extperfc::translate {
 namespace {

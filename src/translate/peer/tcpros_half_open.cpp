@@ -1,4 +1,4 @@
-#include "tcpros_half_open.hpp"
+#include "translate/peer/tcpros_half_open.hpp"
 
 #include <cerrno>
 #include <chrono>

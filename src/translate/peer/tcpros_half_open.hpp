@@ -9,7 +9,7 @@
 
 #include "extperfc/translate/event_loop.hpp"
 
-#include "tcpros_socket.hpp"
+#include "translate/peer/tcpros_socket.hpp"
 
 namespace extperfc::translate {
 

@@ -1,4 +1,4 @@
-#include "tcpros_handshake.hpp"
+#include "translate/peer/tcpros_handshake.hpp"
 
 #include <algorithm>
 #include <cerrno>

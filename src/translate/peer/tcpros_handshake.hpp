@@ -12,7 +12,7 @@
 #include "extperfc/translate/rpc.hpp"
 #include "extperfc/translate/tcpros.hpp"
 
-#include "tcpros_socket.hpp"
+#include "translate/peer/tcpros_socket.hpp"
 
 namespace extperfc::translate {
 

@@ -5,7 +5,7 @@
 #include <sys/socket.h>
 #include <unistd.h>
 
-#include "tcpros_handshake.hpp"
+#include "translate/peer/tcpros_handshake.hpp"
 
 namespace extperfc::translate {
 

@@ -1,4 +1,4 @@
-#include "tcpros_send_queue.hpp"
+#include "translate/peer/tcpros_send_queue.hpp"
 
 #include <algorithm>
 #include <cerrno>
@@ -6,7 +6,7 @@
 #include <sys/socket.h>
 #include <sys/uio.h>
 
-#include "tcpros_socket.hpp"
+#include "translate/peer/tcpros_socket.hpp"
 
 namespace extperfc::translate {
 namespace {

@@ -1,4 +1,4 @@
-#include "tcpros_socket.hpp"
+#include "translate/peer/tcpros_socket.hpp"
 
 #include <algorithm>
 #include <cerrno>

@@ -10,7 +10,7 @@
 /// The instructions of a plan. Running them moves three marks: the source's position, the anchor behind it,
 /// and the output's end. Bytes from the anchor to the position are wanted as they are and not copied yet: an
 /// instruction that writes something else copies them first, in one block.
-namespace extperfc::translate::plan {
+namespace extperfc::translate {
 
 enum class OpCode : std::uint8_t {
   // Only move the position; bytes stay wanted.
@@ -101,4 +101,4 @@ struct Code {
   return code <= OpCode::kRepeat;
 }
 
-}  // namespace extperfc::translate::plan
+}  // namespace extperfc::translate

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <limits>
 
-namespace extperfc::translate::plan {
+namespace extperfc::translate {
 
 namespace {
 
@@ -166,4 +166,4 @@ std::uint32_t CodeWriter::here() {
   return narrow(code_.ops.size());
 }
 
-}  // namespace extperfc::translate::plan
+}  // namespace extperfc::translate

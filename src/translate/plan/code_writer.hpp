@@ -9,7 +9,7 @@
 
 #include "translate/plan/code.hpp"
 
-namespace extperfc::translate::plan {
+namespace extperfc::translate {
 
 /// Writes instructions and joins neighbours: fields of fixed size become one block, arrays of such blocks one
 /// array.
@@ -54,4 +54,4 @@ class CodeWriter {
   bool overflowed_{false};
 };
 
-}  // namespace extperfc::translate::plan
+}  // namespace extperfc::translate

@@ -6,7 +6,7 @@
 
 #include "translate/plan/message_compiler.hpp"
 
-namespace extperfc::translate::plan {
+namespace extperfc::translate {
 
 Result<Code> Compiler::compile(const MessageSchema& from, const MessageSchema& to,
                                const MigrationRule* rule) {
@@ -89,4 +89,4 @@ Result<Chain> compile_chain(const std::vector<RuleSet::Link>& links, const RuleS
   return chain;
 }
 
-}  // namespace extperfc::translate::plan
+}  // namespace extperfc::translate

@@ -10,7 +10,7 @@
 
 #include "translate/plan/code_writer.hpp"
 
-namespace extperfc::translate::plan {
+namespace extperfc::translate {
 
 /// Bounds of a compilation: definitions come from strangers, and embedded ones multiply.
 struct CompileBudget {
@@ -64,4 +64,4 @@ struct Chain {
 [[nodiscard]] Result<Chain> compile_chain(const std::vector<RuleSet::Link>& links, const RuleSet& rules,
                                           const PlanOptions& options, CompileBudget& budget);
 
-}  // namespace extperfc::translate::plan
+}  // namespace extperfc::translate

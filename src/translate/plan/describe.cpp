@@ -2,7 +2,7 @@
 
 #include <optional>
 
-namespace extperfc::translate::plan {
+namespace extperfc::translate {
 
 namespace {
 
@@ -161,4 +161,4 @@ std::vector<std::string> describe_code(const Code& code) {
   return Describer(code).all();
 }
 
-}  // namespace extperfc::translate::plan
+}  // namespace extperfc::translate

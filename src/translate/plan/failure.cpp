@@ -1,6 +1,6 @@
 #include "translate/plan/failure.hpp"
 
-namespace extperfc::translate::plan {
+namespace extperfc::translate {
 
 namespace {
 
@@ -47,4 +47,4 @@ Error to_error(const Failure& failure) {
   return {ErrorCode::kFailed, "the conversion failed at " + where};
 }
 
-}  // namespace extperfc::translate::plan
+}  // namespace extperfc::translate

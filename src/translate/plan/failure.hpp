@@ -5,7 +5,7 @@
 
 #include "extperfc/base/error.hpp"
 
-namespace extperfc::translate::plan {
+namespace extperfc::translate {
 
 /// Why a conversion stopped. Filled on failure only.
 struct Failure {
@@ -27,4 +27,4 @@ struct Failure {
 };
 [[nodiscard]] Error to_error(const Failure& failure);
 
-}  // namespace extperfc::translate::plan
+}  // namespace extperfc::translate

@@ -6,7 +6,7 @@
 #include "translate/plan/numbers.hpp"
 #include "translate/plan/pose.hpp"
 
-namespace extperfc::translate::plan {
+namespace extperfc::translate {
 
 namespace {
 
@@ -268,4 +268,4 @@ Result<void> FieldCompiler::skip_element(const Field& field, const std::string& 
   return {};
 }
 
-}  // namespace extperfc::translate::plan
+}  // namespace extperfc::translate

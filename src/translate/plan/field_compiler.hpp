@@ -6,7 +6,7 @@
 
 #include "translate/plan/compiler.hpp"
 
-namespace extperfc::translate::plan {
+namespace extperfc::translate {
 
 /// Writes the code that takes a field of the source to one of the target, or passes it.
 class FieldCompiler {
@@ -42,4 +42,4 @@ class FieldCompiler {
   CodeWriter& out_{compiler_.out()};
 };
 
-}  // namespace extperfc::translate::plan
+}  // namespace extperfc::translate

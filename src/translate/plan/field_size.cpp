@@ -2,7 +2,7 @@
 
 #include <limits>
 
-namespace extperfc::translate::plan {
+namespace extperfc::translate {
 
 Field element_of(const Field& field) {
   Field element = field;
@@ -24,4 +24,4 @@ std::size_t min_size(const Field& field) {
   return field.fixed_count > kMax / size ? kMax : size * field.fixed_count;
 }
 
-}  // namespace extperfc::translate::plan
+}  // namespace extperfc::translate

@@ -4,7 +4,7 @@
 
 #include "extperfc/translate/schema.hpp"
 
-namespace extperfc::translate::plan {
+namespace extperfc::translate {
 
 /// Bytes of an array's count.
 inline constexpr std::size_t kCountSize = sizeof(std::uint32_t);
@@ -15,4 +15,4 @@ inline constexpr std::size_t kCountSize = sizeof(std::uint32_t);
 [[nodiscard]] std::size_t min_element_size(const Field& field);
 [[nodiscard]] std::size_t min_size(const Field& field);
 
-}  // namespace extperfc::translate::plan
+}  // namespace extperfc::translate

@@ -33,7 +33,7 @@ template <typename T>
 bool append_as(Primitive from, Primitive to, T value, ByteBuffer& out) {
   std::uint8_t bytes[sizeof(T)];
   std::memcpy(bytes, &value, sizeof value);
-  return plan::convert_numbers(from, to, false, bytes, out.extend(*size_of(to)), 1) == 1;
+  return convert_numbers(from, to, false, bytes, out.extend(*size_of(to)), 1) == 1;
 }
 
 bool append_integer(std::string_view text, Primitive to, ByteBuffer& out) {
@@ -74,16 +74,15 @@ std::optional<std::int64_t> parse_seconds(std::string_view text) {
   const auto seconds = parse_whole<std::uint32_t>(text.substr(0, point), 10);
   const auto rest = parse_whole<std::uint32_t>(fraction, 10);
   if (!seconds || !rest) return std::nullopt;
-  const auto whole = static_cast<std::int64_t>(*seconds) * plan::kNanosecondsPerSecond + *rest;
+  const auto whole = static_cast<std::int64_t>(*seconds) * kNanosecondsPerSecond + *rest;
   return negative ? -whole : whole;
 }
 
 bool append_stamp(std::string_view text, Primitive to, ByteBuffer& out) {
   const auto whole = parse_seconds(text);
   if (!whole) return false;
-  const auto rest =
-      (*whole % plan::kNanosecondsPerSecond + plan::kNanosecondsPerSecond) % plan::kNanosecondsPerSecond;
-  const auto seconds = (*whole - rest) / plan::kNanosecondsPerSecond;
+  const auto rest = (*whole % kNanosecondsPerSecond + kNanosecondsPerSecond) % kNanosecondsPerSecond;
+  const auto seconds = (*whole - rest) / kNanosecondsPerSecond;
   const auto half = to == Primitive::kTime ? Primitive::kUint32 : Primitive::kInt32;
   return append_as(Primitive::kInt64, half, seconds, out) && append_as(Primitive::kInt64, half, rest, out);
 }
@@ -98,7 +97,7 @@ bool append_scalar(const std::string& text, Primitive to, ByteBuffer& out) {
   if (to == Primitive::kBool) return append_bool(text, out);
   if (to == Primitive::kFloat32 || to == Primitive::kFloat64) return append_floating(text, to, out);
   if (to == Primitive::kTime || to == Primitive::kDuration) return append_stamp(text, to, out);
-  return plan::is_number(to) && append_integer(text, to, out);
+  return is_number(to) && append_integer(text, to, out);
 }
 
 Result<void> append_value(const Literal& value, const Field& field, ByteBuffer& out);
@@ -111,7 +110,7 @@ Result<void> append_list(const Literal& value, const Field& field, ByteBuffer& o
   if (field.arity == Arity::kFixed && count != field.fixed_count)
     return fail(ErrorCode::kInvalidArgument, to_string(field) + " takes exactly that many elements, " +
                                                  std::to_string(count) + " are given");
-  const Field element = plan::element_of(field);
+  const Field element = element_of(field);
   for (const auto& item : value.list)
     if (auto done = append_value(item, element, out); !done) return done;
   return {};
@@ -129,7 +128,7 @@ Result<void> append_fields(const Literal& value, const MessageSchema& schema, By
       if (auto done = append_value(*given, field, out); !done) return done;
       continue;
     }
-    const auto size = plan::min_size(field);
+    const auto size = min_size(field);
     if (size > kMaxBytes) return fail(ErrorCode::kUnsupported, to_string(field) + " exceeds 4 GiB");
     if (size != 0) std::memset(out.extend(size), 0, size);
   }

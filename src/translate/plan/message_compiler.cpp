@@ -6,7 +6,7 @@
 
 #include "translate/plan/field_size.hpp"
 
-namespace extperfc::translate::plan {
+namespace extperfc::translate {
 
 namespace {
 
@@ -203,4 +203,4 @@ void MessageCompiler::note_dropped(const std::vector<Piece>& all) {
   }
 }
 
-}  // namespace extperfc::translate::plan
+}  // namespace extperfc::translate

@@ -6,7 +6,7 @@
 #include "translate/plan/field_compiler.hpp"
 #include "translate/plan/source_compiler.hpp"
 
-namespace extperfc::translate::plan {
+namespace extperfc::translate {
 
 /// Writes the code of one message under conversion: pairs the fields, orders and drops them.
 class MessageCompiler {
@@ -45,4 +45,4 @@ class MessageCompiler {
   SourceCompiler sources_{compiler_, pair_};
 };
 
-}  // namespace extperfc::translate::plan
+}  // namespace extperfc::translate

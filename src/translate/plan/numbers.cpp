@@ -9,7 +9,7 @@
 #include <type_traits>
 #include <utility>
 
-namespace extperfc::translate::plan {
+namespace extperfc::translate {
 
 namespace {
 
@@ -165,4 +165,4 @@ std::string number_text(Primitive primitive, const std::uint8_t* bytes) {
   return std::to_string(load<std::int64_t>(wide.data()));
 }
 
-}  // namespace extperfc::translate::plan
+}  // namespace extperfc::translate

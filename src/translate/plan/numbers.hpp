@@ -9,7 +9,7 @@
 #include "translate/plan/code.hpp"
 
 /// Numbers of one primitive as another, on little-endian bytes without alignment.
-namespace extperfc::translate::plan {
+namespace extperfc::translate {
 
 inline constexpr std::int64_t kNanosecondsPerSecond = 1'000'000'000;
 
@@ -28,4 +28,4 @@ inline constexpr std::int64_t kNanosecondsPerSecond = 1'000'000'000;
 /// The number as text, e.g. "300".
 [[nodiscard]] std::string number_text(Primitive primitive, const std::uint8_t* bytes);
 
-}  // namespace extperfc::translate::plan
+}  // namespace extperfc::translate

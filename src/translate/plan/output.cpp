@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-namespace extperfc::translate::plan {
+namespace extperfc::translate {
 
 Output::Output(ByteBuffer& buffer, std::size_t max_bytes, std::size_t expected)
     : buffer_(buffer), start_(buffer.size()), max_bytes_(max_bytes) {
@@ -25,4 +25,4 @@ bool Output::grow(std::size_t bytes) {
   return true;
 }
 
-}  // namespace extperfc::translate::plan
+}  // namespace extperfc::translate

@@ -5,7 +5,7 @@
 
 #include "extperfc/translate/bytes.hpp"
 
-namespace extperfc::translate::plan {
+namespace extperfc::translate {
 
 /// Where converted bytes go: the end of a buffer, which grows as needed up to a bound.
 class Output {
@@ -40,4 +40,4 @@ class Output {
   std::uint8_t* end_{nullptr};  ///< of the capacity, or of what may be written
 };
 
-}  // namespace extperfc::translate::plan
+}  // namespace extperfc::translate

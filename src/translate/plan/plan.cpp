@@ -12,7 +12,7 @@ namespace extperfc::translate {
 struct Plan::Program {
   SchemaPtr from, to;
   PlanOptions options;
-  plan::Stages stages;
+  Stages stages;
   std::vector<Note> notes;
   Kind kind{Kind::kConvert};
 };
@@ -23,24 +23,24 @@ std::string name_of(const MessageSchema& schema) {
   return schema.type() + " (" + schema.md5() + ")";
 }
 
-bool is_pass(const plan::Stages& stages) {
-  const auto scans = [](const plan::Op& op) { return plan::only_scans(op.code); };
+bool is_pass(const Stages& stages) {
+  const auto scans = [](const Op& op) { return only_scans(op.code); };
   const auto& code = stages.front();
   return stages.size() == 1 && !code.reinterprets && std::all_of(code.ops.begin(), code.ops.end(), scans);
 }
 
 /// Through one rule, no rule, or a chain of them.
-Result<plan::Chain> compile_stages(const SchemaPtr& from, const SchemaPtr& to, const RuleSet& rules,
-                                   const PlanOptions& options) {
-  plan::CompileBudget budget;
+Result<Chain> compile_stages(const SchemaPtr& from, const SchemaPtr& to, const RuleSet& rules,
+                             const PlanOptions& options) {
+  CompileBudget budget;
   const bool same = from->type() == to->type() && from->md5() == to->md5();
   const auto* rule = same ? nullptr : rules.find(*from, *to);
   if (!same && rule == nullptr) {
     const auto links = rules.chain(from, to);
-    if (!links.empty()) return plan::compile_chain(links, rules, options, budget);
+    if (!links.empty()) return compile_chain(links, rules, options, budget);
   }
-  plan::Chain single;
-  auto code = plan::Compiler(rules, options, budget, single.notes).compile(*from, *to, rule);
+  Chain single;
+  auto code = Compiler(rules, options, budget, single.notes).compile(*from, *to, rule);
   if (!code) return tl::unexpected(code.error());
   single.stages.push_back(std::move(*code));
   return single;
@@ -90,10 +90,10 @@ const std::vector<Plan::Note>& Plan::notes() const {
 
 Result<void> Plan::convert(ByteView message, ByteBuffer& out, std::int64_t time_shift_ns) const {
   const auto& stages = program_->stages;
-  plan::Output output(out, program_->options.max_message_bytes, message.size + stages.back().growth);
-  plan::Failure failure;
-  if (!plan::run_stages(stages, message, output, time_shift_ns, failure))
-    return tl::unexpected<Error>(plan::to_error(failure));
+  Output output(out, program_->options.max_message_bytes, message.size + stages.back().growth);
+  Failure failure;
+  if (!run_stages(stages, message, output, time_shift_ns, failure))
+    return tl::unexpected<Error>(to_error(failure));
   output.finish();
   return {};
 }
@@ -101,11 +101,11 @@ Result<void> Plan::convert(ByteView message, ByteBuffer& out, std::int64_t time_
 std::vector<std::string> Plan::describe() const {
   const auto& stages = program_->stages;
   if (kind() == Kind::kPass) return {"pass: forward every message as it is"};
-  if (stages.size() == 1) return plan::describe_code(stages.front());
+  if (stages.size() == 1) return describe_code(stages.front());
   std::vector<std::string> lines;
   for (std::size_t i = 0; i < stages.size(); ++i) {
     lines.push_back("rule " + std::to_string(i + 1) + " of " + std::to_string(stages.size()) + ":");
-    for (const auto& line : plan::describe_code(stages[i])) lines.push_back("  " + line);
+    for (const auto& line : describe_code(stages[i])) lines.push_back("  " + line);
   }
   return lines;
 }

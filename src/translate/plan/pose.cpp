@@ -4,7 +4,7 @@
 #include <cstring>
 #include <string_view>
 
-namespace extperfc::translate::plan {
+namespace extperfc::translate {
 
 namespace {
 
@@ -87,4 +87,4 @@ void compose_poses(const std::uint8_t* parent, const std::uint8_t* children, std
   }
 }
 
-}  // namespace extperfc::translate::plan
+}  // namespace extperfc::translate

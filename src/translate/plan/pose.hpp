@@ -5,7 +5,7 @@
 
 #include "extperfc/translate/schema.hpp"
 
-namespace extperfc::translate::plan {
+namespace extperfc::translate {
 
 /// Bytes of a geometry_msgs/Pose: position x y z [m], orientation x y z w, each a float64.
 inline constexpr std::size_t kPoseSize = 56;
@@ -19,4 +19,4 @@ inline constexpr std::size_t kPoseSize = 56;
 void compose_poses(const std::uint8_t* parent, const std::uint8_t* children, std::uint8_t* out,
                    std::size_t count);
 
-}  // namespace extperfc::translate::plan
+}  // namespace extperfc::translate

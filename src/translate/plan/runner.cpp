@@ -8,7 +8,7 @@
 #include "translate/plan/pose.hpp"
 #include "translate/plan/scratch.hpp"
 
-namespace extperfc::translate::plan {
+namespace extperfc::translate {
 
 namespace {
 
@@ -448,4 +448,4 @@ bool run_stages(const Stages& stages, ByteView source, Output& out, std::int64_t
   return Runner(stages.back(), source, out, time_shift_ns, failure).run();
 }
 
-}  // namespace extperfc::translate::plan
+}  // namespace extperfc::translate

@@ -11,7 +11,7 @@
 #include "translate/plan/failure.hpp"
 #include "translate/plan/output.hpp"
 
-namespace extperfc::translate::plan {
+namespace extperfc::translate {
 
 /// Runs one Code over one message. Every read is checked against the end.
 class [[gnu::visibility("hidden")]] Runner {  // of this library alone: calls may be inlined
@@ -79,4 +79,4 @@ class [[gnu::visibility("hidden")]] Runner {  // of this library alone: calls ma
 [[nodiscard]] bool run_stages(const Stages& stages, ByteView source, Output& out, std::int64_t time_shift_ns,
                               Failure& failure);
 
-}  // namespace extperfc::translate::plan
+}  // namespace extperfc::translate

@@ -3,7 +3,7 @@
 #include <memory>
 #include <vector>
 
-namespace extperfc::translate::plan {
+namespace extperfc::translate {
 
 namespace {
 
@@ -34,4 +34,4 @@ ScratchLease::~ScratchLease() {
   if (buffer_->capacity() > kKeptBytes) *buffer_ = ByteBuffer();
 }
 
-}  // namespace extperfc::translate::plan
+}  // namespace extperfc::translate

@@ -4,7 +4,7 @@
 
 #include "extperfc/translate/bytes.hpp"
 
-namespace extperfc::translate::plan {
+namespace extperfc::translate {
 
 /// Memory of this thread for the time of a conversion, used again by the next: an empty buffer. Leases end in
 /// the reverse order of their start.
@@ -21,4 +21,4 @@ class ScratchLease {
   ByteBuffer* buffer_;
 };
 
-}  // namespace extperfc::translate::plan
+}  // namespace extperfc::translate

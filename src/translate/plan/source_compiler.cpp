@@ -6,7 +6,7 @@
 #include "translate/plan/field_size.hpp"
 #include "translate/plan/pose.hpp"
 
-namespace extperfc::translate::plan {
+namespace extperfc::translate {
 
 namespace {
 
@@ -197,4 +197,4 @@ Result<void> SourceCompiler::enter_element(Field& leaf, std::size_t index, const
   return {};
 }
 
-}  // namespace extperfc::translate::plan
+}  // namespace extperfc::translate

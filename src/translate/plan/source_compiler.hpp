@@ -6,7 +6,7 @@
 
 #include "translate/plan/field_compiler.hpp"
 
-namespace extperfc::translate::plan {
+namespace extperfc::translate {
 
 /// A message under conversion.
 struct MessagePair {
@@ -46,4 +46,4 @@ class SourceCompiler {
 /// "from speed, times 0.01".
 [[nodiscard]] std::string to_string(const Source& source);
 
-}  // namespace extperfc::translate::plan
+}  // namespace extperfc::translate

@@ -10,7 +10,7 @@
 #include "translate/plan/field_size.hpp"
 #include "translate/rules/path.hpp"
 
-namespace extperfc::translate::rules {
+namespace extperfc::translate {
 
 namespace {
 
@@ -52,7 +52,7 @@ Result<void> resolve_names(Literal& literal, const Field& field, const MessageSc
     if (!value) return tl::unexpected<Error>(value.error());
     literal.scalar = *value;
   }
-  const Field element = plan::element_of(field);
+  const Field element = element_of(field);
   for (Literal& item : literal.list)
     if (auto done = resolve_names(item, element, owner); !done) return done;
   if (field.primitive != Primitive::kMessage) return {};
@@ -109,4 +109,4 @@ Result<Literal> fit(Literal literal, const Field& field, const MessageSchema& ow
   return literal;
 }
 
-}  // namespace extperfc::translate::rules
+}  // namespace extperfc::translate

@@ -7,7 +7,7 @@
 #include "extperfc/base/problems.hpp"
 #include "extperfc/translate/rules.hpp"
 
-namespace extperfc::translate::rules {
+namespace extperfc::translate {
 
 /// Deepest nesting of what a rule writes, and the most nodes of one file (aliases count wherever they stand):
 /// a YAML text of 100 bytes can describe a tree of any size.
@@ -34,4 +34,4 @@ class Budget {
 /// .inf what the plans understand. The error says why the field cannot hold the value.
 [[nodiscard]] Result<Literal> fit(Literal literal, const Field& field, const MessageSchema& owner);
 
-}  // namespace extperfc::translate::rules
+}  // namespace extperfc::translate

@@ -13,9 +13,6 @@ namespace extperfc::translate {
 
 namespace {
 
-using rules::Draft;
-using rules::RuleFile;
-
 constexpr std::size_t kMaxBytes = 1U << 20U;  // of one file
 
 /// One file: what it says, and what is wrong with it.
@@ -66,7 +63,7 @@ Page read_page(const std::string& text, const std::string& name, const Definitio
   if (!root) return page;
   const int second = line_of_second_document(text);
   if (second > 0) page.problems.add(second, "", "a second document begins: write one list of rules");
-  page.content = rules::RuleReader(definitions, page.problems).read(*root);
+  page.content = RuleReader(definitions, page.problems).read(*root);
   return page;
 }
 

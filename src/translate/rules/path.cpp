@@ -4,7 +4,7 @@
 
 #include "extperfc/base/text.hpp"
 
-namespace extperfc::translate::rules {
+namespace extperfc::translate {
 
 namespace {
 
@@ -98,4 +98,4 @@ std::vector<std::string> field_names(const MessageSchema& schema) {
   return names;
 }
 
-}  // namespace extperfc::translate::rules
+}  // namespace extperfc::translate

@@ -4,7 +4,7 @@
 
 #include "extperfc/translate/rules.hpp"
 
-namespace extperfc::translate::rules {
+namespace extperfc::translate {
 
 /// Reads "claimed_resources[0].hardware_interface". The error says what is wrong with the text.
 [[nodiscard]] Result<Path> parse_path(const std::string& text);
@@ -24,4 +24,4 @@ struct PathEnd {
 }
 [[nodiscard]] std::vector<std::string> field_names(const MessageSchema& schema);
 
-}  // namespace extperfc::translate::rules
+}  // namespace extperfc::translate

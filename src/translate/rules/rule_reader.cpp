@@ -6,7 +6,7 @@
 
 #include "translate/rules/source_reader.hpp"
 
-namespace extperfc::translate::rules {
+namespace extperfc::translate {
 
 namespace {
 
@@ -231,4 +231,4 @@ void RuleReader::report_unknown(const End& end, const std::vector<std::string>& 
                  "no definition of this " + kind + "is known" + hint_for(end.type, types));
 }
 
-}  // namespace extperfc::translate::rules
+}  // namespace extperfc::translate

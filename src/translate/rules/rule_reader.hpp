@@ -11,7 +11,7 @@
 
 #include "translate/rules/literal.hpp"
 
-namespace extperfc::translate::rules {
+namespace extperfc::translate {
 
 /// A rule that was read, with what is needed to check it once all rules are known.
 struct Draft {
@@ -68,4 +68,4 @@ class RuleReader {
   RuleFile file_;
 };
 
-}  // namespace extperfc::translate::rules
+}  // namespace extperfc::translate

@@ -1,9 +1,10 @@
 #include "translate/rules/source_reader.hpp"
 
 #include "extperfc/base/text.hpp"
+
 #include "translate/plan/field_size.hpp"
 
-namespace extperfc::translate::rules {
+namespace extperfc::translate {
 
 namespace {
 
@@ -107,8 +108,8 @@ void SourceReader::read_arithmetic(YamlMap& map, const PathEnd& end, Source& sou
 }
 
 void SourceReader::read_constants(YamlMap& map, Target target, const PathEnd& end, Source& source) {
-  const Field key = end.field != nullptr ? plan::element_of(*end.field) : Field{};
-  const Field value = target.field != nullptr ? plan::element_of(*target.field) : Field{};
+  const Field key = end.field != nullptr ? element_of(*end.field) : Field{};
+  const Field value = target.field != nullptr ? element_of(*target.field) : Field{};
   const Target key_target{end.field != nullptr ? &key : nullptr, end.owner};
   const Target value_target{target.field != nullptr ? &value : nullptr, target.owner};
   if (const auto* constants = map.find("map")) {
@@ -156,7 +157,7 @@ void SourceReader::read_list(YamlMap& map, Target target, int depth, Source& sou
     map.problem("list", "must be a list, not " + shown(list->value));
     return;
   }
-  const Field element = target.field != nullptr ? plan::element_of(*target.field) : Field{};
+  const Field element = target.field != nullptr ? element_of(*target.field) : Field{};
   const Target element_target{target.field != nullptr ? &element : nullptr, target.owner};
   for (const auto& item : list->value)
     source.list.push_back(
@@ -213,4 +214,4 @@ PathEnd SourceReader::path(const std::string& text, int line, const std::string&
   return {};
 }
 
-}  // namespace extperfc::translate::rules
+}  // namespace extperfc::translate

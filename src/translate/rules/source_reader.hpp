@@ -10,7 +10,7 @@
 #include "translate/rules/literal.hpp"
 #include "translate/rules/path.hpp"
 
-namespace extperfc::translate::rules {
+namespace extperfc::translate {
 
 /// Reads where a target's value comes from, and checks it against the definitions of both ends.
 class SourceReader {
@@ -45,4 +45,4 @@ class SourceReader {
   Budget* budget_;
 };
 
-}  // namespace extperfc::translate::rules
+}  // namespace extperfc::translate

@@ -1,4 +1,4 @@
-#include "catalogue.hpp"
+#include "translate/schema/catalogue.hpp"
 
 #include <algorithm>
 #include <utility>

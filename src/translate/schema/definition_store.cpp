@@ -2,10 +2,10 @@
 
 #include <utility>
 
-#include "catalogue.hpp"
-#include "package_tree.hpp"
-#include "store_files.hpp"
-#include "tree_reader.hpp"
+#include "translate/schema/catalogue.hpp"
+#include "translate/schema/package_tree.hpp"
+#include "translate/schema/store_files.hpp"
+#include "translate/schema/tree_reader.hpp"
 
 namespace extperfc::translate {
 namespace {

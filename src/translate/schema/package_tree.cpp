@@ -1,4 +1,4 @@
-#include "package_tree.hpp"
+#include "translate/schema/package_tree.hpp"
 
 #include <algorithm>
 #include <array>
@@ -7,7 +7,7 @@
 #include <set>
 #include <system_error>
 
-#include "raw_definition.hpp"
+#include "translate/schema/raw_definition.hpp"
 
 namespace extperfc::translate {
 namespace {

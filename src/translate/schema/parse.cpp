@@ -7,7 +7,7 @@
 #include "extperfc/base/md5.hpp"
 #include "extperfc/translate/schema.hpp"
 
-#include "raw_definition.hpp"
+#include "translate/schema/raw_definition.hpp"
 
 namespace extperfc::translate {
 namespace {

@@ -1,4 +1,4 @@
-#include "raw_definition.hpp"
+#include "translate/schema/raw_definition.hpp"
 
 #include <algorithm>
 #include <array>

@@ -6,7 +6,7 @@
 #include "extperfc/base/error.hpp"
 #include "extperfc/translate/schema.hpp"
 
-#include "catalogue.hpp"
+#include "translate/schema/catalogue.hpp"
 
 /// The store on disk: <package>/<Name>.<key>.{msg,srv,action}, each with leading lines `# embeds <type>
 /// <key>` and the definition's text; sets/<name>.txt with lines `<type> <kind> <key>`. Keys are those of

@@ -8,9 +8,9 @@
 #include <utility>
 #include <vector>
 
-#include "package_tree.hpp"
-#include "raw_definition.hpp"
-#include "store_files.hpp"
+#include "translate/schema/package_tree.hpp"
+#include "translate/schema/raw_definition.hpp"
+#include "translate/schema/store_files.hpp"
 
 namespace extperfc::translate {
 namespace {

@@ -6,7 +6,7 @@
 
 #include "extperfc/base/atomic_file.hpp"
 
-#include "store_files.hpp"
+#include "translate/schema/store_files.hpp"
 
 namespace extperfc::translate {
 namespace {

@@ -1,9 +1,9 @@
-#include "tree_reader.hpp"
+#include "translate/schema/tree_reader.hpp"
 
 #include <array>
 #include <unordered_set>
 
-#include "catalogue.hpp"
+#include "translate/schema/catalogue.hpp"
 
 namespace extperfc::translate {
 namespace {

@@ -8,7 +8,7 @@
 #include "extperfc/base/error.hpp"
 #include "extperfc/translate/schema.hpp"
 
-#include "package_tree.hpp"
+#include "translate/schema/package_tree.hpp"
 
 namespace extperfc::translate {
 

@@ -7,14 +7,14 @@
 
 #include "extperfc/base/arguments.hpp"
 
-#include "command.hpp"
-#include "comparison.hpp"
-#include "live_master.hpp"
-#include "report.hpp"
-#include "sources.hpp"
-#include "type_definitions.hpp"
+#include "translate/tool/command.hpp"
+#include "translate/tool/comparison.hpp"
+#include "translate/tool/live_master.hpp"
+#include "translate/tool/report.hpp"
+#include "translate/tool/sources.hpp"
+#include "translate/tool/type_definitions.hpp"
 
-namespace extperfc::translate::tool {
+namespace extperfc::translate {
 namespace {
 
 constexpr const char* kCheckHelp = R"(Compares the definitions of two sides, and lists what needs a rule.
@@ -124,4 +124,4 @@ Result<int> run_check(const Tokens& tokens) {
   return all_well(comparison) ? kFine : kDiffers;
 }
 
-}  // namespace extperfc::translate::tool
+}  // namespace extperfc::translate

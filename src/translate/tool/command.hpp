@@ -5,7 +5,7 @@
 
 #include "extperfc/base/error.hpp"
 
-namespace extperfc::translate::tool {
+namespace extperfc::translate {
 
 /// The arguments after the subcommand's name.
 using Tokens = std::vector<std::string>;
@@ -24,4 +24,4 @@ using Command = Result<int> (*)(const Tokens& tokens);
 [[nodiscard]] Result<int> run_status(const Tokens& tokens);
 [[nodiscard]] Result<int> run_store(const Tokens& tokens);
 
-}  // namespace extperfc::translate::tool
+}  // namespace extperfc::translate

@@ -1,11 +1,11 @@
-#include "comparison.hpp"
+#include "translate/tool/comparison.hpp"
 
 #include <algorithm>
 #include <set>
 #include <string>
 #include <utility>
 
-namespace extperfc::translate::tool {
+namespace extperfc::translate {
 namespace {
 
 void add_once(std::vector<std::string>& lines, const std::string& line) {
@@ -149,4 +149,4 @@ Comparison compare(const TypeSet& robot, const TypeSet& workstation, const RuleS
   return comparison;
 }
 
-}  // namespace extperfc::translate::tool
+}  // namespace extperfc::translate

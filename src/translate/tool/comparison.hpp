@@ -6,9 +6,9 @@
 #include "extperfc/translate/plan.hpp"
 #include "extperfc/translate/rules.hpp"
 
-#include "type_definitions.hpp"
+#include "translate/tool/type_definitions.hpp"
 
-namespace extperfc::translate::tool {
+namespace extperfc::translate {
 
 enum class Verdict : unsigned char {
   kSame,       ///< one definition on both sides
@@ -41,4 +41,4 @@ struct Comparison {
 /// Compares all types that both sides have; for types with several definitions every pair.
 [[nodiscard]] Comparison compare(const TypeSet& robot, const TypeSet& workstation, const RuleSet& rules);
 
-}  // namespace extperfc::translate::tool
+}  // namespace extperfc::translate

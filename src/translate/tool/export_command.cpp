@@ -6,10 +6,10 @@
 #include "extperfc/base/arguments.hpp"
 #include "extperfc/base/atomic_file.hpp"
 
-#include "command.hpp"
-#include "sources.hpp"
+#include "translate/tool/command.hpp"
+#include "translate/tool/sources.hpp"
 
-namespace extperfc::translate::tool {
+namespace extperfc::translate {
 namespace {
 
 namespace fs = std::filesystem;
@@ -133,4 +133,4 @@ Result<int> run_store(const Tokens& tokens) {
   return kFine;
 }
 
-}  // namespace extperfc::translate::tool
+}  // namespace extperfc::translate

@@ -1,4 +1,4 @@
-#include "live_master.hpp"
+#include "translate/tool/live_master.hpp"
 
 #include <algorithm>
 #include <memory>
@@ -12,7 +12,7 @@
 #include "extperfc/translate/frame.hpp"
 #include "extperfc/translate/peer.hpp"
 
-namespace extperfc::translate::tool {
+namespace extperfc::translate {
 namespace {
 
 constexpr std::size_t kAtOnce = 100;  ///< topics and services that are asked at the same time
@@ -196,4 +196,4 @@ Result<TypeSet> read_master(DefinitionStore& store, const std::string& uri, cons
   return MasterReader(store, hint).read(uri, patience);
 }
 
-}  // namespace extperfc::translate::tool
+}  // namespace extperfc::translate

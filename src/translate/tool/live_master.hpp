@@ -6,9 +6,9 @@
 #include "extperfc/base/error.hpp"
 #include "extperfc/translate/definition_store.hpp"
 
-#include "type_definitions.hpp"
+#include "translate/tool/type_definitions.hpp"
 
-namespace extperfc::translate::tool {
+namespace extperfc::translate {
 
 /// What the nodes at a running master publish and serve: every publisher is subscribed to until it reports
 /// its MD5 and definition, every service is probed. Definitions join `store`. Topics that are only subscribed
@@ -17,4 +17,4 @@ namespace extperfc::translate::tool {
 [[nodiscard]] Result<TypeSet> read_master(DefinitionStore& store, const std::string& uri,
                                           const std::string& hint, std::chrono::milliseconds patience);
 
-}  // namespace extperfc::translate::tool
+}  // namespace extperfc::translate

@@ -4,12 +4,12 @@
 #include <string>
 #include <string_view>
 
-#include "command.hpp"
+#include "translate/tool/command.hpp"
 
 namespace {
 
-using extperfc::translate::tool::Command;
-namespace tool = extperfc::translate::tool;
+using extperfc::translate::Command;
+using namespace extperfc::translate;  // NOLINT: a program, not a header
 
 constexpr const char* kHelp =
     R"(Compares definitions of ROS 1 messages, services and actions, and shows how they are converted.
@@ -29,37 +29,37 @@ struct Entry {
   std::string_view name;
   Command run;
 };
-constexpr std::array<Entry, 6> kCommands{{{"check", tool::run_check},
-                                          {"export", tool::run_export},
-                                          {"md5", tool::run_md5},
-                                          {"show", tool::run_show},
-                                          {"status", tool::run_status},
-                                          {"store", tool::run_store}}};
+constexpr std::array<Entry, 6> kCommands{{{"check", run_check},
+                                          {"export", run_export},
+                                          {"md5", run_md5},
+                                          {"show", run_show},
+                                          {"status", run_status},
+                                          {"store", run_store}}};
 
-int run(const std::string& name, const tool::Tokens& tokens) {
+int run(const std::string& name, const Tokens& tokens) {
   for (const auto& command : kCommands) {
     if (command.name != name) continue;
     const auto status = command.run(tokens);
     if (status) return *status;
     std::cerr << "extperfc-translate " << name << ": " << status.error().message << "\n";
-    return tool::kFailed;
+    return kFailed;
   }
   std::cerr << "extperfc-translate: no subcommand '" << name << "'; see extperfc-translate --help\n";
-  return tool::kFailed;
+  return kFailed;
 }
 
 }  // namespace
 
 int main(int argc, char** argv) {
   try {
-    const tool::Tokens tokens(argv + 1, argv + argc);
+    const Tokens tokens(argv + 1, argv + argc);
     if (tokens.empty() || tokens[0] == "--help" || tokens[0] == "-h") {
       (tokens.empty() ? std::cerr : std::cout) << kHelp;
-      return tokens.empty() ? tool::kFailed : tool::kFine;
+      return tokens.empty() ? kFailed : kFine;
     }
     return run(tokens[0], {tokens.begin() + 1, tokens.end()});
   } catch (const std::exception& problem) {
     std::cerr << "extperfc-translate: " << problem.what() << "\n";
-    return tool::kFailed;
+    return kFailed;
   }
 }

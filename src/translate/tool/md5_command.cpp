@@ -11,11 +11,11 @@
 #include "extperfc/base/arguments.hpp"
 #include "extperfc/base/text.hpp"
 
-#include "command.hpp"
-#include "sources.hpp"
-#include "type_definitions.hpp"
+#include "translate/tool/command.hpp"
+#include "translate/tool/sources.hpp"
+#include "translate/tool/type_definitions.hpp"
 
-namespace extperfc::translate::tool {
+namespace extperfc::translate {
 namespace {
 
 constexpr const char* kMd5Help = R"(Prints the MD5 of a message, service or action, as genmsg computes it.
@@ -130,4 +130,4 @@ Result<int> run_md5(const Tokens& tokens) {
   return kFine;
 }
 
-}  // namespace extperfc::translate::tool
+}  // namespace extperfc::translate

@@ -1,4 +1,4 @@
-#include "report.hpp"
+#include "translate/tool/report.hpp"
 
 #include <algorithm>
 #include <array>
@@ -7,7 +7,7 @@
 
 #include <nlohmann/json.hpp>
 
-namespace extperfc::translate::tool {
+namespace extperfc::translate {
 namespace {
 
 constexpr std::size_t kShortMd5 = 8;
@@ -200,4 +200,4 @@ void print_json(std::ostream& out, const Comparison& comparison, const ReportOpt
   out << json.dump(1, ' ', true, nlohmann::json::error_handler_t::replace) << '\n';
 }
 
-}  // namespace extperfc::translate::tool
+}  // namespace extperfc::translate

@@ -3,9 +3,9 @@
 #include <ostream>
 #include <string>
 
-#include "comparison.hpp"
+#include "translate/tool/comparison.hpp"
 
-namespace extperfc::translate::tool {
+namespace extperfc::translate {
 
 inline constexpr std::size_t kColumns = 100;
 
@@ -25,4 +25,4 @@ void print_json(std::ostream& out, const Comparison& comparison, const ReportOpt
 /// Breaks at blanks, within kColumns; every line begins with `indent`.
 [[nodiscard]] std::string wrapped(const std::string& text, const std::string& indent);
 
-}  // namespace extperfc::translate::tool
+}  // namespace extperfc::translate

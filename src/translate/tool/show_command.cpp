@@ -10,12 +10,12 @@
 #include "extperfc/translate/plan.hpp"
 #include "extperfc/translate/rules.hpp"
 
-#include "command.hpp"
-#include "report.hpp"
-#include "sources.hpp"
-#include "type_definitions.hpp"
+#include "translate/tool/command.hpp"
+#include "translate/tool/report.hpp"
+#include "translate/tool/sources.hpp"
+#include "translate/tool/type_definitions.hpp"
 
-namespace extperfc::translate::tool {
+namespace extperfc::translate {
 namespace {
 
 constexpr const char* kShowHelp = R"(Shows how a message, service or action is converted.
@@ -212,4 +212,4 @@ Result<int> run_show(const Tokens& tokens) {
   return show(*store, *rules, *arguments);
 }
 
-}  // namespace extperfc::translate::tool
+}  // namespace extperfc::translate

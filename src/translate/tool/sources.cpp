@@ -1,4 +1,4 @@
-#include "sources.hpp"
+#include "translate/tool/sources.hpp"
 
 #include <algorithm>
 #include <cstdlib>
@@ -7,7 +7,7 @@
 
 #include "extperfc/base/text.hpp"
 
-namespace extperfc::translate::tool {
+namespace extperfc::translate {
 
 namespace fs = std::filesystem;
 
@@ -73,4 +73,4 @@ Result<std::vector<fs::path>> rule_files(const Arguments& arguments) {
   return files;
 }
 
-}  // namespace extperfc::translate::tool
+}  // namespace extperfc::translate

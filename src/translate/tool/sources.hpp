@@ -8,7 +8,7 @@
 #include "extperfc/base/error.hpp"
 #include "extperfc/translate/definition_store.hpp"
 
-namespace extperfc::translate::tool {
+namespace extperfc::translate {
 
 /// --config DIR: the folder with definitions/ and the rules *.yaml; the launcher gives the package's. Its
 /// environment variable EXTPERFC_TRANSLATE_CONFIG stands in when the option is not given.
@@ -28,4 +28,4 @@ namespace extperfc::translate::tool {
 /// The files of --rules, else the rules *.yaml of the configuration, sorted.
 [[nodiscard]] Result<std::vector<std::filesystem::path>> rule_files(const Arguments& arguments);
 
-}  // namespace extperfc::translate::tool
+}  // namespace extperfc::translate

@@ -17,10 +17,10 @@
 #include "extperfc/translate/frame.hpp"
 #include "extperfc/translate/peer.hpp"
 
-#include "command.hpp"
-#include "sources.hpp"
+#include "translate/tool/command.hpp"
+#include "translate/tool/sources.hpp"
 
-namespace extperfc::translate::tool {
+namespace extperfc::translate {
 namespace {
 
 constexpr const char* kStatusHelp =
@@ -148,4 +148,4 @@ Result<int> run_status(const Tokens& tokens) {
   return kFine;
 }
 
-}  // namespace extperfc::translate::tool
+}  // namespace extperfc::translate

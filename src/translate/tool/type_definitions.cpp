@@ -1,13 +1,13 @@
-#include "type_definitions.hpp"
+#include "translate/tool/type_definitions.hpp"
 
 #include <algorithm>
 #include <set>
 
 #include "extperfc/base/text.hpp"
 
-#include "sources.hpp"
+#include "translate/tool/sources.hpp"
 
-namespace extperfc::translate::tool {
+namespace extperfc::translate {
 namespace {
 
 bool is_md5_start(const std::string& text) {
@@ -101,4 +101,4 @@ Result<std::map<std::string, TypeDefinition>> find_definitions(const DefinitionS
   return found;
 }
 
-}  // namespace extperfc::translate::tool
+}  // namespace extperfc::translate

@@ -9,7 +9,7 @@
 #include "extperfc/translate/definition_store.hpp"
 #include "extperfc/translate/schema.hpp"
 
-namespace extperfc::translate::tool {
+namespace extperfc::translate {
 
 /// One definition of a type: one of the three schemas, or none when only its MD5 is known.
 struct TypeDefinition {
@@ -38,4 +38,4 @@ using TypeSet = std::map<TypeId, std::vector<TypeDefinition>>;
                                                                              const std::string& type,
                                                                              const std::string& which);
 
-}  // namespace extperfc::translate::tool
+}  // namespace extperfc::translate

@@ -8,13 +8,13 @@
 
 #include "extperfc/base/arguments.hpp"
 
-#include "arm/collision_part.hpp"
-#include "arm/constrained_part.hpp"
-#include "arm/depth_part.hpp"
-#include "arm/ik_part.hpp"
-#include "arm/planning_part.hpp"
-#include "arm/trajectory_part.hpp"
-#include "report.hpp"
+#include "test/benchmark/arm/collision_part.hpp"
+#include "test/benchmark/arm/constrained_part.hpp"
+#include "test/benchmark/arm/depth_part.hpp"
+#include "test/benchmark/arm/ik_part.hpp"
+#include "test/benchmark/arm/planning_part.hpp"
+#include "test/benchmark/arm/trajectory_part.hpp"
+#include "test/benchmark/report.hpp"
 
 namespace extperfc::benchmark {
 namespace {

@@ -1,4 +1,4 @@
-#include "arm/collision_part.hpp"
+#include "test/benchmark/arm/collision_part.hpp"
 
 #include <algorithm>
 #include <ctime>

@@ -1,4 +1,4 @@
-#include "arm/constrained_part.hpp"
+#include "test/benchmark/arm/constrained_part.hpp"
 
 #include <algorithm>
 #include <cstdio>
@@ -8,8 +8,8 @@
 #include "extperfc/base/running_stats.hpp"
 #include "extperfc/base/stopwatch.hpp"
 
-#include "arm/constrained_peer.hpp"
-#include "arm/constrained_problems.hpp"
+#include "test/benchmark/arm/constrained_peer.hpp"
+#include "test/benchmark/arm/constrained_problems.hpp"
 
 namespace extperfc::benchmark {
 

@@ -1,4 +1,4 @@
-#include "arm/constrained_peer.hpp"
+#include "test/benchmark/arm/constrained_peer.hpp"
 
 #include <memory>
 #include <utility>

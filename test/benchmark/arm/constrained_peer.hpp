@@ -1,7 +1,7 @@
 #pragma once
 
-#include "arm/constrained_problems.hpp"
-#include "arm/peer_ompl.hpp"
+#include "test/benchmark/arm/constrained_problems.hpp"
+#include "test/benchmark/arm/peer_ompl.hpp"
 
 namespace extperfc::benchmark {
 

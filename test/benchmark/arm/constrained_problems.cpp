@@ -1,4 +1,4 @@
-#include "arm/constrained_problems.hpp"
+#include "test/benchmark/arm/constrained_problems.hpp"
 
 #include <cmath>
 #include <filesystem>

@@ -1,4 +1,4 @@
-#include "arm/depth_part.hpp"
+#include "test/benchmark/arm/depth_part.hpp"
 
 #include <algorithm>
 #include <string>
@@ -9,7 +9,7 @@
 #include "extperfc/base/rng.hpp"
 #include "extperfc/base/stopwatch.hpp"
 
-#include "unit/arm/perception/depth_scene.hpp"
+#include "test/unit/arm/perception/depth_scene.hpp"
 
 namespace extperfc::benchmark {
 namespace {

@@ -1,4 +1,4 @@
-#include "arm/ik_part.hpp"
+#include "test/benchmark/arm/ik_part.hpp"
 
 #include <cmath>
 #include <filesystem>

@@ -4,7 +4,7 @@
 
 #include "extperfc/base/error.hpp"
 
-#include "report.hpp"
+#include "test/benchmark/report.hpp"
 
 namespace extperfc::benchmark {
 

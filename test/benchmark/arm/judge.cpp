@@ -1,4 +1,4 @@
-#include "arm/judge.hpp"
+#include "test/benchmark/arm/judge.hpp"
 
 #include <cmath>
 #include <limits>

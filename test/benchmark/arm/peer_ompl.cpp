@@ -1,4 +1,4 @@
-#include "arm/peer_ompl.hpp"
+#include "test/benchmark/arm/peer_ompl.hpp"
 
 #include <memory>
 

@@ -1,4 +1,4 @@
-#include "arm/planning_part.hpp"
+#include "test/benchmark/arm/planning_part.hpp"
 
 #include <algorithm>
 #include <cstdio>
@@ -12,9 +12,9 @@
 #include "extperfc/arm/timed_path.hpp"
 #include "extperfc/base/running_stats.hpp"
 
-#include "arm/judge.hpp"
-#include "arm/peer_ompl.hpp"
-#include "arm/problems.hpp"
+#include "test/benchmark/arm/judge.hpp"
+#include "test/benchmark/arm/peer_ompl.hpp"
+#include "test/benchmark/arm/problems.hpp"
 
 namespace extperfc::benchmark {
 

@@ -5,7 +5,7 @@
 
 #include "extperfc/base/error.hpp"
 
-#include "report.hpp"
+#include "test/benchmark/report.hpp"
 
 namespace extperfc::benchmark {
 

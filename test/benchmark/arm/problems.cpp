@@ -1,4 +1,4 @@
-#include "arm/problems.hpp"
+#include "test/benchmark/arm/problems.hpp"
 
 #include <array>
 #include <fstream>

@@ -1,4 +1,4 @@
-#include "arm/trajectory_part.hpp"
+#include "test/benchmark/arm/trajectory_part.hpp"
 
 #include <algorithm>
 #include <cmath>

@@ -2,7 +2,7 @@
 
 #include <vector>
 
-#include "report.hpp"
+#include "test/benchmark/report.hpp"
 
 namespace extperfc::benchmark {
 

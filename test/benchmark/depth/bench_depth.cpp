@@ -18,9 +18,9 @@
 #include "extperfc/base/stopwatch.hpp"
 #include "extperfc/depth/box_depth.hpp"
 
-#include "depth/cases.hpp"
-#include "depth/sensor.hpp"
-#include "report.hpp"
+#include "test/benchmark/depth/cases.hpp"
+#include "test/benchmark/depth/sensor.hpp"
+#include "test/benchmark/report.hpp"
 
 namespace extperfc::benchmark {
 namespace {

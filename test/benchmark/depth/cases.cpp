@@ -1,4 +1,4 @@
-#include "depth/cases.hpp"
+#include "test/benchmark/depth/cases.hpp"
 
 #include <algorithm>
 #include <cmath>

@@ -5,7 +5,7 @@
 
 #include "extperfc/base/rng.hpp"
 
-#include "depth/scene.hpp"
+#include "test/benchmark/depth/scene.hpp"
 
 namespace extperfc::benchmark {
 

@@ -1,4 +1,4 @@
-#include "depth/scene.hpp"
+#include "test/benchmark/depth/scene.hpp"
 
 #include <algorithm>
 #include <cmath>

@@ -1,4 +1,4 @@
-#include "depth/sensor.hpp"
+#include "test/benchmark/depth/sensor.hpp"
 
 #include <cmath>
 #include <cstdint>

@@ -3,7 +3,7 @@
 #include "extperfc/base/rng.hpp"
 #include "extperfc/depth/noise_model.hpp"
 
-#include "depth/scene.hpp"
+#include "test/benchmark/depth/scene.hpp"
 
 namespace extperfc::benchmark {
 

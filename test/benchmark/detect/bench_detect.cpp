@@ -13,12 +13,12 @@
 #include "extperfc/base/stopwatch.hpp"
 #include "extperfc/detect/inference.hpp"
 
-#include "detect/footage.hpp"
-#include "detect/measure.hpp"
-#include "detect/options.hpp"
-#include "detect/report_rows.hpp"
-#include "report.hpp"
-#include "ros_log.hpp"
+#include "test/benchmark/detect/footage.hpp"
+#include "test/benchmark/detect/measure.hpp"
+#include "test/benchmark/detect/options.hpp"
+#include "test/benchmark/detect/report_rows.hpp"
+#include "test/benchmark/report.hpp"
+#include "test/benchmark/ros_log.hpp"
 
 namespace extperfc::benchmark {
 namespace {

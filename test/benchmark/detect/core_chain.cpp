@@ -1,4 +1,4 @@
-#include "detect/core_chain.hpp"
+#include "test/benchmark/detect/core_chain.hpp"
 
 #include <utility>
 
@@ -39,7 +39,7 @@ Result<ChainCosts> CoreChain::run(const sensor_msgs::ImageConstPtr& color,
 }
 
 Result<detect::Placement> CoreChain::prepare(const sensor_msgs::ImageConstPtr& color) {
-  const auto image = convert::share_image(color);
+  const auto image = ros_convert::share_image(color);
   if (!image) return tl::unexpected(image.error());
   return preprocessor_.run(image->view, backend_->input(0));
 }
@@ -52,19 +52,19 @@ Detections CoreChain::decode(const std::vector<detect::TensorView>& tensors,
 }
 
 Result<void> CoreChain::locate(const Detections& detections, const sensor_msgs::ImageConstPtr& depth) const {
-  const auto message = convert::to_message(detections, depth->header);
-  const auto image = convert::share_image(depth);
+  const auto message = ros_convert::to_message(detections, depth->header);
+  const auto image = ros_convert::share_image(depth);
   if (!image) return tl::unexpected(image.error());
-  const auto camera = convert::to_camera_model(info_);
+  const auto camera = ros_convert::to_camera_model(info_);
   if (!camera) return tl::unexpected(camera.error());
   vision_msgs::Detection3DArray objects;
   objects.header = message.header;
-  for (const auto& detection : convert::from_message(message)) {
+  for (const auto& detection : ros_convert::from_message(message)) {
     const auto estimate = depth::estimate_depth(image->view, detection.box, {});
     if (!estimate) continue;
-    objects.detections.push_back(convert::to_message(detection,
-                                                     depth::locate(*camera, detection.box, *estimate),
-                                                     Eigen::Isometry3d::Identity(), objects.header));
+    objects.detections.push_back(ros_convert::to_message(detection,
+                                                         depth::locate(*camera, detection.box, *estimate),
+                                                         Eigen::Isometry3d::Identity(), objects.header));
   }
   return {};
 }

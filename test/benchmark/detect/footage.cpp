@@ -1,4 +1,4 @@
-#include "detect/footage.hpp"
+#include "test/benchmark/detect/footage.hpp"
 
 #include <cstdint>
 

@@ -1,4 +1,4 @@
-#include "detect/measure.hpp"
+#include "test/benchmark/detect/measure.hpp"
 
 #include <algorithm>
 #include <utility>
@@ -11,8 +11,8 @@
 
 #include "extperfc/base/running_stats.hpp"
 
-#include "detect/core_chain.hpp"
 #include "ros/convert/image.hpp"
+#include "test/benchmark/detect/core_chain.hpp"
 
 namespace extperfc::benchmark {
 
@@ -31,7 +31,7 @@ CameraMessages to_messages(const ImagePair& image, const CameraModel& camera) {
   header.frame_id = "camera_color_optical_frame";
   return {cv_bridge::CvImage(header, enc::BGR8, image.color).toImageMsg(),
           cv_bridge::CvImage(header, enc::TYPE_16UC1, image.depth).toImageMsg(),
-          boost::make_shared<sensor_msgs::CameraInfo>(convert::to_camera_info(camera, header))};
+          boost::make_shared<sensor_msgs::CameraInfo>(ros_convert::to_camera_info(camera, header))};
 }
 
 struct Samples {
@@ -145,7 +145,7 @@ Result<CoreChain> make_core(const DetectCase& what, const CameraModel& camera) {
     spec.thresholds.score = static_cast<float>(what.settings.score_threshold);
   auto backend = detect::make_backend(spec, what.settings.inference);
   if (!backend) return tl::unexpected(backend.error());
-  return CoreChain(std::move(spec), std::move(*backend), convert::to_camera_info(camera, {}));
+  return CoreChain(std::move(spec), std::move(*backend), ros_convert::to_camera_info(camera, {}));
 }
 
 }  // namespace

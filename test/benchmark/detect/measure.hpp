@@ -5,8 +5,8 @@
 #include "extperfc/base/error.hpp"
 #include "extperfc/detect/model_spec.hpp"
 
-#include "detect/footage.hpp"
-#include "detect/nodelet_path.hpp"
+#include "test/benchmark/detect/footage.hpp"
+#include "test/benchmark/detect/nodelet_path.hpp"
 
 namespace extperfc::benchmark {
 

@@ -1,4 +1,4 @@
-#include "detect/nodelet_path.hpp"
+#include "test/benchmark/detect/nodelet_path.hpp"
 
 #include "extperfc/base/stopwatch.hpp"
 

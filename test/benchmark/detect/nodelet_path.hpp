@@ -15,7 +15,7 @@
 #include "extperfc/base/error.hpp"
 #include "extperfc/detect/inference.hpp"
 
-#include "detect/core_chain.hpp"
+#include "test/benchmark/detect/core_chain.hpp"
 
 namespace extperfc::benchmark {
 

@@ -1,4 +1,4 @@
-#include "detect/options.hpp"
+#include "test/benchmark/detect/options.hpp"
 
 #include <charconv>
 #include <optional>

@@ -1,4 +1,4 @@
-#include "detect/report_rows.hpp"
+#include "test/benchmark/detect/report_rows.hpp"
 
 #include <algorithm>
 #include <cstdio>

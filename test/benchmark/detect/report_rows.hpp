@@ -4,8 +4,8 @@
 #include <utility>
 #include <vector>
 
-#include "detect/measure.hpp"
-#include "report.hpp"
+#include "test/benchmark/detect/measure.hpp"
+#include "test/benchmark/report.hpp"
 
 namespace extperfc::benchmark {
 

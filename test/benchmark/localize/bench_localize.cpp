@@ -16,9 +16,9 @@
 #include "extperfc/localize/localizer.hpp"
 #include "extperfc/world/map_file.hpp"
 
-#include "localize/peer.hpp"
-#include "localize/recording.hpp"
-#include "report.hpp"
+#include "test/benchmark/localize/peer.hpp"
+#include "test/benchmark/localize/recording.hpp"
+#include "test/benchmark/report.hpp"
 
 namespace extperfc::benchmark {
 namespace {

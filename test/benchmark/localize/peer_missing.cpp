@@ -1,4 +1,4 @@
-#include "localize/peer.hpp"
+#include "test/benchmark/localize/peer.hpp"
 
 namespace extperfc::benchmark {
 

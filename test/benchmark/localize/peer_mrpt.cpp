@@ -9,7 +9,7 @@
 #include <mrpt/random/RandomGenerators.h>
 #include <mrpt/slam/CMonteCarloLocalization2D.h>
 
-#include "localize/peer.hpp"
+#include "test/benchmark/localize/peer.hpp"
 
 namespace extperfc::benchmark {
 namespace {

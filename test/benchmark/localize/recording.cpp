@@ -1,4 +1,4 @@
-#include "localize/recording.hpp"
+#include "test/benchmark/localize/recording.hpp"
 
 #include <algorithm>
 #include <cmath>

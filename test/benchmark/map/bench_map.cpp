@@ -9,12 +9,12 @@
 
 #include "extperfc/base/stopwatch.hpp"
 
-#include "map/log_part.hpp"
-#include "map/options.hpp"
-#include "map/rows.hpp"
-#include "map/worlds_part.hpp"
-#include "report.hpp"
-#include "temporary_folder.hpp"
+#include "test/benchmark/map/log_part.hpp"
+#include "test/benchmark/map/options.hpp"
+#include "test/benchmark/map/rows.hpp"
+#include "test/benchmark/map/worlds_part.hpp"
+#include "test/benchmark/report.hpp"
+#include "test/support/temporary_folder.hpp"
 
 namespace extperfc::benchmark {
 namespace {

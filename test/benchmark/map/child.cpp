@@ -1,4 +1,4 @@
-#include "map/child.hpp"
+#include "test/benchmark/map/child.hpp"
 
 #include <cerrno>
 #include <csignal>
@@ -12,7 +12,7 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
-#include "temporary_folder.hpp"
+#include "test/support/temporary_folder.hpp"
 
 namespace extperfc::benchmark {
 namespace {

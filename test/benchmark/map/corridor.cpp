@@ -1,4 +1,4 @@
-#include "map/corridor.hpp"
+#include "test/benchmark/map/corridor.hpp"
 
 #include <algorithm>
 #include <cmath>

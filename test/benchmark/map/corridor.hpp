@@ -4,7 +4,7 @@
 
 #include "extperfc/base/rng.hpp"
 
-#include "map/floor_world.hpp"
+#include "test/benchmark/map/floor_world.hpp"
 
 namespace extperfc::benchmark {
 

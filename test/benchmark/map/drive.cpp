@@ -1,4 +1,4 @@
-#include "map/drive.hpp"
+#include "test/benchmark/map/drive.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "planar_world.hpp"
+#include "test/support/planar_world.hpp"
 
 namespace extperfc::benchmark {
 namespace {

@@ -1,4 +1,4 @@
-#include "map/floor_world.hpp"
+#include "test/benchmark/map/floor_world.hpp"
 
 #include <algorithm>
 #include <cmath>

@@ -1,4 +1,4 @@
-#include "map/log_part.hpp"
+#include "test/benchmark/map/log_part.hpp"
 
 #include <algorithm>
 #include <cmath>

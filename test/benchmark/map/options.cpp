@@ -1,4 +1,4 @@
-#include "map/options.hpp"
+#include "test/benchmark/map/options.hpp"
 
 #include <set>
 

@@ -1,4 +1,4 @@
-#include "map/peer.hpp"
+#include "test/benchmark/map/peer.hpp"
 
 #include <filesystem>
 #include <fstream>
@@ -10,7 +10,7 @@
 #include "extperfc/offline/relations.hpp"
 #include "extperfc/sources/scan_log.hpp"
 
-#include "temporary_folder.hpp"
+#include "test/support/temporary_folder.hpp"
 
 namespace extperfc::benchmark {
 namespace {

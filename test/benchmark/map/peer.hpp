@@ -4,8 +4,8 @@
 
 #include "extperfc/base/error.hpp"
 
-#include "map/child.hpp"
-#include "map/drive.hpp"
+#include "test/benchmark/map/child.hpp"
+#include "test/benchmark/map/drive.hpp"
 
 namespace extperfc::benchmark {
 

@@ -1,4 +1,4 @@
-#include "map/rows.hpp"
+#include "test/benchmark/map/rows.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -6,10 +6,10 @@
 #include <map>
 #include <utility>
 
-#include "map/child.hpp"
-#include "map/log_part.hpp"
-#include "map/peer.hpp"
-#include "temporary_folder.hpp"
+#include "test/benchmark/map/child.hpp"
+#include "test/benchmark/map/log_part.hpp"
+#include "test/benchmark/map/peer.hpp"
+#include "test/support/temporary_folder.hpp"
 
 namespace extperfc::benchmark {
 namespace {

@@ -5,9 +5,9 @@
 
 #include "extperfc/base/error.hpp"
 
-#include "map/drive.hpp"
-#include "map/options.hpp"
-#include "report.hpp"
+#include "test/benchmark/map/drive.hpp"
+#include "test/benchmark/map/options.hpp"
+#include "test/benchmark/report.hpp"
 
 namespace extperfc::benchmark {
 

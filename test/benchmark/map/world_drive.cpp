@@ -1,4 +1,4 @@
-#include "map/world_drive.hpp"
+#include "test/benchmark/map/world_drive.hpp"
 
 #include <algorithm>
 #include <limits>

@@ -12,7 +12,7 @@
 #include "extperfc/world/laser_scan.hpp"
 #include "extperfc/world/pose.hpp"
 
-#include "map/floor_world.hpp"
+#include "test/benchmark/map/floor_world.hpp"
 
 namespace extperfc::benchmark {
 

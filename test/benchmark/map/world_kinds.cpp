@@ -1,10 +1,10 @@
-#include "map/world_kinds.hpp"
+#include "test/benchmark/map/world_kinds.hpp"
 
 #include <algorithm>
 #include <array>
 #include <utility>
 
-#include "map/corridor.hpp"
+#include "test/benchmark/map/corridor.hpp"
 
 namespace extperfc::benchmark {
 namespace {

@@ -6,7 +6,7 @@
 
 #include "extperfc/base/error.hpp"
 
-#include "map/world_drive.hpp"
+#include "test/benchmark/map/world_drive.hpp"
 
 namespace extperfc::benchmark {
 

@@ -1,4 +1,4 @@
-#include "map/worlds_part.hpp"
+#include "test/benchmark/map/worlds_part.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -12,8 +12,8 @@
 #include "extperfc/base/stopwatch.hpp"
 #include "extperfc/mapping/mapper.hpp"
 
-#include "map/child.hpp"
-#include "map/world_kinds.hpp"
+#include "test/benchmark/map/child.hpp"
+#include "test/benchmark/map/world_kinds.hpp"
 
 namespace extperfc::benchmark {
 namespace {

@@ -5,8 +5,8 @@
 
 #include "extperfc/base/error.hpp"
 
-#include "map/options.hpp"
-#include "report.hpp"
+#include "test/benchmark/map/options.hpp"
+#include "test/benchmark/report.hpp"
 
 namespace extperfc::benchmark {
 

@@ -16,9 +16,9 @@
 #include "extperfc/base/running_stats.hpp"
 #include "extperfc/scan/cloud_to_scan.hpp"
 
-#include "report.hpp"
+#include "test/benchmark/report.hpp"
 #ifdef EXTPERFC_REAL_REVOLUTION
-#include "real_revolution.hpp"
+#include "test/unit/scan/real_revolution.hpp"
 #endif
 
 namespace extperfc::benchmark {

@@ -7,10 +7,10 @@
 #include <ros/master.h>
 #include <ros/package.h>
 
-#include "ros_log.hpp"
-#include "sim/core_cost.hpp"
-#include "sim/options.hpp"
-#include "sim/whole_robot.hpp"
+#include "test/benchmark/ros_log.hpp"
+#include "test/benchmark/sim/core_cost.hpp"
+#include "test/benchmark/sim/options.hpp"
+#include "test/benchmark/sim/whole_robot.hpp"
 
 namespace extperfc::benchmark {
 namespace {

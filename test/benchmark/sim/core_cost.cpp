@@ -1,4 +1,4 @@
-#include "sim/core_cost.hpp"
+#include "test/benchmark/sim/core_cost.hpp"
 
 #include <algorithm>
 #include <cmath>

@@ -7,7 +7,7 @@
 #include "extperfc/simulate/world_spec.hpp"
 #include "extperfc/world/robot_model.hpp"
 
-#include "report.hpp"
+#include "test/benchmark/report.hpp"
 
 namespace extperfc::benchmark {
 

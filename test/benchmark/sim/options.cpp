@@ -1,4 +1,4 @@
-#include "sim/options.hpp"
+#include "test/benchmark/sim/options.hpp"
 
 #include <cstdlib>
 #include <map>

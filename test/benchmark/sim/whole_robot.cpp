@@ -1,4 +1,4 @@
-#include "sim/whole_robot.hpp"
+#include "test/benchmark/sim/whole_robot.hpp"
 
 #include <array>
 #include <atomic>

@@ -10,13 +10,13 @@
 
 #include "extperfc/base/stopwatch.hpp"
 
-#include "report.hpp"
-#include "translate/conversion.hpp"
-#include "translate/latency.hpp"
-#include "translate/load.hpp"
-#include "translate/options.hpp"
-#include "translate/parts.hpp"
-#include "translate/stage.hpp"
+#include "test/benchmark/report.hpp"
+#include "test/benchmark/translate/conversion.hpp"
+#include "test/benchmark/translate/latency.hpp"
+#include "test/benchmark/translate/load.hpp"
+#include "test/benchmark/translate/options.hpp"
+#include "test/benchmark/translate/parts.hpp"
+#include "test/benchmark/translate/stage.hpp"
 
 namespace extperfc::benchmark {
 namespace {

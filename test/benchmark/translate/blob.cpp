@@ -1,4 +1,4 @@
-#include "translate/blob.hpp"
+#include "test/benchmark/translate/blob.hpp"
 
 #include <array>
 #include <cstring>

@@ -7,7 +7,7 @@
 
 #include "extperfc/base/error.hpp"
 
-#include "translate/raw_message.hpp"
+#include "test/benchmark/translate/raw_message.hpp"
 
 namespace extperfc::benchmark {
 

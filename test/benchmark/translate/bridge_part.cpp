@@ -8,7 +8,7 @@
 
 #include "extperfc/translate/bridge.hpp"
 
-#include "translate/parts.hpp"
+#include "test/benchmark/translate/parts.hpp"
 
 namespace extperfc::benchmark {
 

@@ -1,11 +1,11 @@
-#include "translate/conversion.hpp"
+#include "test/benchmark/translate/conversion.hpp"
 
 #include <filesystem>
 #include <utility>
 
 #include <ros/package.h>
 
-#include "translate/conversion_cases.hpp"
+#include "test/benchmark/translate/conversion_cases.hpp"
 
 namespace extperfc::benchmark {
 

@@ -1,4 +1,4 @@
-#include "translate/conversion_cases.hpp"
+#include "test/benchmark/translate/conversion_cases.hpp"
 
 #include <algorithm>
 #include <chrono>

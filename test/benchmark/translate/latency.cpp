@@ -1,4 +1,4 @@
-#include "translate/latency.hpp"
+#include "test/benchmark/translate/latency.hpp"
 
 #include <algorithm>
 #include <array>
@@ -13,8 +13,8 @@
 #include "extperfc/base/running_stats.hpp"
 #include "extperfc/base/stopwatch.hpp"
 
-#include "translate/parts.hpp"
-#include "translate/sender.hpp"
+#include "test/benchmark/translate/parts.hpp"
+#include "test/benchmark/translate/sender.hpp"
 
 namespace extperfc::benchmark {
 

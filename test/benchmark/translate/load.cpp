@@ -1,4 +1,4 @@
-#include "translate/load.hpp"
+#include "test/benchmark/translate/load.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -15,8 +15,8 @@
 #include "extperfc/base/running_stats.hpp"
 #include "extperfc/base/stopwatch.hpp"
 
-#include "translate/parts.hpp"
-#include "translate/sender.hpp"
+#include "test/benchmark/translate/parts.hpp"
+#include "test/benchmark/translate/sender.hpp"
 
 namespace extperfc::benchmark {
 

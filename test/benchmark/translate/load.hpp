@@ -4,9 +4,9 @@
 
 #include "extperfc/base/error.hpp"
 
-#include "report.hpp"
-#include "translate/options.hpp"
-#include "translate/stage.hpp"
+#include "test/benchmark/report.hpp"
+#include "test/benchmark/translate/options.hpp"
+#include "test/benchmark/translate/stage.hpp"
 
 namespace extperfc::benchmark {
 

@@ -1,4 +1,4 @@
-#include "translate/options.hpp"
+#include "test/benchmark/translate/options.hpp"
 
 #include <cstdlib>
 #include <set>

@@ -1,4 +1,4 @@
-#include "translate/process.hpp"
+#include "test/benchmark/translate/process.hpp"
 
 #include <array>
 #include <cerrno>

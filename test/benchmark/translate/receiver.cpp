@@ -8,10 +8,10 @@
 #include <ros/spinner.h>
 #include <unistd.h>
 
-#include "ros_log.hpp"
-#include "translate/blob.hpp"
-#include "translate/parts.hpp"
-#include "translate/process.hpp"
+#include "test/benchmark/ros_log.hpp"
+#include "test/benchmark/translate/blob.hpp"
+#include "test/benchmark/translate/parts.hpp"
+#include "test/benchmark/translate/process.hpp"
 
 namespace extperfc::benchmark {
 

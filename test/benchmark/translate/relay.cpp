@@ -5,9 +5,9 @@
 #include <ros/node_handle.h>
 #include <ros/spinner.h>
 
-#include "translate/parts.hpp"
-#include "translate/process.hpp"
-#include "translate/raw_message.hpp"
+#include "test/benchmark/translate/parts.hpp"
+#include "test/benchmark/translate/process.hpp"
+#include "test/benchmark/translate/raw_message.hpp"
 
 namespace extperfc::benchmark {
 

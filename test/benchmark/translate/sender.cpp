@@ -1,4 +1,4 @@
-#include "translate/sender.hpp"
+#include "test/benchmark/translate/sender.hpp"
 
 #include <array>
 

@@ -8,9 +8,9 @@
 #include <ros/node_handle.h>
 #include <ros/publisher.h>
 
-#include "translate/blob.hpp"
-#include "translate/parts.hpp"
-#include "translate/process.hpp"
+#include "test/benchmark/translate/blob.hpp"
+#include "test/benchmark/translate/parts.hpp"
+#include "test/benchmark/translate/process.hpp"
 
 namespace extperfc::benchmark {
 

@@ -1,4 +1,4 @@
-#include "translate/stage.hpp"
+#include "test/benchmark/translate/stage.hpp"
 
 #include <array>
 #include <cstdlib>

@@ -6,8 +6,8 @@
 #include <string>
 #include <vector>
 
-#include "translate/blob.hpp"
-#include "translate/process.hpp"
+#include "test/benchmark/translate/blob.hpp"
+#include "test/benchmark/translate/process.hpp"
 
 namespace extperfc::benchmark {
 

@@ -17,10 +17,10 @@
 #include "extperfc/base/running_stats.hpp"
 #include "extperfc/base/stopwatch.hpp"
 
-#include "report.hpp"
-#include "transport/pair_receiver.hpp"
-#include "transport/pair_sender.hpp"
-#include "transport/publisher_process.hpp"
+#include "test/benchmark/report.hpp"
+#include "test/benchmark/transport/pair_receiver.hpp"
+#include "test/benchmark/transport/pair_sender.hpp"
+#include "test/benchmark/transport/publisher_process.hpp"
 
 namespace extperfc::benchmark {
 namespace {

@@ -1,4 +1,4 @@
-#include "transport/pair_receiver.hpp"
+#include "test/benchmark/transport/pair_receiver.hpp"
 
 #include <chrono>
 #include <utility>

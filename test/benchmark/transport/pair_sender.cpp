@@ -1,4 +1,4 @@
-#include "transport/pair_sender.hpp"
+#include "test/benchmark/transport/pair_sender.hpp"
 
 #include <cstdint>
 

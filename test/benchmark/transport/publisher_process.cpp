@@ -1,4 +1,4 @@
-#include "transport/publisher_process.hpp"
+#include "test/benchmark/transport/publisher_process.hpp"
 
 #include <array>
 #include <cerrno>
@@ -13,7 +13,7 @@
 
 #include "extperfc/base/stopwatch.hpp"
 
-#include "transport/pair_sender.hpp"
+#include "test/benchmark/transport/pair_sender.hpp"
 
 namespace extperfc::benchmark {
 

@@ -3,7 +3,7 @@
 
 #include "ros/convert/annotate.hpp"
 
-namespace extperfc::convert {
+namespace extperfc::ros_convert {
 namespace {
 
 sensor_msgs::ImagePtr grey_image(const std::string& encoding, std::uint32_t channels) {
@@ -49,4 +49,4 @@ TEST(Annotate, BoxesBeyondTheImageAndUnknownClassesDoNoHarm) {
 }
 
 }  // namespace
-}  // namespace extperfc::convert
+}  // namespace extperfc::ros_convert

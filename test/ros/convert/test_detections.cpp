@@ -5,7 +5,7 @@
 #include "ros/convert/detections.hpp"
 #include "ros/convert/geometry.hpp"
 
-namespace extperfc::convert {
+namespace extperfc::ros_convert {
 namespace {
 
 std_msgs::Header some_header() {
@@ -169,4 +169,4 @@ TEST(ClassName, FallsBackToTheNumber) {
 }
 
 }  // namespace
-}  // namespace extperfc::convert
+}  // namespace extperfc::ros_convert

@@ -6,7 +6,7 @@
 
 #include "ros/convert/image.hpp"
 
-namespace extperfc::convert {
+namespace extperfc::ros_convert {
 namespace {
 
 sensor_msgs::ImagePtr image(const std::string& encoding, std::uint32_t width, std::uint32_t height,
@@ -180,4 +180,4 @@ TEST(CameraInfo, OneThatIsNotCalibratedIsRefused) {
 }
 
 }  // namespace
-}  // namespace extperfc::convert
+}  // namespace extperfc::ros_convert

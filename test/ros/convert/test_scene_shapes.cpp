@@ -5,7 +5,7 @@
 
 #include "ros/convert/arm.hpp"
 
-namespace extperfc::convert {
+namespace extperfc::ros_convert {
 namespace {
 
 using shape_msgs::SolidPrimitive;
@@ -104,4 +104,4 @@ TEST(SceneShapes, WhatMakesNoSenseIsRefusedWithAReason) {
 }
 
 }  // namespace
-}  // namespace extperfc::convert
+}  // namespace extperfc::ros_convert

@@ -4,7 +4,7 @@
 
 #include "ros/health/stream_health.hpp"
 
-namespace extperfc::health {
+namespace extperfc::ros_health {
 namespace {
 
 using diagnostic_msgs::DiagnosticStatus;
@@ -102,4 +102,4 @@ TEST(WorkHealth, PercentilesAreOfTheLatest) {
 }
 
 }  // namespace
-}  // namespace extperfc::health
+}  // namespace extperfc::ros_health

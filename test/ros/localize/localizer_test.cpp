@@ -1,4 +1,4 @@
-#include "localizer_test.hpp"
+#include "test/ros/localize/localizer_test.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -53,7 +53,7 @@ geometry_msgs::TransformStamped transform(const std::string& target, const std::
   message.header.stamp = stamp;
   message.header.frame_id = target;
   message.child_frame_id = source;
-  message.transform = convert::to_transform_message(pose);
+  message.transform = ros_convert::to_transform_message(pose);
   return message;
 }
 
@@ -143,7 +143,7 @@ void LocalizerTest::load_without_map(const Params& more) {
 void LocalizerTest::publish_map(const OccupancyGrid& map) {
   std_msgs::Header header;
   header.frame_id = "map";
-  map_.publish(convert::to_message(map, header));
+  map_.publish(ros_convert::to_message(map, header));
 }
 
 void LocalizerTest::publish_mount(const std::string& frame, const Pose2& base_T_scanner, bool upside_down) {
@@ -181,7 +181,7 @@ std::optional<Pose2> LocalizerTest::locate() {
   const auto before = transforms().size();
   tick();
   if (!wait_for([&] { return transforms().size() > before; })) return std::nullopt;
-  const auto map_T_odom = convert::to_pose2(transforms().back().transform);
+  const auto map_T_odom = ros_convert::to_pose2(transforms().back().transform);
   return compose(map_T_odom.value(), compose(inverse(map_T_odom_), map_T_base_));
 }
 
@@ -210,8 +210,8 @@ void LocalizerTest::give_pose(const Pose2& pose, double sigma_m, double sigma_ra
   geometry_msgs::PoseWithCovarianceStamped message;
   message.header.frame_id = frame;
   message.header.stamp = stamp.value_or(now_);
-  message.pose.pose = convert::to_pose_message(pose);
-  message.pose.covariance = convert::to_covariance_message(
+  message.pose.pose = ros_convert::to_pose_message(pose);
+  message.pose.covariance = ros_convert::to_covariance_message(
       Eigen::Vector3d(sigma_m * sigma_m, sigma_m * sigma_m, sigma_rad * sigma_rad).asDiagonal());
   initialpose_.publish(message);
 }

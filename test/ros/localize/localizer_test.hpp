@@ -16,9 +16,9 @@
 #include "extperfc/world/occupancy_grid.hpp"
 #include "extperfc/world/pose.hpp"
 
-#include "inbox.hpp"
-#include "manager.hpp"
-#include "watch.hpp"
+#include "test/ros/support/inbox.hpp"
+#include "test/ros/support/manager.hpp"
+#include "test/ros/support/watch.hpp"
 
 namespace extperfc::ros_test {
 

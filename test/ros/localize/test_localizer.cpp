@@ -3,8 +3,8 @@
 
 #include <std_srvs/Empty.h>
 
-#include "localizer_test.hpp"
 #include "ros/convert/planar_pose.hpp"
+#include "test/ros/localize/localizer_test.hpp"
 
 namespace extperfc::ros_test {
 namespace {
@@ -39,10 +39,10 @@ TEST_F(LocalizerTest, ThePoseOfAmclPoseIsThatOfTheTransform) {
   ASSERT_TRUE(wait_for([&] { return poses_.count() > 0 && poses_.all().back()->header.stamp == now_; }));
   const auto& message = *poses_.all().back();
   EXPECT_EQ(message.header.frame_id, "map");
-  const auto said = convert::to_pose2(message.pose.pose);
+  const auto said = ros_convert::to_pose2(message.pose.pose);
   EXPECT_LT(distance_m(*said, *pose), 1e-6);
   EXPECT_LT(yaw_difference_rad(*said, *pose), 1e-6);
-  const auto covariance = convert::to_covariance(message.pose.covariance);
+  const auto covariance = ros_convert::to_covariance(message.pose.covariance);
   EXPECT_GT(covariance.diagonal().minCoeff(), 0);
   EXPECT_LT(std::sqrt(covariance.diagonal().maxCoeff()), 0.3);
   EXPECT_EQ(message.pose.covariance[14], 0) << "z has no variance";
@@ -97,7 +97,7 @@ TEST_F(LocalizerTest, InitialposeMovesIt) {
   give_pose({-2.4, -1.1, 1.1});
   ASSERT_TRUE(tick_until([&] {
     return poses_.count() > 1 &&
-           distance_m(*convert::to_pose2(poses_.all().back()->pose.pose), map_T_base_) < 0.5;
+           distance_m(*ros_convert::to_pose2(poses_.all().back()->pose.pose), map_T_base_) < 0.5;
   }));
   const auto pose = drive_around();
   ASSERT_TRUE(pose);
@@ -113,7 +113,7 @@ TEST_F(LocalizerTest, InitialposeOfAWhileAgoIsCarriedOn) {
   const auto poses = poses_.count();
   give_pose(pose_then, 1e-3, 1e-3, "map", then);
   ASSERT_TRUE(tick_until([&] { return poses_.count() > poses; }));
-  expect_near(*convert::to_pose2(poses_.all().back()->pose.pose), 0.05, 0.05);
+  expect_near(*ros_convert::to_pose2(poses_.all().back()->pose.pose), 0.05, 0.05);
 }
 
 TEST_F(LocalizerTest, InitialposeInAnotherFrameIsIgnored) {
@@ -157,7 +157,7 @@ TEST_F(LocalizerTest, TheCloudIsMadeForListenersOnly) {
   EXPECT_EQ(cloud->header.frame_id, "map");
   EXPECT_GE(cloud->poses.size(), 100U);
   for (const auto& pose : cloud->poses) {
-    const auto planar = convert::to_pose2(pose);
+    const auto planar = ros_convert::to_pose2(pose);
     ASSERT_TRUE(planar);
     EXPECT_LT(distance_m(*planar, map_T_base_), 2.0);
   }
@@ -205,7 +205,7 @@ TEST_F(LocalizerTest, TwoScannersOnOneTopicOneOfThemUpsideDown) {
     broadcast_odometry();
     scan_.publish(scan);
     if (!wait_for([&] { return transforms().size() > before; })) return std::optional<Pose2>();
-    return std::optional<Pose2>(compose(convert::to_pose2(transforms().back().transform).value(),
+    return std::optional<Pose2>(compose(ros_convert::to_pose2(transforms().back().transform).value(),
                                         compose(inverse(map_T_odom_), map_T_base_)));
   };
   std::optional<Pose2> pose;

@@ -2,8 +2,8 @@
 #include <cmath>
 #include <limits>
 
-#include "localizer_test.hpp"
 #include "ros/convert/planar_pose.hpp"
+#include "test/ros/localize/localizer_test.hpp"
 
 namespace extperfc::ros_test {
 namespace {

@@ -13,11 +13,11 @@
 #include "extperfc/sources/mrpt_map.hpp"
 #include "extperfc/world/map_file.hpp"
 
-#include "child_process.hpp"
-#include "localizer_test.hpp"
 #include "ros/convert/occupancy_grid.hpp"
 #include "ros/convert/planar_pose.hpp"
-#include "temporary_folder.hpp"
+#include "test/ros/localize/localizer_test.hpp"
+#include "test/ros/support/child_process.hpp"
+#include "test/support/temporary_folder.hpp"
 
 namespace extperfc::ros_test {
 namespace {
@@ -59,7 +59,7 @@ TEST_F(LocalizerTest, TheMapComesFromTheServiceAsSoonAsItIsThere) {
     ++calls;
     std_msgs::Header header;
     header.frame_id = "map";
-    response.map = convert::to_message(room_, header);
+    response.map = ros_convert::to_message(room_, header);
     return calls > 1;  // the first call fails
   };
   const auto service =
@@ -91,11 +91,11 @@ TEST_F(LocalizerTest, SetMapGivesMapAndPose) {
   nav_msgs::SetMap service;
   std_msgs::Header header;
   header.frame_id = "map";
-  service.request.map = convert::to_message(bare_hall(), header);
+  service.request.map = ros_convert::to_message(bare_hall(), header);
   service.request.initial_pose.header.frame_id = "map";
-  service.request.initial_pose.pose.pose = convert::to_pose_message({6, 4, 1.0});
+  service.request.initial_pose.pose.pose = ros_convert::to_pose_message({6, 4, 1.0});
   service.request.initial_pose.pose.covariance =
-      convert::to_covariance_message(Eigen::Vector3d(0.01, 0.01, 0.01).asDiagonal());
+      ros_convert::to_covariance_message(Eigen::Vector3d(0.01, 0.01, 0.01).asDiagonal());
   ASSERT_TRUE(ros::service::call("set_map", service));
   EXPECT_TRUE(service.response.success);
   seen_ = bare_hall();
@@ -114,7 +114,7 @@ TEST_F(LocalizerTest, SetMapRefusesWhatCannotBe) {
   ASSERT_TRUE(ros::service::call("set_map", service));
   EXPECT_FALSE(service.response.success);
   EXPECT_TRUE(log_.wait("set_map: the map has no cells"));
-  service.request.map = convert::to_message(room_, {});
+  service.request.map = ros_convert::to_message(room_, {});
   service.request.initial_pose.pose.pose.orientation.w = 0;
   ASSERT_TRUE(ros::service::call("set_map", service));
   EXPECT_FALSE(service.response.success);

@@ -5,8 +5,8 @@
 #include <ros/param.h>
 #include <yaml-cpp/yaml.h>
 
-#include "localizer_test.hpp"
 #include "ros/params/localizer_params.hpp"
+#include "test/ros/localize/localizer_test.hpp"
 
 namespace extperfc::ros_test {
 namespace {

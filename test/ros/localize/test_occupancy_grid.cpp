@@ -8,7 +8,7 @@
 
 #include "ros/convert/occupancy_grid.hpp"
 
-namespace extperfc::convert {
+namespace extperfc::ros_convert {
 namespace {
 
 OccupancyGrid random_map(Rng& rng) {
@@ -118,4 +118,4 @@ TEST_F(BadMap, ThatIsTilted) {
 }
 
 }  // namespace
-}  // namespace extperfc::convert
+}  // namespace extperfc::ros_convert

@@ -8,7 +8,7 @@
 
 #include "ros/convert/planar_pose.hpp"
 
-namespace extperfc::convert {
+namespace extperfc::ros_convert {
 namespace {
 
 constexpr double kTiny = 1e-12;
@@ -95,4 +95,4 @@ TEST(PlanarPose, CovarianceStandsWhereTheMessageHasIt) {
 }
 
 }  // namespace
-}  // namespace extperfc::convert
+}  // namespace extperfc::ros_convert

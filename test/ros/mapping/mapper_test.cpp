@@ -1,4 +1,4 @@
-#include "mapper_test.hpp"
+#include "test/ros/mapping/mapper_test.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -46,11 +46,11 @@ void MapperTest::mount_lidar(double roll_rad, double pitch_rad) {
   lidar_roll_rad_ = roll_rad;
   const Pose mount =
       make_pose({base_T_laser_.x, base_T_laser_.y, 0.4}, {roll_rad, pitch_rad, base_T_laser_.yaw});
-  static_broadcaster_.sendTransform(convert::to_transform(mount, "base_link", "laser", now_));
+  static_broadcaster_.sendTransform(ros_convert::to_transform(mount, "base_link", "laser", now_));
 }
 
 void MapperTest::publish_odometry(const Pose2& odom_T_base, const ros::Time& stamp) {
-  broadcaster_.sendTransform(convert::to_transform(to_pose(odom_T_base), "odom", "base_link", stamp));
+  broadcaster_.sendTransform(ros_convert::to_transform(to_pose(odom_T_base), "odom", "base_link", stamp));
 }
 
 ros::Time MapperTest::send_scan(const Pose2& room_T_base) {
@@ -64,7 +64,7 @@ ros::Time MapperTest::send_scan(const Pose2& room_T_base) {
 std::optional<Pose2> MapperTest::answer_at(const ros::Time& stamp) const {
   const auto message = poses_.wait_for_stamp(stamp);
   if (!message) return std::nullopt;
-  return convert::to_pose2(message->pose.pose).value();
+  return ros_convert::to_pose2(message->pose.pose).value();
 }
 
 std::optional<Pose2> MapperTest::feed(const Pose2& room_T_base) {

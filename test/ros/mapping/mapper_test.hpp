@@ -14,10 +14,10 @@
 
 #include "extperfc/world/pose.hpp"
 
-#include "inbox.hpp"
-#include "manager.hpp"
-#include "room.hpp"
-#include "watch.hpp"
+#include "test/ros/mapping/room.hpp"
+#include "test/ros/support/inbox.hpp"
+#include "test/ros/support/manager.hpp"
+#include "test/ros/support/watch.hpp"
 
 namespace extperfc::ros_test {
 

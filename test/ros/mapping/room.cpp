@@ -1,4 +1,4 @@
-#include "room.hpp"
+#include "test/ros/mapping/room.hpp"
 
 #include <algorithm>
 #include <cmath>

@@ -6,7 +6,7 @@
 
 #include "ros/mapping/imu_yaw.hpp"
 
-namespace extperfc {
+namespace extperfc::ros_mapping {
 namespace {
 
 sensor_msgs::Imu with_orientation(double stamp_s, const Pose& world_T_imu) {
@@ -136,4 +136,4 @@ TEST(ImuYaw, MemoryIsBounded) {
 }
 
 }  // namespace
-}  // namespace extperfc
+}  // namespace extperfc::ros_mapping

@@ -6,7 +6,7 @@
 
 #include "ros/convert/laser_scan.hpp"
 
-namespace extperfc::convert {
+namespace extperfc::ros_convert {
 namespace {
 
 constexpr float kNan = std::numeric_limits<float>::quiet_NaN();
@@ -163,4 +163,4 @@ TEST(ToSingleEcho, IntensitiesOfAnotherNumberDoNotCount) {
 }
 
 }  // namespace
-}  // namespace extperfc::convert
+}  // namespace extperfc::ros_convert

@@ -12,8 +12,8 @@
 #include <sensor_msgs/MultiEchoLaserScan.h>
 #include <std_msgs/Float64.h>
 
-#include "mapper_test.hpp"
 #include "ros/convert/planar_pose.hpp"
+#include "test/ros/mapping/mapper_test.hpp"
 
 namespace extperfc::ros_test {
 namespace {
@@ -60,7 +60,8 @@ TEST_F(MapperTest, TheMapFrameJoinsMapAndOdometry) {
   const auto joins = [&] {
     const auto transform = last_transform("odom");
     if (!transform) return false;
-    const auto found = compose(convert::to_pose2(transform->transform).value(), compose(odom_T_room_, here));
+    const auto found =
+        compose(ros_convert::to_pose2(transform->transform).value(), compose(odom_T_room_, here));
     return std::hypot(found.x - pose->x, found.y - pose->y) < 1e-6 &&
            std::abs(wrap_angle(found.yaw - pose->yaw)) < 1e-6;
   };
@@ -253,7 +254,7 @@ TEST_F(MapperTest, RotationByTheImu) {
     sensor_msgs::Imu message;
     message.header.frame_id = "base_link";
     message.header.stamp = now_ + ros::Duration(kPeriodS);
-    message.orientation = convert::to_pose_message({0, 0, pose.yaw + 0.7}).orientation;
+    message.orientation = ros_convert::to_pose_message({0, 0, pose.yaw + 0.7}).orientation;
     imu.publish(message);
     // Wheels that slip: odometry believes in half a degree too much, every time.
     odom_T_room_ = compose(odom_T_room_, {0, 0, 0.01});

@@ -5,7 +5,7 @@
 
 #include <std_srvs/Trigger.h>
 
-#include "mapper_test.hpp"
+#include "test/ros/mapping/mapper_test.hpp"
 
 namespace extperfc::ros_test {
 namespace {

@@ -8,8 +8,8 @@
 
 #include "extperfc/mapping/param_names.hpp"
 
-#include "mapper_test.hpp"
 #include "ros/params/mapper_params.hpp"
+#include "test/ros/mapping/mapper_test.hpp"
 
 namespace extperfc::ros_test {
 namespace {

@@ -14,8 +14,8 @@
 #include "extperfc/sources/mrpt_map.hpp"
 #include "extperfc/world/map_file.hpp"
 
-#include "mapper_test.hpp"
-#include "temporary_folder.hpp"
+#include "test/ros/mapping/mapper_test.hpp"
+#include "test/support/temporary_folder.hpp"
 
 namespace extperfc::ros_test {
 namespace {

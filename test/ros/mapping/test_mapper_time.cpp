@@ -1,6 +1,6 @@
 // Time that runs back, stands still, or is simulated.
-#include "mapper_test.hpp"
-#include "simulated_time.hpp"
+#include "test/ros/mapping/mapper_test.hpp"
+#include "test/ros/support/simulated_time.hpp"
 
 namespace extperfc::ros_test {
 namespace {

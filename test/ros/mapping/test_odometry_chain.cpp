@@ -4,7 +4,7 @@
 
 #include "ros/mapping/odometry_chain.hpp"
 
-namespace extperfc {
+namespace extperfc::ros_mapping {
 namespace {
 
 void expect_same(const Pose2& a, const Pose2& b, double tolerance = 1e-9) {
@@ -103,4 +103,4 @@ TEST(OdometryChain, AnImuThatIsMissingForOneStepCostsTwoRotations) {
 }
 
 }  // namespace
-}  // namespace extperfc
+}  // namespace extperfc::ros_mapping

@@ -5,7 +5,7 @@
 
 #include "ros/mapping/scan_queue.hpp"
 
-namespace extperfc {
+namespace extperfc::ros_mapping {
 namespace {
 
 TEST(ScanQueue, KeepsTheOrder) {
@@ -43,4 +43,4 @@ TEST(ScanQueue, NothingIsLostBetweenThreads) {
 }
 
 }  // namespace
-}  // namespace extperfc
+}  // namespace extperfc::ros_mapping

@@ -1,4 +1,4 @@
-#include "robot_test.hpp"
+#include "test/ros/robot/robot_test.hpp"
 
 #include <stdexcept>
 

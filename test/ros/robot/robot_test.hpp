@@ -9,11 +9,11 @@
 
 #include "extperfc/simulate/simulator.hpp"
 
-#include "inbox.hpp"
 #include "ros/robot/robot_interface.hpp"
-#include "stepped_host.hpp"
-#include "wait.hpp"
-#include "watch.hpp"
+#include "test/ros/robot/stepped_host.hpp"
+#include "test/ros/support/inbox.hpp"
+#include "test/ros/support/wait.hpp"
+#include "test/ros/support/watch.hpp"
 
 namespace extperfc::ros_test {
 
@@ -60,7 +60,7 @@ class RobotTest : public testing::Test {
   SteppedHost host_;
   simulate::Simulator& simulator_;
   LogWatch log_;
-  RobotInterface interface_;
+  ros_robot::RobotInterface interface_;
 };
 
 }  // namespace extperfc::ros_test

@@ -1,9 +1,9 @@
-#include "stepped_host.hpp"
+#include "test/ros/robot/stepped_host.hpp"
 
 #include <cmath>
 #include <utility>
 
-#include "wait.hpp"
+#include "test/ros/support/wait.hpp"
 
 namespace extperfc::ros_test {
 

@@ -15,7 +15,7 @@ namespace extperfc::ros_test {
 
 /// A simulation that goes on only while the test makes it: the test's own thread is the simulation thread, so
 /// that what happens between two steps is known. Sets ROS's clock.
-class SteppedHost : public SimHost {
+class SteppedHost : public ros_simulate::SimHost {
  public:
   explicit SteppedHost(std::unique_ptr<simulate::Simulator> simulator) : simulator_(std::move(simulator)) {}
 

@@ -3,10 +3,10 @@
 
 #include <gtest/gtest.h>
 
-#include "joint_command.hpp"
 #include "ros/robot/arm_messages.hpp"
+#include "test/ros/robot/joint_command.hpp"
 
-namespace extperfc::convert {
+namespace extperfc::ros_robot {
 namespace {
 
 using baxter_core_msgs::AssemblyState;
@@ -110,4 +110,4 @@ TEST(ArmMessages, TorquesComeFromTheirFields) {
 }
 
 }  // namespace
-}  // namespace extperfc::convert
+}  // namespace extperfc::ros_robot

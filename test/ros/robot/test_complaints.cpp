@@ -6,7 +6,7 @@
 
 #include "ros/robot/complaints.hpp"
 
-namespace extperfc {
+namespace extperfc::ros_robot {
 namespace {
 
 using std::chrono::milliseconds;
@@ -32,4 +32,4 @@ TEST(Complaints, RareOnesAreAllReported) {
 }
 
 }  // namespace
-}  // namespace extperfc
+}  // namespace extperfc::ros_robot

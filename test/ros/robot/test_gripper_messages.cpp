@@ -3,7 +3,7 @@
 
 #include "ros/robot/gripper_messages.hpp"
 
-namespace extperfc::convert {
+namespace extperfc::ros_robot {
 namespace {
 
 using baxter_core_msgs::EndEffectorCommand;
@@ -111,4 +111,4 @@ TEST(GripperMessages, StateHasEveryFlag) {
 }
 
 }  // namespace
-}  // namespace extperfc::convert
+}  // namespace extperfc::ros_robot

@@ -13,7 +13,7 @@
 #include <std_msgs/UInt16.h>
 #include <yaml-cpp/yaml.h>
 
-#include "robot_test.hpp"
+#include "test/ros/robot/robot_test.hpp"
 
 namespace extperfc::ros_test {
 namespace {

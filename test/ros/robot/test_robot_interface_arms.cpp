@@ -4,8 +4,8 @@
 #include <std_msgs/Float64.h>
 #include <trajectory_msgs/JointTrajectoryPoint.h>
 
-#include "joint_command.hpp"
-#include "robot_test.hpp"
+#include "test/ros/robot/joint_command.hpp"
+#include "test/ros/robot/robot_test.hpp"
 
 namespace extperfc::ros_test {
 namespace {

@@ -5,7 +5,7 @@
 #include <baxter_core_msgs/EndEffectorState.h>
 #include <control_msgs/GripperCommandAction.h>
 
-#include "robot_test.hpp"
+#include "test/ros/robot/robot_test.hpp"
 
 namespace extperfc::ros_test {
 namespace {

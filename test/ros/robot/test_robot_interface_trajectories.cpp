@@ -3,8 +3,8 @@
 #include <baxter_core_msgs/JointCommand.h>
 #include <control_msgs/FollowJointTrajectoryAction.h>
 
-#include "robot_test.hpp"
 #include "ros/robot/names.hpp"
+#include "test/ros/robot/robot_test.hpp"
 
 namespace extperfc::ros_test {
 namespace {
@@ -32,7 +32,7 @@ class TrajectoriesTest : public RobotTest {
     trajectory_msgs::JointTrajectoryPoint point;
     const auto from = positions(side);
     for (int i = 0; i < simulate::kArmJoints; ++i)
-      goal.trajectory.joint_names.push_back(robot_names::joint(side, i));
+      goal.trajectory.joint_names.push_back(ros_robot::joint_name(side, i));
     point.positions.assign(from.begin(), from.end());
     point.positions[kW2] += by;
     point.velocities.assign(simulate::kArmJoints, 0.0);

@@ -7,9 +7,9 @@
 #include <sensor_msgs/JointState.h>
 #include <std_srvs/SetBool.h>
 
-#include "child_process.hpp"
-#include "robot_test.hpp"
 #include "ros/robot/tuck_plan.hpp"
+#include "test/ros/robot/robot_test.hpp"
+#include "test/ros/support/child_process.hpp"
 
 namespace extperfc::ros_test {
 namespace {

@@ -3,7 +3,7 @@
 
 #include "ros/robot/trajectory_messages.hpp"
 
-namespace extperfc::convert {
+namespace extperfc::ros_robot {
 namespace {
 
 using control_msgs::FollowJointTrajectoryResult;
@@ -75,4 +75,4 @@ TEST(TrajectoryMessages, FeedbackHasTheDifference) {
 }
 
 }  // namespace
-}  // namespace extperfc::convert
+}  // namespace extperfc::ros_robot

@@ -5,7 +5,7 @@
 
 #include "ros/robot/tuck_plan.hpp"
 
-namespace extperfc {
+namespace extperfc::ros_robot {
 namespace {
 
 using simulate::ArmValues;
@@ -75,4 +75,4 @@ TEST(TuckPlan, KeepsTheSpeed) {
 }
 
 }  // namespace
-}  // namespace extperfc
+}  // namespace extperfc::ros_robot

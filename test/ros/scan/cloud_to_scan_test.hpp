@@ -10,10 +10,10 @@
 #include <sensor_msgs/LaserScan.h>
 #include <tf2_ros/static_transform_broadcaster.h>
 
-#include "cloud_message.hpp"
-#include "inbox.hpp"
-#include "manager.hpp"
-#include "watch.hpp"
+#include "test/ros/scan/cloud_message.hpp"
+#include "test/ros/support/inbox.hpp"
+#include "test/ros/support/manager.hpp"
+#include "test/ros/support/watch.hpp"
 
 namespace extperfc::ros_test {
 

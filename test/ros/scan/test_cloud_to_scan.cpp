@@ -6,9 +6,9 @@
 #include <ros/param.h>
 #include <yaml-cpp/yaml.h>
 
-#include "cloud_to_scan_test.hpp"
 #include "ros/params/cloud_to_scan_params.hpp"
-#include "simulated_time.hpp"
+#include "test/ros/scan/cloud_to_scan_test.hpp"
+#include "test/ros/support/simulated_time.hpp"
 
 namespace extperfc::ros_test {
 namespace {

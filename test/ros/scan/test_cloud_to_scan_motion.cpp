@@ -4,8 +4,8 @@
 #include <sensor_msgs/Imu.h>
 #include <tf2_msgs/TFMessage.h>
 
-#include "cloud_to_scan_test.hpp"
 #include "ros/convert/geometry.hpp"
+#include "test/ros/scan/cloud_to_scan_test.hpp"
 
 namespace extperfc::ros_test {
 namespace {
@@ -17,7 +17,7 @@ class CloudToScanMotionTest : public CloudToScanTest {
   void send(const std::string& target, const std::string& source, const Pose& pose, double time_s) {
     tf2_msgs::TFMessage message;
     message.transforms.push_back(
-        convert::to_transform(pose, target.c_str(), source.c_str(), ros::Time(time_s)));
+        ros_convert::to_transform(pose, target.c_str(), source.c_str(), ros::Time(time_s)));
     moving_.publish(message);
   }
 
@@ -97,7 +97,7 @@ class CloudToScanMotionTest : public CloudToScanTest {
     sensor_msgs::Imu message;
     message.header.stamp = ros::Time(time_s);
     message.header.frame_id = "base_link";
-    message.orientation = convert::to_quaternion(make_pose({0, 0, 0}, {roll, pitch, 1.0}));
+    message.orientation = ros_convert::to_quaternion(make_pose({0, 0, 0}, {roll, pitch, 1.0}));
     message.orientation_covariance[0] = covariance;
     imu.publish(message);
   }

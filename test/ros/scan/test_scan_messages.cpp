@@ -1,10 +1,10 @@
 // sensor_msgs/PointCloud2 and LaserScan <-> the core's cloud and scan.
 #include <gtest/gtest.h>
 
-#include "cloud_message.hpp"
 #include "ros/convert/scan.hpp"
+#include "test/ros/scan/cloud_message.hpp"
 
-namespace extperfc::convert {
+namespace extperfc::ros_convert {
 namespace {
 
 using ros_test::cloud_message;
@@ -102,4 +102,4 @@ TEST(ToLaserScan, EverythingArrives) {
 }
 
 }  // namespace
-}  // namespace extperfc::convert
+}  // namespace extperfc::ros_convert

@@ -1,4 +1,4 @@
-#include "simulator_test.hpp"
+#include "test/ros/simulator/simulator_test.hpp"
 
 #include <ros/package.h>
 

@@ -3,7 +3,7 @@
 
 #include "ros/convert/cloud.hpp"
 
-namespace extperfc::convert {
+namespace extperfc::ros_convert {
 namespace {
 
 using simulate::LidarPoint;
@@ -65,4 +65,4 @@ TEST(Cloud, NothingIsAnEmptyCloud) {
 }
 
 }  // namespace
-}  // namespace extperfc::convert
+}  // namespace extperfc::ros_convert

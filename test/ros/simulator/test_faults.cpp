@@ -16,9 +16,9 @@
 #include <sensor_msgs/PointCloud2.h>
 #include <sensor_msgs/point_cloud2_iterator.h>
 
-#include "child_process.hpp"
-#include "inbox.hpp"
-#include "simulator_test.hpp"
+#include "test/ros/simulator/simulator_test.hpp"
+#include "test/ros/support/child_process.hpp"
+#include "test/ros/support/inbox.hpp"
 
 namespace extperfc::ros_test {
 namespace {

@@ -14,8 +14,8 @@
 #include <sensor_msgs/point_cloud2_iterator.h>
 #include <tf2_msgs/TFMessage.h>
 
-#include "inbox.hpp"
-#include "simulator_test.hpp"
+#include "test/ros/simulator/simulator_test.hpp"
+#include "test/ros/support/inbox.hpp"
 
 namespace extperfc::ros_test {
 namespace {

@@ -2,7 +2,7 @@
 
 #include "ros/simulate/pacer.hpp"
 
-namespace extperfc {
+namespace extperfc::ros_simulate {
 namespace {
 
 using namespace std::chrono_literals;
@@ -77,4 +77,4 @@ TEST_F(PacerTest, MeterGivesSimulatedSecondsPerSecond) {
 }
 
 }  // namespace
-}  // namespace extperfc
+}  // namespace extperfc::ros_simulate

@@ -5,8 +5,8 @@
 #include <ros/package.h>
 
 #include "ros/params/simulator_params.hpp"
-#include "simulator_test.hpp"
-#include "temporary_folder.hpp"
+#include "test/ros/simulator/simulator_test.hpp"
+#include "test/support/temporary_folder.hpp"
 
 namespace extperfc::ros_test {
 namespace {

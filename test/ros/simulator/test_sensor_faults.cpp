@@ -6,7 +6,7 @@
 
 #include "ros/simulate/sensor_faults.hpp"
 
-namespace extperfc {
+namespace extperfc::ros_simulate {
 namespace {
 
 using simulate::CameraImages;
@@ -167,4 +167,4 @@ TEST(LidarFaults, FaultsOfTheCameraDoNotTouchTheLidar) {
 }
 
 }  // namespace
-}  // namespace extperfc
+}  // namespace extperfc::ros_simulate

@@ -2,7 +2,7 @@
 
 #include "ros/simulate/ticker.hpp"
 
-namespace extperfc {
+namespace extperfc::ros_simulate {
 namespace {
 
 /// How often the ticker is due while `steps` steps of 1 / step_hz pass.
@@ -55,4 +55,4 @@ TEST(Ticker, TimeThatGoesBackStartsAnew) {
 }
 
 }  // namespace
-}  // namespace extperfc
+}  // namespace extperfc::ros_simulate

@@ -8,8 +8,8 @@
 #include <sensor_msgs/PointCloud2.h>
 #include <std_msgs/Float32.h>
 
-#include "inbox.hpp"
-#include "simulator_test.hpp"
+#include "test/ros/simulator/simulator_test.hpp"
+#include "test/ros/support/inbox.hpp"
 
 namespace extperfc::ros_test {
 namespace {

@@ -15,9 +15,9 @@
 #include <vision_msgs/VisionInfo.h>
 #include <visualization_msgs/MarkerArray.h>
 
-#include "inbox.hpp"
 #include "ros/params/detector_params.hpp"
-#include "simulator_test.hpp"
+#include "test/ros/simulator/simulator_test.hpp"
+#include "test/ros/support/inbox.hpp"
 
 namespace extperfc::ros_test {
 namespace {

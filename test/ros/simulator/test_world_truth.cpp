@@ -9,7 +9,7 @@
 #include "ros/simulate/truth_classes.hpp"
 #include "ros/simulate/world_markers.hpp"
 
-namespace extperfc {
+namespace extperfc::ros_simulate {
 namespace {
 
 using simulate::BodySpec;
@@ -120,4 +120,4 @@ TEST_F(WorldMarkersTest, SlowMotionIsPublishedWhenItIsLargeEnough) {
 }
 
 }  // namespace
-}  // namespace extperfc
+}  // namespace extperfc::ros_simulate

@@ -1,4 +1,4 @@
-#include "child_process.hpp"
+#include "test/ros/support/child_process.hpp"
 
 #include <csignal>
 #include <stdexcept>
@@ -6,7 +6,7 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
-#include "wait.hpp"
+#include "test/ros/support/wait.hpp"
 
 namespace extperfc::ros_test {
 

@@ -1,4 +1,4 @@
-#include "images.hpp"
+#include "test/ros/support/images.hpp"
 
 #include <stdexcept>
 

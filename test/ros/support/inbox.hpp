@@ -6,7 +6,7 @@
 
 #include <ros/node_handle.h>
 
-#include "wait.hpp"
+#include "test/ros/support/wait.hpp"
 
 namespace extperfc::ros_test {
 

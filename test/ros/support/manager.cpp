@@ -1,4 +1,4 @@
-#include "manager.hpp"
+#include "test/ros/support/manager.hpp"
 
 #include <ros/param.h>
 

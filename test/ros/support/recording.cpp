@@ -1,4 +1,4 @@
-#include "recording.hpp"
+#include "test/ros/support/recording.hpp"
 
 #include <fstream>
 #include <string>
@@ -6,7 +6,7 @@
 #include <opencv2/imgcodecs.hpp>
 #include <opencv2/imgproc.hpp>
 
-#include "images.hpp"
+#include "test/ros/support/images.hpp"
 
 namespace extperfc::ros_test {
 

@@ -1,4 +1,4 @@
-#include "wait.hpp"
+#include "test/ros/support/wait.hpp"
 
 #include <chrono>
 #include <thread>

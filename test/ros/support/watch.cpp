@@ -1,4 +1,4 @@
-#include "watch.hpp"
+#include "test/ros/support/watch.hpp"
 
 #include <array>
 #include <cstdio>

@@ -8,7 +8,7 @@
 #include <diagnostic_msgs/DiagnosticArray.h>
 #include <rosgraph_msgs/Log.h>
 
-#include "inbox.hpp"
+#include "test/ros/support/inbox.hpp"
 
 namespace extperfc::ros_test {
 

@@ -5,7 +5,7 @@
 
 #include "ros/translate/bridge_diagnostics.hpp"
 
-namespace extperfc::translator {
+namespace extperfc::ros_translate {
 namespace {
 
 using diagnostic_msgs::DiagnosticStatus;
@@ -277,4 +277,4 @@ TEST(LinkStatus, AReferenceTopicThatLosesMessagesIsAWarning) {
 }
 
 }  // namespace
-}  // namespace extperfc::translator
+}  // namespace extperfc::ros_translate

@@ -3,9 +3,9 @@
 #include <gtest/gtest.h>
 
 #include "ros/translate/knowledge.hpp"
-#include "temporary_folder.hpp"
+#include "test/support/temporary_folder.hpp"
 
-namespace extperfc::translator {
+namespace extperfc::ros_translate {
 namespace {
 
 namespace fs = std::filesystem;
@@ -111,4 +111,4 @@ TEST(Knowledge, ARuleThatDoesNotFitIsRefusedWithItsFile) {
 }
 
 }  // namespace
-}  // namespace extperfc::translator
+}  // namespace extperfc::ros_translate

@@ -14,10 +14,10 @@
 #include <sys/socket.h>
 #include <unistd.h>
 
-#include "child_process.hpp"
-#include "temporary_folder.hpp"
-#include "translator_test.hpp"
-#include "watch.hpp"
+#include "test/ros/support/child_process.hpp"
+#include "test/ros/support/watch.hpp"
+#include "test/ros/translate/translator_test.hpp"
+#include "test/support/temporary_folder.hpp"
 
 namespace extperfc::ros_test {
 namespace {

@@ -8,7 +8,7 @@
 #include <ros/master.h>
 
 #include "ros/params/translator_params.hpp"
-#include "translator_test.hpp"
+#include "test/ros/translate/translator_test.hpp"
 
 namespace extperfc::ros_test {
 namespace {

@@ -6,7 +6,7 @@
 
 #include "extperfc/base/atomic_file.hpp"
 
-#include "temporary_folder.hpp"
+#include "test/support/temporary_folder.hpp"
 
 namespace extperfc {
 namespace {

@@ -11,7 +11,7 @@
 #include "extperfc/base/rng.hpp"
 #include "extperfc/depth/object_fit.hpp"
 
-#include "depth_image.hpp"
+#include "test/unit/depth/depth_image.hpp"
 
 /// Images of an object on a table, by closed-form rays.
 namespace extperfc::depth {

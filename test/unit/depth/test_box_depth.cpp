@@ -7,7 +7,7 @@
 #include "extperfc/base/rng.hpp"
 #include "extperfc/depth/box_depth.hpp"
 
-#include "depth_image.hpp"
+#include "test/unit/depth/depth_image.hpp"
 
 namespace extperfc::depth {
 namespace {

@@ -8,7 +8,7 @@
 #include "extperfc/base/rng.hpp"
 #include "extperfc/depth/box_depth.hpp"
 
-#include "standing_object.hpp"
+#include "test/unit/depth/standing_object.hpp"
 
 namespace extperfc::depth {
 namespace {

@@ -5,7 +5,7 @@
 
 #include "extperfc/depth/locate_boxes.hpp"
 
-#include "standing_object.hpp"
+#include "test/unit/depth/standing_object.hpp"
 
 namespace extperfc::depth {
 namespace {

@@ -11,7 +11,7 @@
 
 #include "extperfc/depth/object_fit.hpp"
 
-#include "standing_object.hpp"
+#include "test/unit/depth/standing_object.hpp"
 
 namespace extperfc::depth {
 namespace {

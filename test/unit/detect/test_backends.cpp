@@ -11,7 +11,7 @@
 #include "extperfc/base/rng.hpp"
 #include "extperfc/detect/inference.hpp"
 
-#include "temporary_folder.hpp"
+#include "test/support/temporary_folder.hpp"
 
 namespace extperfc::detect {
 namespace {

@@ -7,7 +7,7 @@
 #include "extperfc/base/sha256.hpp"
 #include "extperfc/detect/model_spec.hpp"
 
-#include "temporary_folder.hpp"
+#include "test/support/temporary_folder.hpp"
 
 namespace extperfc::detect {
 namespace {

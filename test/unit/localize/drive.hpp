@@ -6,7 +6,7 @@
 
 #include "extperfc/localize/localizer.hpp"
 
-#include "plan.hpp"
+#include "test/unit/localize/plan.hpp"
 
 namespace extperfc::localize {
 

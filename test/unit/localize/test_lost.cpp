@@ -1,7 +1,7 @@
 // Finding a robot that was never known, or is lost.
 #include <gtest/gtest.h>
 
-#include "drive.hpp"
+#include "test/unit/localize/drive.hpp"
 
 namespace extperfc::localize {
 namespace {

@@ -9,7 +9,7 @@
 #include "localize/field_model.hpp"
 #include "localize/odometry.hpp"
 #include "localize/refine.hpp"
-#include "plan.hpp"
+#include "test/unit/localize/plan.hpp"
 
 namespace extperfc::localize {
 namespace {

@@ -10,7 +10,7 @@
 #include "localize/recovery.hpp"
 #include "localize/scan_search.hpp"
 #include "localize/weights.hpp"
-#include "plan.hpp"
+#include "test/unit/localize/plan.hpp"
 
 namespace extperfc::localize {
 namespace {

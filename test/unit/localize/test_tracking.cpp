@@ -4,7 +4,7 @@
 
 #include <gtest/gtest.h>
 
-#include "drive.hpp"
+#include "test/unit/localize/drive.hpp"
 
 namespace extperfc::localize {
 namespace {

@@ -6,7 +6,7 @@
 
 #include "extperfc/mapping/mapper.hpp"
 
-#include "planar_world.hpp"
+#include "test/support/planar_world.hpp"
 
 namespace extperfc::mapping {
 

@@ -7,7 +7,7 @@
 #include <gtest/gtest.h>
 
 #include "mapping/map_renderer.hpp"
-#include "planar_world.hpp"
+#include "test/support/planar_world.hpp"
 
 namespace extperfc::mapping {
 namespace {

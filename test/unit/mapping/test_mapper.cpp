@@ -11,8 +11,8 @@
 
 #include "extperfc/mapping/mapper.hpp"
 
-#include "mapper_drive.hpp"
-#include "temporary_folder.hpp"
+#include "test/support/temporary_folder.hpp"
+#include "test/unit/mapping/mapper_drive.hpp"
 
 namespace extperfc::mapping {
 namespace {

@@ -1,7 +1,7 @@
 // A corridor around a block, 30 m x 20 m, closed into a loop.
 #include <gtest/gtest.h>
 
-#include "mapper_drive.hpp"
+#include "test/unit/mapping/mapper_drive.hpp"
 
 namespace extperfc::mapping {
 namespace {

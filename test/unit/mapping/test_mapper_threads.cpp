@@ -9,10 +9,10 @@
 
 #include <gtest/gtest.h>
 
-#include "mapper_drive.hpp"
 #include "ros/mapping/scan_queue.hpp"
 #include "ros/mapping/shared_mapper.hpp"
-#include "temporary_folder.hpp"
+#include "test/support/temporary_folder.hpp"
+#include "test/unit/mapping/mapper_drive.hpp"
 
 namespace extperfc::mapping {
 namespace {
@@ -81,8 +81,8 @@ class MapperThreads : public testing::Test {
   }
 
   const MapperDrive drive_{record_room(3)};
-  SharedMapper mapper_{make_mapper()};
-  ScanQueue<std::size_t> queue_{1000};
+  ros_mapping::SharedMapper mapper_{make_mapper()};
+  ros_mapping::ScanQueue<std::size_t> queue_{1000};
   std::atomic<std::size_t> added_{0};
   std::atomic<std::size_t> held_{0};  ///< maps
   std::atomic<bool> done_{false};

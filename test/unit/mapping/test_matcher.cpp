@@ -5,7 +5,7 @@
 #include <gtest/gtest.h>
 
 #include "mapping/matcher.hpp"
-#include "planar_world.hpp"
+#include "test/support/planar_world.hpp"
 
 namespace extperfc::mapping {
 namespace {

@@ -5,7 +5,7 @@
 #include <gtest/gtest.h>
 
 #include "mapping/path_filter.hpp"
-#include "planar_world.hpp"
+#include "test/support/planar_world.hpp"
 
 namespace extperfc::mapping {
 namespace {

@@ -4,7 +4,7 @@
 #include <gtest/gtest.h>
 
 #include "mapping/scan_points.hpp"
-#include "planar_world.hpp"
+#include "test/support/planar_world.hpp"
 
 namespace extperfc::mapping {
 namespace {

@@ -9,7 +9,7 @@
 #include "extperfc/base/rng.hpp"
 
 #include "mapping/session.hpp"
-#include "temporary_folder.hpp"
+#include "test/support/temporary_folder.hpp"
 
 namespace extperfc::mapping {
 namespace {

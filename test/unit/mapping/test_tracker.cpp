@@ -2,7 +2,7 @@
 #include <gtest/gtest.h>
 
 #include "mapping/tracker.hpp"
-#include "planar_world.hpp"
+#include "test/support/planar_world.hpp"
 
 namespace extperfc::mapping {
 namespace {

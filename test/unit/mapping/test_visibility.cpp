@@ -2,7 +2,7 @@
 
 #include "mapping/submap_cache.hpp"
 #include "mapping/visibility.hpp"
-#include "planar_world.hpp"
+#include "test/support/planar_world.hpp"
 
 namespace extperfc::mapping {
 namespace {

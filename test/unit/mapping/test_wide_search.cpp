@@ -3,7 +3,7 @@
 #include <gtest/gtest.h>
 
 #include "mapping/wide_search.hpp"
-#include "planar_world.hpp"
+#include "test/support/planar_world.hpp"
 
 namespace extperfc::mapping {
 namespace {

@@ -9,7 +9,7 @@
 
 #include "extperfc/offline/image.hpp"
 
-#include "temporary_folder.hpp"
+#include "test/support/temporary_folder.hpp"
 
 namespace extperfc::offline {
 namespace {

@@ -25,7 +25,7 @@
 #include "extperfc/offline/recording.hpp"
 
 #include "mapping/map_renderer.hpp"
-#include "temporary_folder.hpp"
+#include "test/support/temporary_folder.hpp"
 
 namespace extperfc::offline {
 namespace {

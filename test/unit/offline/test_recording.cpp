@@ -4,7 +4,7 @@
 
 #include "extperfc/offline/recording.hpp"
 
-#include "temporary_folder.hpp"
+#include "test/support/temporary_folder.hpp"
 
 namespace extperfc::offline {
 namespace {

@@ -7,7 +7,7 @@
 #include "extperfc/base/rng.hpp"
 #include "extperfc/offline/relations.hpp"
 
-#include "temporary_folder.hpp"
+#include "test/support/temporary_folder.hpp"
 
 namespace extperfc::offline {
 namespace {

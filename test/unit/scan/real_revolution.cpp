@@ -1,8 +1,8 @@
-#include "real_revolution.hpp"
+#include "test/unit/scan/real_revolution.hpp"
 
 #include <cmath>
 
-#include "cloud_builder.hpp"
+#include "test/unit/scan/cloud_builder.hpp"
 
 namespace extperfc::scan {
 

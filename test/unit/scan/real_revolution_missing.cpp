@@ -1,4 +1,4 @@
-#include "real_revolution.hpp"
+#include "test/unit/scan/real_revolution.hpp"
 
 namespace extperfc::scan {
 

@@ -12,7 +12,7 @@
 
 #include "extperfc/base/math.hpp"
 
-#include "real_revolution.hpp"
+#include "test/unit/scan/real_revolution.hpp"
 
 namespace extperfc::scan {
 

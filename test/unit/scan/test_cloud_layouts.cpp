@@ -1,7 +1,7 @@
 // Clouds as drivers lay them out: byte orders, number types, padding; and damaged ones.
 #include <gtest/gtest.h>
 
-#include "cloud_builder.hpp"
+#include "test/unit/scan/cloud_builder.hpp"
 
 namespace extperfc::scan {
 namespace {

@@ -6,7 +6,7 @@
 #include "extperfc/base/math.hpp"
 #include "extperfc/base/rng.hpp"
 
-#include "cloud_builder.hpp"
+#include "test/unit/scan/cloud_builder.hpp"
 
 namespace extperfc::scan {
 namespace {

@@ -3,7 +3,7 @@
 
 #include "extperfc/base/math.hpp"
 
-#include "vlp16.hpp"
+#include "test/unit/scan/vlp16.hpp"
 
 namespace extperfc::scan {
 namespace {

@@ -4,7 +4,7 @@
 #include "extperfc/base/math.hpp"
 #include "extperfc/scan/level.hpp"
 
-#include "vlp16.hpp"
+#include "test/unit/scan/vlp16.hpp"
 
 namespace extperfc::scan {
 namespace {

@@ -3,7 +3,7 @@
 
 #include <gtest/gtest.h>
 
-#include "cloud_builder.hpp"
+#include "test/unit/scan/cloud_builder.hpp"
 
 namespace extperfc::scan {
 namespace {

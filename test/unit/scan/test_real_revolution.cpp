@@ -1,8 +1,8 @@
 // The scans of a real VLP-16: MRPT's recording of a car park, sensor 2.1 m above the ground.
 #include <gtest/gtest.h>
 
-#include "cloud_builder.hpp"
-#include "real_revolution.hpp"
+#include "test/unit/scan/cloud_builder.hpp"
+#include "test/unit/scan/real_revolution.hpp"
 
 namespace extperfc::scan {
 namespace {

@@ -1,7 +1,7 @@
 // The robot's own points: volumes, poses, and what they do to a scan.
 #include <gtest/gtest.h>
 
-#include "vlp16.hpp"
+#include "test/unit/scan/vlp16.hpp"
 
 namespace extperfc::scan {
 namespace {

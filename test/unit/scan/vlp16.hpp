@@ -9,7 +9,7 @@
 #include "extperfc/base/rng.hpp"
 #include "extperfc/world/pose.hpp"
 
-#include "cloud_builder.hpp"
+#include "test/unit/scan/cloud_builder.hpp"
 
 namespace extperfc::scan {
 

@@ -15,7 +15,7 @@
 
 #include "extperfc/sources/mrpt_map.hpp"
 
-#include "temporary_folder.hpp"
+#include "test/support/temporary_folder.hpp"
 
 namespace extperfc::sources {
 namespace {

@@ -14,7 +14,7 @@
 
 #include "extperfc/sources/scan_log.hpp"
 
-#include "temporary_folder.hpp"
+#include "test/support/temporary_folder.hpp"
 
 namespace extperfc::sources {
 namespace {

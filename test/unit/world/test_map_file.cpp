@@ -9,7 +9,7 @@
 #include "extperfc/base/rng.hpp"
 #include "extperfc/world/map_file.hpp"
 
-#include "temporary_folder.hpp"
+#include "test/support/temporary_folder.hpp"
 
 namespace extperfc {
 namespace {

@@ -7,7 +7,7 @@
 #include "extperfc/base/rng.hpp"
 #include "extperfc/world/trajectory.hpp"
 
-#include "temporary_folder.hpp"
+#include "test/support/temporary_folder.hpp"
 
 namespace extperfc {
 namespace {

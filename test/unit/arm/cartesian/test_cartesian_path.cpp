@@ -7,8 +7,8 @@
 
 #include "extperfc/arm/cartesian_path.hpp"
 
-#include "../collision/baxter.hpp"
-#include "../planning/planar_arm.hpp"
+#include "test/unit/arm/collision/baxter.hpp"
+#include "test/unit/arm/planning/planar_arm.hpp"
 
 namespace extperfc::arm {
 namespace {

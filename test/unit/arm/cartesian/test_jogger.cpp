@@ -8,7 +8,7 @@
 
 #include "extperfc/arm/jogger.hpp"
 
-#include "../collision/baxter.hpp"
+#include "test/unit/arm/collision/baxter.hpp"
 
 namespace extperfc::arm {
 namespace {

@@ -5,8 +5,8 @@
 #include <gtest/gtest.h>
 
 #include "arm/collision/checks.hpp"
-#include "baxter.hpp"
-#include "bullet_oracle.hpp"
+#include "test/unit/arm/collision/baxter.hpp"
+#include "test/unit/arm/collision/bullet_oracle.hpp"
 
 namespace extperfc::arm {
 namespace {
@@ -107,26 +107,25 @@ TEST(Checker, EveryKernelIsOnTheSafeSide) {
   const CollisionModel model = test::group_model("both_arms");
   Rng rng(9);
   const CollisionWorld world = test::random_world(10, rng);
-  const auto scene = collision::make_scene(model.bodies(), world).value();
-  const collision::KernelTables tables(model.bodies(), scene);
-  collision::KernelMemory memory(tables.view());
-  collision::ExactPairs exact(scene);
-  collision::Placement placement;
-  std::vector<collision::KernelFunction> kernels{collision::sphere_kernel(),
-                                                 collision::sphere_kernel_generic};
+  const auto scene = make_scene(model.bodies(), world).value();
+  const KernelTables tables(model.bodies(), scene);
+  KernelMemory memory(tables.view());
+  ExactPairs exact(scene);
+  BodyPlacement placement;
+  std::vector<KernelFunction> kernels{sphere_kernel(), sphere_kernel_generic};
   for (int batch = 0; batch < 100; ++batch) {
     std::vector<JointVector> states;
-    for (int lane = 0; lane < collision::kLanes; ++lane) {
+    for (int lane = 0; lane < kLanes; ++lane) {
       states.push_back(test::random_state(model.limits(), rng));
       for (int k = 0; k < model.joint_count(); ++k)
-        memory.positions()[k * collision::kLanes + lane] = static_cast<float>(states[lane][k]);
+        memory.positions()[k * kLanes + lane] = static_cast<float>(states[lane][k]);
     }
     for (const auto kernel : kernels) {
       std::vector<unsigned> flagged(scene.pairs.size(), 0);
       const int flags = kernel(tables.view(), memory.positions(), nullptr, memory.scratch());
       for (int i = 0; i < flags; ++i)
         flagged[memory.scratch().flags[i].pair] |= memory.scratch().flags[i].lanes;
-      for (int lane = 0; lane < collision::kLanes; ++lane) {
+      for (int lane = 0; lane < kLanes; ++lane) {
         placement.set(model.bodies(), scene, states[lane].data());
         for (std::size_t pair = 0; pair < scene.pairs.size(); ++pair) {
           const int index = static_cast<int>(pair);

@@ -11,7 +11,7 @@
 #include "arm/collision/gjk.hpp"
 #include "arm/collision/hull.hpp"
 
-namespace extperfc::arm::collision {
+namespace extperfc::arm {
 namespace {
 
 using Eigen::Vector3d;
@@ -113,4 +113,4 @@ TEST(Gjk, PartsInOnePlaceTouch) {
 }
 
 }  // namespace
-}  // namespace extperfc::arm::collision
+}  // namespace extperfc::arm

@@ -7,8 +7,8 @@
 
 #include <gtest/gtest.h>
 
-#include "baxter.hpp"
-#include "bullet_oracle.hpp"
+#include "test/unit/arm/collision/baxter.hpp"
+#include "test/unit/arm/collision/bullet_oracle.hpp"
 
 namespace extperfc::arm {
 namespace {

@@ -12,7 +12,7 @@
 #include "arm/collision/hull.hpp"
 #include "arm/collision/sphere_cover.hpp"
 
-namespace extperfc::arm::collision {
+namespace extperfc::arm {
 namespace {
 
 constexpr double kTiny = 1e-9;
@@ -121,4 +121,4 @@ TEST(Cover, StandsOutNoFurtherThanAllowed) {
 }
 
 }  // namespace
-}  // namespace extperfc::arm::collision
+}  // namespace extperfc::arm

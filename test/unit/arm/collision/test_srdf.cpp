@@ -4,7 +4,7 @@
 
 #include "extperfc/arm/collision_matrix.hpp"
 
-#include "baxter.hpp"
+#include "test/unit/arm/collision/baxter.hpp"
 
 namespace extperfc::arm {
 namespace {

@@ -9,7 +9,7 @@
 #include "extperfc/arm/constrained_planner.hpp"
 #include "extperfc/arm/path_constraint.hpp"
 
-#include "../collision/baxter.hpp"
+#include "test/unit/arm/collision/baxter.hpp"
 
 namespace extperfc::arm::test {
 

@@ -6,7 +6,7 @@
 
 #include "extperfc/arm/time_parameterization.hpp"
 
-#include "level_arm.hpp"
+#include "test/unit/arm/constrained/level_arm.hpp"
 
 namespace extperfc::arm {
 namespace {

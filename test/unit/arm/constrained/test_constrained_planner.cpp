@@ -9,7 +9,7 @@
 #include "extperfc/arm/inverse_kinematics.hpp"
 #include "extperfc/base/stopwatch.hpp"
 
-#include "level_arm.hpp"
+#include "test/unit/arm/constrained/level_arm.hpp"
 
 namespace extperfc::arm {
 namespace {

@@ -7,7 +7,7 @@
 
 #include "extperfc/base/math.hpp"
 
-#include "level_arm.hpp"
+#include "test/unit/arm/constrained/level_arm.hpp"
 
 namespace extperfc::arm {
 namespace {

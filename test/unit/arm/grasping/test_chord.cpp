@@ -9,10 +9,8 @@
 
 #include "arm/grasping/chord.hpp"
 
-namespace extperfc::arm::grasping {
+namespace extperfc::arm {
 namespace {
-
-using collision::ConvexPart;
 
 std::vector<std::shared_ptr<const ConvexPart>> samples() {
   std::vector<std::shared_ptr<const ConvexPart>> parts;
@@ -21,7 +19,7 @@ std::vector<std::shared_ptr<const ConvexPart>> samples() {
         Geometry{Sphere{0.1}}, Geometry{Cone{0.05, 0.2}}, Geometry{Cone{0.2, 0.05}}}) {
     Shape shape;
     shape.geometry = geometry;
-    parts.push_back(collision::make_convex_part(shape).value());
+    parts.push_back(make_convex_part(shape).value());
   }
   return parts;
 }
@@ -32,7 +30,7 @@ Eigen::Vector3d random_vector(Rng& rng, double half) {
 
 /// Exact for all kinds but hulls: not positive inside, positive outside.
 bool inside(const ConvexPart& part, const Eigen::Vector3d& point) {
-  return collision::distance_bound(part, point) <= 0;
+  return distance_bound(part, point) <= 0;
 }
 
 TEST(Chord, IsWhereTheLineIsInside) {
@@ -78,4 +76,4 @@ TEST(Chord, NormalsPointOut) {
 }
 
 }  // namespace
-}  // namespace extperfc::arm::grasping
+}  // namespace extperfc::arm

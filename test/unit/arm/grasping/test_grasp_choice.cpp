@@ -7,7 +7,7 @@
 #include "extperfc/arm/grasp_choice.hpp"
 #include "extperfc/arm/srdf.hpp"
 
-#include "hands.hpp"
+#include "test/unit/arm/grasping/hands.hpp"
 
 namespace extperfc::arm::test {
 namespace {

@@ -7,7 +7,7 @@
 
 #include <gtest/gtest.h>
 
-#include "hands.hpp"
+#include "test/unit/arm/grasping/hands.hpp"
 
 namespace extperfc::arm::test {
 namespace {

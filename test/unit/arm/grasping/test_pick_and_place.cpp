@@ -6,7 +6,7 @@
 
 #include "extperfc/arm/pick_and_place.hpp"
 
-#include "../motion/baxter_arms.hpp"
+#include "test/unit/arm/motion/baxter_arms.hpp"
 
 namespace extperfc::arm::test {
 namespace {

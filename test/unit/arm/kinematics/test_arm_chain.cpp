@@ -3,7 +3,7 @@
 #include <kdl/chainfksolverpos_recursive.hpp>
 #include <kdl/chainjnttojacsolver.hpp>
 
-#include "arms.hpp"
+#include "test/unit/arm/kinematics/arms.hpp"
 
 namespace extperfc::arm {
 namespace {

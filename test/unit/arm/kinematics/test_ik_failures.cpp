@@ -3,7 +3,7 @@
 
 #include <gtest/gtest.h>
 
-#include "arms.hpp"
+#include "test/unit/arm/kinematics/arms.hpp"
 
 namespace extperfc::arm {
 namespace {

@@ -4,7 +4,7 @@
 #include <Eigen/LU>
 #include <gtest/gtest.h>
 
-#include "arms.hpp"
+#include "test/unit/arm/kinematics/arms.hpp"
 
 namespace extperfc::arm {
 namespace {

@@ -7,7 +7,7 @@
 
 #include "extperfc/base/rng.hpp"
 
-#include "baxter_arms.hpp"
+#include "test/unit/arm/motion/baxter_arms.hpp"
 
 namespace extperfc::arm {
 namespace {

@@ -4,7 +4,7 @@
 
 #include <gtest/gtest.h>
 
-#include "baxter_arms.hpp"
+#include "test/unit/arm/motion/baxter_arms.hpp"
 
 namespace extperfc::arm {
 namespace {

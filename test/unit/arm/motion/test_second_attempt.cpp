@@ -5,7 +5,7 @@
 
 #include "arm/motion/second_attempt.hpp"
 
-namespace extperfc::arm::motion {
+namespace extperfc::arm {
 namespace {
 
 /// Attempts with given ends; notes the seeds that they were asked with.
@@ -66,4 +66,4 @@ TEST(SecondAttempt, DoesNotHideWhyTheFirstOneFailed) {
 }
 
 }  // namespace
-}  // namespace extperfc::arm::motion
+}  // namespace extperfc::arm

@@ -9,7 +9,7 @@
 #include "extperfc/base/rng.hpp"
 
 #include "arm/motion/spline_proof.hpp"
-#include "baxter_arms.hpp"
+#include "test/unit/arm/motion/baxter_arms.hpp"
 
 namespace extperfc::arm {
 namespace {

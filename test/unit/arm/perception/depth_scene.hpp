@@ -24,18 +24,18 @@ namespace extperfc::arm::test {
 /// solid until they are within 0.1 mm ("sphere tracing").
 class DepthScene {
  public:
-  void add(std::shared_ptr<const collision::ConvexPart> part, const Pose& root_T_part) {
+  void add(std::shared_ptr<const ConvexPart> part, const Pose& root_T_part) {
     solids_.push_back({std::move(part), root_T_part.inverse()});
   }
   void add(const Geometry& geometry, const Pose& root_T_shape) {
     Shape shape;
     shape.geometry = geometry;
-    add(collision::make_convex_part(shape).value(), root_T_shape);
+    add(make_convex_part(shape).value(), root_T_shape);
   }
   /// Every link of the model.
   void add(const CollisionModel& model, const JointVector& positions) {
     std::vector<Pose> poses;
-    collision::body_poses(model.bodies(), positions.data(), poses);
+    body_poses(model.bodies(), positions.data(), poses);
     for (const auto& part : model.bodies().parts) add(part.part, poses[part.body] * part.body_T_part);
   }
 
@@ -58,7 +58,7 @@ class DepthScene {
 
  private:
   struct Solid {
-    std::shared_ptr<const collision::ConvexPart> part;
+    std::shared_ptr<const ConvexPart> part;
     Pose part_T_root;
   };
 
@@ -70,7 +70,7 @@ class DepthScene {
       const Eigen::Vector3d point = root_T_camera.translation() + distance * direction;
       double smallest = far_m;
       for (const Solid& solid : solids_)
-        smallest = std::min(smallest, collision::distance_bound(*solid.part, solid.part_T_root * point));
+        smallest = std::min(smallest, distance_bound(*solid.part, solid.part_T_root * point));
       if (smallest < kHit) return static_cast<float>(distance / ray.norm());
       distance += smallest;
     }

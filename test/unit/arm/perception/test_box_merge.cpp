@@ -9,7 +9,7 @@
 
 #include "arm/perception/box_merge.hpp"
 
-namespace extperfc::arm::perception {
+namespace extperfc::arm {
 namespace {
 
 const VoxelGrid kGrid{{0, 0, 0}, 0.02, {9, 7, 5}};
@@ -63,4 +63,4 @@ TEST(BoxMerge, CoarserCellsHoldTheFineOnes) {
 }
 
 }  // namespace
-}  // namespace extperfc::arm::perception
+}  // namespace extperfc::arm

@@ -9,7 +9,7 @@
 #include "extperfc/arm/depth_obstacles.hpp"
 #include "extperfc/base/rng.hpp"
 
-#include "depth_scene.hpp"
+#include "test/unit/arm/perception/depth_scene.hpp"
 
 namespace extperfc::arm::test {
 namespace {
@@ -174,11 +174,11 @@ TEST(DepthObstacles, TheRobotIsFreeAmongWhatItSeesOfItself) {
 double distance_to_robot(const Eigen::Vector3d& point) {
   std::vector<Pose> poses;
   const auto& bodies = both_arms().bodies();
-  collision::body_poses(bodies, reaching().data(), poses);
+  body_poses(bodies, reaching().data(), poses);
   double smallest = 1e9;
   for (const auto& own : bodies.parts)
-    smallest = std::min(smallest, collision::distance_bound(
-                                      *own.part, (poses[own.body] * own.body_T_part).inverse() * point));
+    smallest =
+        std::min(smallest, distance_bound(*own.part, (poses[own.body] * own.body_T_part).inverse() * point));
   return smallest;
 }
 

@@ -9,7 +9,7 @@
 #include "extperfc/arm/robot_overlap.hpp"
 #include "extperfc/base/rng.hpp"
 
-#include "depth_scene.hpp"
+#include "test/unit/arm/perception/depth_scene.hpp"
 
 namespace extperfc::arm {
 namespace {

@@ -9,7 +9,7 @@
 
 #include "arm/perception/shape_mask.hpp"
 
-namespace extperfc::arm::perception {
+namespace extperfc::arm {
 namespace {
 
 const VoxelGrid kGrid{{-0.5, -0.5, 0}, 0.025, {40, 40, 40}};
@@ -34,7 +34,7 @@ std::vector<MaskPart> random_parts(Rng& rng) {
     shape.geometry = geometry_of(i % 4, rng.uniform(0.05, 0.3));
     const Pose pose = make_pose({rng.uniform(-0.6, 0.6), rng.uniform(-0.6, 0.6), rng.uniform(-0.1, 1.1)},
                                 {rng.uniform(-3, 3), rng.uniform(-3, 3), rng.uniform(-3, 3)});
-    const auto part = collision::make_convex_part(shape).value();
+    const auto part = make_convex_part(shape).value();
     const bool robot = rng.chance(0.5);
     parts.push_back(
         {part, pose * part->body_T_part, robot ? 0.03 : 0.015, robot ? Owner::kRobot : Owner::kObject});
@@ -46,8 +46,8 @@ std::vector<MaskPart> random_parts(Rng& rng) {
 double nearest(const std::vector<MaskPart>& parts, const Eigen::Vector3d& point) {
   double smallest = 1e9;
   for (const MaskPart& own : parts)
-    smallest = std::min(
-        smallest, collision::distance_bound(*own.part, own.root_T_part.inverse() * point) - own.padding_m);
+    smallest =
+        std::min(smallest, distance_bound(*own.part, own.root_T_part.inverse() * point) - own.padding_m);
   return smallest;
 }
 
@@ -78,7 +78,7 @@ TEST(ShapeMask, CoversWhatTheRobotTouches) {
   ShapeMask mask(kGrid);
   Shape shape;
   shape.geometry = Sphere{0.1};
-  const auto part = collision::make_convex_part(shape).value();
+  const auto part = make_convex_part(shape).value();
   mask.set({{part, make_pose({0, 0, 0.5}), 0.03, Owner::kRobot}});
   for (int i = 0; i < static_cast<int>(kGrid.size()); ++i) {
     const double gap = (kGrid.centre(kGrid.cell(i)) - Eigen::Vector3d(0, 0, 0.5)).norm() - 0.1;
@@ -88,4 +88,4 @@ TEST(ShapeMask, CoversWhatTheRobotTouches) {
 }
 
 }  // namespace
-}  // namespace extperfc::arm::perception
+}  // namespace extperfc::arm

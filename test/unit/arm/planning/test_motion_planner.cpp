@@ -7,7 +7,7 @@
 #include "extperfc/base/rng.hpp"
 #include "extperfc/base/stopwatch.hpp"
 
-#include "planar_arm.hpp"
+#include "test/unit/arm/planning/planar_arm.hpp"
 
 namespace extperfc::arm {
 namespace {

@@ -9,7 +9,7 @@
 #include "extperfc/arm/planning_team.hpp"
 #include "extperfc/base/stopwatch.hpp"
 
-#include "planar_arm.hpp"
+#include "test/unit/arm/planning/planar_arm.hpp"
 
 namespace extperfc::arm {
 namespace {

@@ -1,9 +1,9 @@
 #include <gtest/gtest.h>
 
 #include "arm/planning/search.hpp"
-#include "planar_arm.hpp"
+#include "test/unit/arm/planning/planar_arm.hpp"
 
-namespace extperfc::arm::planning {
+namespace extperfc::arm {
 namespace {
 
 // Two arms of two bars each, as in planar_arm.hpp, whose bases stand 1.2 m apart on the y axis:
@@ -84,4 +84,4 @@ TEST(Search, MovesBothArmsAtOnceWhereNoOrderHelps) {
 }
 
 }  // namespace
-}  // namespace extperfc::arm::planning
+}  // namespace extperfc::arm

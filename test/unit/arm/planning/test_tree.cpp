@@ -4,7 +4,7 @@
 
 #include "arm/planning/tree.hpp"
 
-namespace extperfc::arm::planning {
+namespace extperfc::arm {
 namespace {
 
 JointVector random_state(Rng& rng) {
@@ -62,4 +62,4 @@ TEST(Tree, DomainsNarrowAndWiden) {
 }
 
 }  // namespace
-}  // namespace extperfc::arm::planning
+}  // namespace extperfc::arm

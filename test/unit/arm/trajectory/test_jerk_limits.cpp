@@ -7,7 +7,7 @@
 
 #include "extperfc/arm/time_parameterization.hpp"
 
-#include "random_motion.hpp"
+#include "test/unit/arm/trajectory/random_motion.hpp"
 
 namespace extperfc::arm {
 namespace {

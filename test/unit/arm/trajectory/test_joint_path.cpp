@@ -6,7 +6,7 @@
 
 #include "extperfc/arm/joint_path.hpp"
 
-#include "random_motion.hpp"
+#include "test/unit/arm/trajectory/random_motion.hpp"
 
 namespace extperfc::arm {
 namespace {

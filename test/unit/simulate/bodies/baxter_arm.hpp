@@ -6,7 +6,7 @@
 
 #include <Eigen/Dense>
 
-#include "bodies_world.hpp"
+#include "test/unit/simulate/bodies/bodies_world.hpp"
 
 namespace extperfc::simulate {
 

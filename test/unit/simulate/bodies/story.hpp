@@ -2,7 +2,7 @@
 
 #include "extperfc/base/rng.hpp"
 
-#include "baxter_arm.hpp"
+#include "test/unit/simulate/bodies/baxter_arm.hpp"
 
 namespace extperfc::simulate {
 

@@ -2,7 +2,7 @@
 #include <fstream>
 #include <limits>
 
-#include "bodies_world.hpp"
+#include "test/unit/simulate/bodies/bodies_world.hpp"
 
 namespace extperfc::simulate {
 namespace {

@@ -1,6 +1,6 @@
 #include <cstring>
 
-#include "story.hpp"
+#include "test/unit/simulate/bodies/story.hpp"
 
 namespace extperfc::simulate {
 namespace {

@@ -1,4 +1,4 @@
-#include "baxter_arm.hpp"
+#include "test/unit/simulate/bodies/baxter_arm.hpp"
 
 namespace extperfc::simulate {
 namespace {

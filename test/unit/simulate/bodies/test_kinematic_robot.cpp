@@ -1,6 +1,6 @@
 #include <limits>
 
-#include "baxter_arm.hpp"
+#include "test/unit/simulate/bodies/baxter_arm.hpp"
 
 namespace extperfc::simulate {
 namespace {

@@ -1,4 +1,4 @@
-#include "bodies_world.hpp"
+#include "test/unit/simulate/bodies/bodies_world.hpp"
 
 namespace extperfc::simulate {
 namespace {

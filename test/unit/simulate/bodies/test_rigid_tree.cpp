@@ -1,8 +1,8 @@
 #include <numeric>
 
-#include "baxter_arm.hpp"
 #include "simulate/bodies/collision_shapes.hpp"
 #include "simulate/bodies/rigid_tree.hpp"
+#include "test/unit/simulate/bodies/baxter_arm.hpp"
 
 namespace extperfc::simulate {
 namespace {

@@ -1,4 +1,4 @@
-#include "story.hpp"
+#include "test/unit/simulate/bodies/story.hpp"
 
 namespace extperfc::simulate {
 namespace {

@@ -1,7 +1,7 @@
 // A cube is taken from a table, lifted, carried and put down, by the commands that a program on the robot
 // has.
-#include "arm_driver.hpp"
-#include "simulator_test.hpp"
+#include "test/unit/simulate/control/arm_driver.hpp"
+#include "test/unit/simulate/control/simulator_test.hpp"
 
 namespace extperfc::simulate {
 namespace {

@@ -1,4 +1,4 @@
-#include "simulator_test.hpp"
+#include "test/unit/simulate/control/simulator_test.hpp"
 
 namespace extperfc::simulate {
 namespace {

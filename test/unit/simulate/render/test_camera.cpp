@@ -11,7 +11,7 @@
 
 #include <gtest/gtest.h>
 
-#include "small_world.hpp"
+#include "test/unit/simulate/render/small_world.hpp"
 
 namespace extperfc::simulate {
 namespace {

@@ -6,9 +6,9 @@
 #include <gtest/gtest.h>
 
 #include "simulate/render/depth_noise.hpp"
-#include "small_world.hpp"
+#include "test/unit/simulate/render/small_world.hpp"
 
-namespace extperfc::simulate::render {
+namespace extperfc::simulate {
 namespace {
 
 constexpr int kWidth = 320;
@@ -146,4 +146,4 @@ TEST(DepthNoise, TheRightEyesShadowLiesLeftOfNearObjects) {
 }
 
 }  // namespace
-}  // namespace extperfc::simulate::render
+}  // namespace extperfc::simulate

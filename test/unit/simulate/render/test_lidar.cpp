@@ -8,7 +8,7 @@
 #include <gtest/gtest.h>
 
 #include "simulate/render/lidar.hpp"
-#include "small_world.hpp"
+#include "test/unit/simulate/render/small_world.hpp"
 
 namespace extperfc::simulate {
 namespace {
@@ -69,7 +69,7 @@ TEST(Lidar, ColumnsTurnClockwiseAndLasersFireInTurn) {
   for (std::size_t i = 0; i < points.size(); ++i) {
     const auto column = static_cast<double>(i / 16);
     ASSERT_EQ(points[i].ring, i % 16);
-    ASSERT_NEAR(points[i].time, column / 3610 + render::ring_delay_s(points[i].ring), 1e-7);
+    ASSERT_NEAR(points[i].time, column / 3610 + ring_delay_s(points[i].ring), 1e-7);
     const double azimuth = std::atan2(points[i].y, points[i].x);
     ASSERT_NEAR(std::remainder(azimuth + 2 * M_PI * 10 * points[i].time, 2 * M_PI), 0.0, 1e-4);
   }
@@ -77,10 +77,10 @@ TEST(Lidar, ColumnsTurnClockwiseAndLasersFireInTurn) {
 
 TEST(Lidar, LasersAlternateBetweenLowAndHigh) {
   // Firing order of the sensor: -15, +1, -13, +3, ... +15 degrees, 2.304 us apart.
-  EXPECT_DOUBLE_EQ(render::ring_delay_s(0), 0);
-  EXPECT_DOUBLE_EQ(render::ring_delay_s(8), 2.304e-6);
-  EXPECT_DOUBLE_EQ(render::ring_delay_s(1), 2 * 2.304e-6);
-  EXPECT_DOUBLE_EQ(render::ring_delay_s(15), 15 * 2.304e-6);
+  EXPECT_DOUBLE_EQ(ring_delay_s(0), 0);
+  EXPECT_DOUBLE_EQ(ring_delay_s(8), 2.304e-6);
+  EXPECT_DOUBLE_EQ(ring_delay_s(1), 2 * 2.304e-6);
+  EXPECT_DOUBLE_EQ(ring_delay_s(15), 15 * 2.304e-6);
 }
 
 TEST(Lidar, AMovingSensorSeesFromWhereItIs) {

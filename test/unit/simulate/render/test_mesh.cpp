@@ -11,9 +11,9 @@
 
 #include "simulate/render/mesh.hpp"
 #include "simulate/render/person_mesh.hpp"
-#include "temporary_folder.hpp"
+#include "test/support/temporary_folder.hpp"
 
-namespace extperfc::simulate::render {
+namespace extperfc::simulate {
 namespace {
 
 using Eigen::Vector3f;
@@ -171,4 +171,4 @@ TEST_F(Stl, DamagedFilesAreNamedWithTheReason) {
 }
 
 }  // namespace
-}  // namespace extperfc::simulate::render
+}  // namespace extperfc::simulate

@@ -9,7 +9,7 @@
 #include "simulate/render/mesh.hpp"
 #include "simulate/render/ray_scene.hpp"
 
-namespace extperfc::simulate::render {
+namespace extperfc::simulate {
 namespace {
 
 constexpr LaneMask kAllLanes{{-1, -1, -1, -1, -1, -1, -1, -1, -1, -1, -1, -1, -1, -1, -1, -1}};
@@ -150,4 +150,4 @@ TEST_F(RaySceneTest, WeightsOfTheCornersGiveThePointThatTheRayMeets) {
 }
 
 }  // namespace
-}  // namespace extperfc::simulate::render
+}  // namespace extperfc::simulate

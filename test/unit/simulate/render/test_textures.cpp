@@ -9,7 +9,7 @@
 #include "simulate/render/hash_noise.hpp"
 #include "simulate/render/textures.hpp"
 
-namespace extperfc::simulate::render {
+namespace extperfc::simulate {
 namespace {
 
 constexpr std::array<Texture, 8> kAll{Texture::kWood,   Texture::kTiles,  Texture::kPlaster, Texture::kCloth,
@@ -89,4 +89,4 @@ TEST(HashNoise, KeysDifferByEveryPart) {
 }
 
 }  // namespace
-}  // namespace extperfc::simulate::render
+}  // namespace extperfc::simulate

@@ -34,7 +34,7 @@ std::vector<double> numbers_of(const WorldSpec& world) {
     numbers.push_back(body.mass_kg);
     for (const Shape& shape : body.shapes) {
       numbers.insert(numbers.end(), shape.body_T_shape.data(), shape.body_T_shape.data() + 16);
-      numbers.push_back(worlds::volume_m3(shape.geometry));
+      numbers.push_back(volume_m3(shape.geometry));
       for (int i = 0; i < 3; ++i) numbers.push_back(static_cast<double>(shape.material.colour[i]));
     }
   }
@@ -48,7 +48,7 @@ VerticalExtent heights_of(const BodySpec& body) {
 
 /// A shape's outline and heights in the world.
 struct Extent {
-  worlds::Polygon outline;
+  Polygon outline;
   VerticalExtent heights;
 };
 
@@ -56,7 +56,7 @@ std::vector<Extent> extents_of(const BodySpec& body) {
   std::vector<Extent> list;
   for (const Shape& shape : body.shapes) {
     const Pose pose = body.world_T_body * shape.body_T_shape;
-    list.push_back({*worlds::outline(shape.geometry, pose, -1, 10), vertical_extent(shape.geometry, pose)});
+    list.push_back({*outline(shape.geometry, pose, -1, 10), vertical_extent(shape.geometry, pose)});
   }
   return list;
 }
@@ -67,7 +67,7 @@ bool may_touch(const std::vector<Extent>& a, const std::vector<Extent>& b, doubl
     for (const Extent& other : b) {
       const bool level = one.heights.low_m < other.heights.high_m - slack &&
                          other.heights.low_m < one.heights.high_m - slack;
-      if (level && worlds::overlap(one.outline, other.outline, slack)) return true;
+      if (level && overlap(one.outline, other.outline, slack)) return true;
     }
   return false;
 }
@@ -172,8 +172,8 @@ TEST(RandomWorld, NamesAreUniqueAndTheRobotHasRoom) {
         if (body.name.rfind("floor", 0) == 0 || body.mobility == Mobility::kLoose) continue;
         for (const Shape& shape : body.shapes)
           if (const auto polygon =
-                  worlds::outline(shape.geometry, body.world_T_body * shape.body_T_shape, 0.03, 1.5)) {
-            EXPECT_GT(worlds::distance_m(*polygon, {0, 0}), 0.42) << "seed " << seed << ": " << body.name;
+                  outline(shape.geometry, body.world_T_body * shape.body_T_shape, 0.03, 1.5)) {
+            EXPECT_GT(distance_m(*polygon, {0, 0}), 0.42) << "seed " << seed << ": " << body.name;
           }
       }
     }

@@ -7,7 +7,7 @@
 #include "simulate/render_tool/ray_shape.hpp"
 #include "simulate/render_tool/whole_view.hpp"
 
-namespace extperfc::simulate::render_tool {
+namespace extperfc::simulate {
 namespace {
 const CameraModel kCamera{640, 480, 600, 600, 319.5, 239.5, {}};
 
@@ -94,4 +94,4 @@ TEST(RayShape, RaysTowardsTheInsideMeet) {
 }
 
 }  // namespace
-}  // namespace extperfc::simulate::render_tool
+}  // namespace extperfc::simulate

@@ -7,7 +7,7 @@
 #include "extperfc/base/math.hpp"
 #include "extperfc/simulate/world_spec.hpp"
 
-#include "temporary_folder.hpp"
+#include "test/support/temporary_folder.hpp"
 
 namespace extperfc::simulate {
 namespace {

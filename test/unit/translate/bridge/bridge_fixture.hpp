@@ -6,7 +6,7 @@
 
 #include <gtest/gtest.h>
 
-#include "fake_peer.hpp"
+#include "test/unit/translate/bridge/fake_peer.hpp"
 #include "translate/bridge/context.hpp"
 
 namespace extperfc::translate::test {

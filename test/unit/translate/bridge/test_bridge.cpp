@@ -8,7 +8,7 @@
 
 #include "extperfc/translate/bridge.hpp"
 
-#include "small_master.hpp"
+#include "test/unit/translate/bridge/small_master.hpp"
 
 namespace extperfc::translate::test {
 namespace {

@@ -1,6 +1,6 @@
 #include <gtest/gtest.h>
 
-#include "bridge_fixture.hpp"
+#include "test/unit/translate/bridge/bridge_fixture.hpp"
 #include "translate/bridge/param_route.hpp"
 
 namespace extperfc::translate::test {

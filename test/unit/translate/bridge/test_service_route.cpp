@@ -3,7 +3,7 @@
 
 #include <gtest/gtest.h>
 
-#include "bridge_fixture.hpp"
+#include "test/unit/translate/bridge/bridge_fixture.hpp"
 #include "translate/bridge/service_route.hpp"
 
 namespace extperfc::translate::test {

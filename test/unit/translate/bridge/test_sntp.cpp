@@ -8,7 +8,7 @@
 
 #include "extperfc/base/rng.hpp"
 
-#include "ntp_server.hpp"
+#include "test/unit/translate/bridge/ntp_server.hpp"
 
 namespace extperfc::translate {
 namespace {

@@ -5,7 +5,7 @@
 #include "extperfc/base/rng.hpp"
 #include "extperfc/translate/tcpros.hpp"
 
-#include "raw_socket.hpp"
+#include "test/unit/translate/peer/raw_socket.hpp"
 
 namespace extperfc::translate {
 namespace {

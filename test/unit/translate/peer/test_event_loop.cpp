@@ -13,7 +13,7 @@
 #include "extperfc/base/rng.hpp"
 #include "extperfc/translate/event_loop.hpp"
 
-#include "loop_until.hpp"
+#include "test/unit/translate/peer/loop_until.hpp"
 
 namespace extperfc::translate {
 namespace {

@@ -4,7 +4,7 @@
 #include <gtest/gtest.h>
 #include <sys/socket.h>
 
-#include "raw_socket.hpp"
+#include "test/unit/translate/peer/raw_socket.hpp"
 #include "translate/peer/tcpros_frame_reader.hpp"
 
 namespace extperfc::translate {

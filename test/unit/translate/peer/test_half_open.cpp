@@ -6,7 +6,7 @@
 #include <sys/socket.h>
 #include <unistd.h>
 
-#include "loop_until.hpp"
+#include "test/unit/translate/peer/loop_until.hpp"
 #include "translate/peer/tcpros_half_open.hpp"
 
 namespace extperfc::translate {

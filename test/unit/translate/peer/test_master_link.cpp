@@ -3,9 +3,9 @@
 
 #include <gtest/gtest.h>
 
-#include "fake_master.hpp"
-#include "loop_until.hpp"
-#include "raw_server.hpp"
+#include "test/unit/translate/peer/fake_master.hpp"
+#include "test/unit/translate/peer/loop_until.hpp"
+#include "test/unit/translate/peer/raw_server.hpp"
 #include "translate/peer/http_message.hpp"
 #include "translate/peer/master_calls.hpp"
 #include "translate/peer/master_link.hpp"

@@ -3,7 +3,7 @@
 
 #include <gtest/gtest.h>
 
-#include "loop_until.hpp"
+#include "test/unit/translate/peer/loop_until.hpp"
 #include "translate/peer/missing_subscribers.hpp"
 
 namespace extperfc::translate {

@@ -5,7 +5,7 @@
 #include <gtest/gtest.h>
 #include <unistd.h>
 
-#include "topic_helpers.hpp"
+#include "test/unit/translate/peer/topic_helpers.hpp"
 
 namespace extperfc::translate {
 namespace {

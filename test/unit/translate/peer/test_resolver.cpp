@@ -14,7 +14,7 @@
 
 #include "extperfc/translate/rpc.hpp"
 
-#include "loop_until.hpp"
+#include "test/unit/translate/peer/loop_until.hpp"
 
 namespace {
 

@@ -5,8 +5,8 @@
 
 #include "extperfc/translate/rpc.hpp"
 
-#include "loop_until.hpp"
-#include "raw_server.hpp"
+#include "test/unit/translate/peer/loop_until.hpp"
+#include "test/unit/translate/peer/raw_server.hpp"
 #include "translate/peer/http_message.hpp"
 
 namespace extperfc::translate {

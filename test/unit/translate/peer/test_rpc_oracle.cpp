@@ -8,9 +8,9 @@
 
 #include "extperfc/translate/rpc.hpp"
 
-#include "child_process.hpp"
-#include "loop_until.hpp"
-#include "temporary_folder.hpp"
+#include "test/support/temporary_folder.hpp"
+#include "test/unit/translate/peer/child_process.hpp"
+#include "test/unit/translate/peer/loop_until.hpp"
 #include "translate/peer/master_link.hpp"
 #include "translate/peer/socket.hpp"
 

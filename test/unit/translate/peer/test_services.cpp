@@ -4,8 +4,8 @@
 
 #include <gtest/gtest.h>
 
-#include "raw_socket.hpp"
-#include "two_peers.hpp"
+#include "test/unit/translate/peer/raw_socket.hpp"
+#include "test/unit/translate/peer/two_peers.hpp"
 
 namespace extperfc::translate {
 namespace {

@@ -4,7 +4,7 @@
 
 #include <gtest/gtest.h>
 
-#include "topic_helpers.hpp"
+#include "test/unit/translate/peer/topic_helpers.hpp"
 
 namespace extperfc::translate {
 namespace {

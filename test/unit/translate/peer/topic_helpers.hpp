@@ -5,8 +5,8 @@
 #include <utility>
 #include <vector>
 
-#include "raw_socket.hpp"
-#include "two_peers.hpp"
+#include "test/unit/translate/peer/raw_socket.hpp"
+#include "test/unit/translate/peer/two_peers.hpp"
 
 namespace extperfc::translate::testing {
 

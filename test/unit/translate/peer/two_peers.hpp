@@ -11,7 +11,7 @@
 
 #include "extperfc/translate/peer.hpp"
 
-#include "graph_master.hpp"
+#include "test/unit/translate/peer/graph_master.hpp"
 
 namespace extperfc::translate::testing {
 

@@ -1,4 +1,4 @@
-#include "random_schema.hpp"
+#include "test/unit/translate/plan/random_schema.hpp"
 
 #include <algorithm>
 #include <utility>

@@ -1,4 +1,4 @@
-#include "reference.hpp"
+#include "test/unit/translate/plan/reference.hpp"
 
 #include <cfloat>
 #include <climits>

@@ -8,9 +8,9 @@
 #include "extperfc/translate/definition_store.hpp"
 #include "extperfc/translate/rules.hpp"
 
-#include "bytes_of.hpp"
-#include "random_message.hpp"
-#include "reference.hpp"
+#include "test/support/random_message.hpp"
+#include "test/unit/translate/plan/bytes_of.hpp"
+#include "test/unit/translate/plan/reference.hpp"
 
 using namespace extperfc;
 using namespace extperfc::translate;

@@ -5,9 +5,9 @@
 
 #include "extperfc/translate/rules.hpp"
 
-#include "bytes_of.hpp"
-#include "definitions.hpp"
-#include "temporary_folder.hpp"
+#include "test/support/temporary_folder.hpp"
+#include "test/unit/translate/plan/bytes_of.hpp"
+#include "test/unit/translate/plan/definitions.hpp"
 
 using namespace extperfc;
 using namespace extperfc::translate;

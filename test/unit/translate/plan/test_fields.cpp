@@ -4,8 +4,8 @@
 
 #include <gtest/gtest.h>
 
-#include "bytes_of.hpp"
-#include "definitions.hpp"
+#include "test/unit/translate/plan/bytes_of.hpp"
+#include "test/unit/translate/plan/definitions.hpp"
 
 using namespace extperfc;
 using namespace extperfc::translate;

@@ -6,10 +6,10 @@
 
 #include <gtest/gtest.h>
 
-#include "bytes_of.hpp"
-#include "definitions.hpp"
-#include "random_message.hpp"
-#include "random_schema.hpp"
+#include "test/support/random_message.hpp"
+#include "test/unit/translate/plan/bytes_of.hpp"
+#include "test/unit/translate/plan/definitions.hpp"
+#include "test/unit/translate/plan/random_schema.hpp"
 
 using namespace extperfc;
 using namespace extperfc::translate;

@@ -2,9 +2,9 @@
 
 #include <gtest/gtest.h>
 
-#include "bytes_of.hpp"
-#include "definitions.hpp"
-#include "literal_of.hpp"
+#include "test/unit/translate/plan/bytes_of.hpp"
+#include "test/unit/translate/plan/definitions.hpp"
+#include "test/unit/translate/plan/literal_of.hpp"
 
 using namespace extperfc;
 using namespace extperfc::translate;

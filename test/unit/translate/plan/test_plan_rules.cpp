@@ -5,9 +5,9 @@
 
 #include "extperfc/translate/rules.hpp"
 
-#include "bytes_of.hpp"
-#include "definitions.hpp"
-#include "literal_of.hpp"
+#include "test/unit/translate/plan/bytes_of.hpp"
+#include "test/unit/translate/plan/definitions.hpp"
+#include "test/unit/translate/plan/literal_of.hpp"
 
 using namespace extperfc;
 using namespace extperfc::translate;

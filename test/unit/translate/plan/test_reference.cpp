@@ -1,9 +1,9 @@
 #include <gtest/gtest.h>
 
-#include "bytes_of.hpp"
-#include "random_message.hpp"
-#include "random_schema.hpp"
-#include "reference.hpp"
+#include "test/support/random_message.hpp"
+#include "test/unit/translate/plan/bytes_of.hpp"
+#include "test/unit/translate/plan/random_schema.hpp"
+#include "test/unit/translate/plan/reference.hpp"
 
 using namespace extperfc;
 using namespace extperfc::translate;

@@ -16,15 +16,15 @@ namespace extperfc::translate {
 /// A message written as YAML, e.g. "{target: 0.5, speed: 50}", as bytes; fields not named are zero or empty.
 inline ByteBuffer encode(const SchemaPtr& schema, const std::string& yaml) {
   Problems problems("message");
-  rules::Budget budget;
-  const Literal read = rules::read_literal(YAML::Load(yaml), "", problems, budget);
+  Budget budget;
+  const Literal read = read_literal(YAML::Load(yaml), "", problems, budget);
   for (const auto& line : problems.lines()) ADD_FAILURE() << line;
   Field field;
   field.name = "message";
   field.written_type = schema->type();
   field.primitive = Primitive::kMessage;
   field.message = schema;
-  const auto literal = rules::fit(read, field, *schema);
+  const auto literal = fit(read, field, *schema);
   EXPECT_TRUE(literal) << literal.error().message;
   ByteBuffer bytes;
   if (literal) {

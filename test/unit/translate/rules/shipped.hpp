@@ -6,7 +6,7 @@
 
 #include "extperfc/translate/plan.hpp"
 
-#include "message_text.hpp"
+#include "test/unit/translate/rules/message_text.hpp"
 
 namespace extperfc::translate {
 

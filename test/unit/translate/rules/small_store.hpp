@@ -6,7 +6,7 @@
 
 #include "extperfc/translate/definition_store.hpp"
 
-#include "temporary_folder.hpp"
+#include "test/support/temporary_folder.hpp"
 
 namespace extperfc::translate {
 

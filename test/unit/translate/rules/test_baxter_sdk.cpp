@@ -3,7 +3,7 @@
 
 #include <gtest/gtest.h>
 
-#include "shipped.hpp"
+#include "test/unit/translate/rules/shipped.hpp"
 
 namespace extperfc::translate {
 namespace {

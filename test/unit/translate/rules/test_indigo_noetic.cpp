@@ -1,7 +1,7 @@
 // Every rule of config/translate/indigo_noetic.yaml with concrete values.
 #include <gtest/gtest.h>
 
-#include "shipped.hpp"
+#include "test/unit/translate/rules/shipped.hpp"
 
 namespace extperfc::translate {
 namespace {

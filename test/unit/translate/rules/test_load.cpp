@@ -6,7 +6,7 @@
 #include "extperfc/translate/plan.hpp"
 #include "extperfc/translate/rules.hpp"
 
-#include "small_store.hpp"
+#include "test/unit/translate/rules/small_store.hpp"
 
 namespace extperfc::translate {
 namespace {

@@ -12,7 +12,7 @@
 
 #include "extperfc/translate/definition_store.hpp"
 
-#include "temporary_folder.hpp"
+#include "test/support/temporary_folder.hpp"
 
 namespace extperfc::translate {
 namespace {

@@ -7,8 +7,8 @@
 
 #include "extperfc/world/robot_model.hpp"
 
-#include "robot_text.hpp"
-#include "temporary_folder.hpp"
+#include "test/support/temporary_folder.hpp"
+#include "test/unit/world/robot/robot_text.hpp"
 
 namespace extperfc {
 namespace {
