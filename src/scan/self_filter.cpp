@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "extperfc/world/frame_about.hpp"
+
 namespace extperfc::scan {
 
 namespace {
@@ -38,9 +40,7 @@ Pose along(const Capsule& capsule) {
   Pose pose = Pose::Identity();
   pose.translation() = 0.5 * (capsule.from + capsule.to);
   const Eigen::Vector3d line = capsule.to - capsule.from;
-  pose.linear() = Eigen::Quaterniond::FromTwoVectors(Eigen::Vector3d::UnitZ(),
-                                                     line.norm() > 0 ? line : Eigen::Vector3d::UnitZ())
-                      .toRotationMatrix();
+  if (line.norm() > 0) pose.linear() = frame_about(line);
   return pose;
 }
 

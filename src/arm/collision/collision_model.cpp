@@ -4,6 +4,8 @@
 #include <cmath>
 #include <string>
 
+#include "extperfc/world/frame_about.hpp"
+
 #include "arm/collision/bodies.hpp"
 
 namespace extperfc::arm {
@@ -113,8 +115,7 @@ class Builder {
 
   void add_body(const Joint& joint, int driver, int parent, const Pose& parent_T_joint) {
     Pose joint_T_rotated = Pose::Identity();
-    joint_T_rotated.linear() =
-        Eigen::Quaterniond::FromTwoVectors(Eigen::Vector3d::UnitZ(), joint.axis).toRotationMatrix();
+    joint_T_rotated.linear() = frame_about(joint.axis);
     Body body;
     body.parent = parent;
     body.joint = moving_[driver];

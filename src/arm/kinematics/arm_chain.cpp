@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "extperfc/arm/kinematics.hpp"
+#include "extperfc/world/frame_about.hpp"
 
 #include "arm/kinematics/geometry.hpp"
 #include "arm/kinematics/kdl_chain.hpp"
@@ -63,13 +64,6 @@ ChainLink to_link(const Pose& pose) {
   return {pose.linear(), pose.translation()};
 }
 
-/// A frame whose z axis is `axis`.
-ChainLink frame_about(const Eigen::Vector3d& axis) {
-  ChainLink link;
-  link.rotation = Eigen::Quaterniond::FromTwoVectors(Eigen::Vector3d::UnitZ(), axis).toRotationMatrix();
-  return link;
-}
-
 std::shared_ptr<const ChainGeometry> to_geometry(const RobotModel& robot, const std::vector<int>& joints,
                                                  const JointLimits& limits) {
   auto geometry = std::make_shared<ChainGeometry>();
@@ -78,7 +72,7 @@ std::shared_ptr<const ChainGeometry> to_geometry(const RobotModel& robot, const 
     const Joint& joint = robot.joints()[index];
     before = before * to_link(joint.parent_T_joint);
     if (joint.type == JointType::kFixed) continue;
-    const ChainLink rotation = frame_about(joint.axis);
+    const ChainLink rotation{frame_about(joint.axis)};
     geometry->links[geometry->count] = before * rotation;
     geometry->prismatic[geometry->count] = joint.type == JointType::kPrismatic;
     ++geometry->count;

@@ -43,17 +43,17 @@ class TuckTest : public RobotTest {
 };
 
 TEST_F(TuckTest, TucksAndUntucks) {
-  ASSERT_TRUE(is_in(untucked_pose)) << "the simulator's start";
+  ASSERT_TRUE(is_in(ros_robot::untucked_pose)) << "the simulator's start";
   auto answer = wait_for_answer(call(true));
   EXPECT_TRUE(answer.success) << answer.message;
   EXPECT_EQ(answer.message, "tucked");
-  EXPECT_TRUE(is_in(tucked_pose));
+  EXPECT_TRUE(is_in(ros_robot::tucked_pose));
   answer = wait_for_answer(call(true));
   EXPECT_TRUE(answer.success) << "again: " << answer.message;
   answer = wait_for_answer(call(false));
   EXPECT_TRUE(answer.success) << answer.message;
   EXPECT_EQ(answer.message, "untucked");
-  EXPECT_TRUE(is_in(untucked_pose));
+  EXPECT_TRUE(is_in(ros_robot::untucked_pose));
 }
 
 TEST_F(TuckTest, ADisabledRobotRefuses) {
@@ -67,7 +67,7 @@ TEST_F(TuckTest, ADisabledRobotRefuses) {
 
 TEST_F(TuckTest, ADisabledArmGivesUpOnTheWay) {
   auto answer = call(true);
-  ASSERT_TRUE(host_.advance_until([&] { return !is_in(untucked_pose); }));
+  ASSERT_TRUE(host_.advance_until([&] { return !is_in(ros_robot::untucked_pose); }));
   simulator_.enable(false);
   const auto given = wait_for_answer(std::move(answer));
   EXPECT_FALSE(given.success);
@@ -87,7 +87,7 @@ TEST_F(TuckTest, OneArmThatFailsStopsTheOther) {
 TEST_F(TuckTest, AJointCommandEndsIt) {
   auto commands = handle_.advertise<baxter_core_msgs::JointCommand>("robot/limb/left/joint_command", 1);
   auto answer = call(true);
-  ASSERT_TRUE(host_.advance_until([&] { return !is_in(untucked_pose); }));
+  ASSERT_TRUE(host_.advance_until([&] { return !is_in(ros_robot::untucked_pose); }));
   baxter_core_msgs::JointCommand command;
   command.mode = baxter_core_msgs::JointCommand::VELOCITY_MODE;
   command.names = {"left_s0"};
@@ -102,7 +102,7 @@ TEST_F(TuckTest, TopicsLiveMeanwhile) {
   const Inbox<sensor_msgs::JointState> states("robot/joint_states");
   auto first = call(true);
   auto second = call(false);  // waits for the first, or the other way round
-  ASSERT_TRUE(host_.advance_until([&] { return !is_in(untucked_pose) && states.count() > 10; }));
+  ASSERT_TRUE(host_.advance_until([&] { return !is_in(ros_robot::untucked_pose) && states.count() > 10; }));
   EXPECT_FALSE(ready(first) && ready(second));
   EXPECT_TRUE(wait_for_answer(std::move(first)).success);
   EXPECT_TRUE(wait_for_answer(std::move(second)).success);
@@ -113,7 +113,7 @@ TEST_F(TuckTest, TheProgramDoesIt) {
   ChildProcess tuck({program, "-t"});
   EXPECT_TRUE(host_.advance_until([&] { return !tuck.running(); }));
   EXPECT_EQ(tuck.wait_for_end(), 0);
-  EXPECT_TRUE(is_in(tucked_pose));
+  EXPECT_TRUE(is_in(ros_robot::tucked_pose));
   simulator_.enable(false);
   ChildProcess untuck({program, "--untuck"});
   EXPECT_TRUE(host_.advance_until([&] { return !untuck.running(); }));

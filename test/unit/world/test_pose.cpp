@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include "extperfc/base/rng.hpp"
+#include "extperfc/world/frame_about.hpp"
 #include "extperfc/world/pose.hpp"
 
 namespace extperfc {
@@ -43,6 +44,19 @@ TEST(Pose, AdvancingInSmallStepsIsTheSame) {
   EXPECT_NEAR(stepped.x, whole.x, 1e-9);
   EXPECT_NEAR(stepped.y, whole.y, 1e-9);
   EXPECT_NEAR(stepped.yaw, whole.yaw, 1e-9);
+}
+
+TEST(Pose, AFrameAboutAnAxisTurnsZIntoIt) {
+  Rng rng(3);
+  for (int i = 0; i < 1000; ++i) {
+    const Eigen::Vector3d axis(rng.uniform(-5, 5), rng.uniform(-5, 5), rng.uniform(-5, 5));
+    const Eigen::Matrix3d frame = frame_about(axis);
+    EXPECT_NEAR((frame.col(2) - axis.normalized()).norm(), 0, 1e-12);
+    EXPECT_NEAR((frame * frame.transpose() - Eigen::Matrix3d::Identity()).norm(), 0, 1e-12);
+    EXPECT_NEAR(frame.determinant(), 1, 1e-12);
+  }
+  EXPECT_NEAR(frame_about({0, 0, -2})(2, 2), -1, 1e-12);
+  EXPECT_TRUE(frame_about({0, 0, 0.5}).isIdentity(1e-12));
 }
 
 }  // namespace
