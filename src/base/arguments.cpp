@@ -83,6 +83,7 @@ Result<std::optional<std::vector<double>>> Arguments::numbers(const std::string&
   std::istringstream parts(*text);
   bool good = true;
   for (std::string part; std::getline(parts, part, ',');) {
+    part.erase(0, part.find_first_not_of(' '));
     const auto value = parse_number(part);
     good = good && value;
     found.push_back(value.value_or(0));

@@ -23,8 +23,6 @@ namespace extperfc::detect {
 /// The essence of a library's message: its last line that says something, at most 200 characters.
 [[nodiscard]] std::string shortened(std::string_view library_text);
 
-/// "a, b, c", or "none".
-
 /// The tensors of OutputSpec::names, or the network's only output when none are named; `existing` are the
 /// names of its `output_count` outputs. Errors: a name that does not exist, several outputs and no names.
 [[nodiscard]] Result<std::vector<std::string>> output_names(const ModelSpec& spec,

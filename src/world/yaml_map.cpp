@@ -5,6 +5,7 @@
 #include <fstream>
 #include <locale>
 #include <sstream>
+#include <unordered_set>
 #include <utility>
 
 #include "extperfc/base/number_reader.hpp"
@@ -78,11 +79,12 @@ YamlMap::YamlMap(const YAML::Node& node, std::string path, Problems& problems)
     problem("", "must be a map of keys and values, not " + shown(node));
     return;
   }
+  std::unordered_set<std::string> seen;
   for (const auto& pair : node) {
     const int line = line_of(pair.first);
     if (!pair.first.IsScalar())
       problems.add(line, path_, "a key must be a text, not " + shown(pair.first));
-    else if (has(pair.first.Scalar()))
+    else if (!seen.insert(pair.first.Scalar()).second)
       problems.add(line, this->path(pair.first.Scalar()), "is given twice: remove one");
     else
       items_.push_back({pair.first.Scalar(), pair.second, line});

@@ -245,7 +245,7 @@ class ArmMoves(unittest.TestCase):
         self.left.move_to(AHEAD, frame="base", timeout=60)
         self.real_time()
         self.left.scene.add_box("plate", (0.4, 0.4, 0.02), (AHEAD[0], AHEAD[1], AHEAD[2] - 0.08), frame="base")
-        self.left.jog(twist=(0.0, 0.0, -0.1, 0.0, 0.0, 0.0), frame="base", duration=1.5)
+        self.left.jog(twist=(0.0, 0.0, -0.1, 0.0, 0.0, 0.0), frame="base", duration=2.5)
         self.stands()
         self.assertTrue(self.left.check().free)
         self.assertLess(self.tool().z, AHEAD[2] - 0.03)
@@ -312,7 +312,8 @@ class ArmMoves(unittest.TestCase):
         while motion.feedback is None or motion.feedback.executed < 0.05:
             time.sleep(0.01)
         self.left.scene.add_box("post", (0.1, 0.1, 0.2), (x, y, z), frame="base")
-        while motion.feedback.stage == "executing" and not motion.done:
+        deadline = time.monotonic() + 90
+        while motion.feedback.stage == "executing" and not motion.done and time.monotonic() < deadline:
             time.sleep(0.01)
         simulated_robot.set_pace(simulated_robot.QUICK)
         result = motion.wait(90)

@@ -131,6 +131,14 @@ class MapTool(unittest.TestCase):
         self.assertEqual(150, report["scans_without_odometry"])
         self.check_path(folder, 0.15, math.radians(2), DRIVE.truth[:150])
 
+    def test_a_name_that_is_no_text(self):
+        """File names are bytes; JSON is UTF-8."""
+        odd = self.folder / os.fsdecode(b"r\xffom.clf")
+        shutil.copy(self.log, odd)
+        done = call(MAP, odd, "--out", self.folder / "odd", "--scans", 10, "--json", "--quiet")
+        self.assertEqual(0, done.returncode, done.stderr)
+        self.assertEqual(10, json.loads(done.stdout)["scans"])
+
     def test_parameters_arrive(self):
         report, _ = self.mapped(self.log, "--scans", 40, "--particles", 4, "--resolution", 0.1, "--set",
                                 "linearUpdate=1.5", "--set=minimumScore=0.6")

@@ -22,7 +22,8 @@ struct Manipulator {
   ParallelHand hand;
   InverseKinematics kinematics;  ///< from the robot's root link to the hand's tip
 
-  /// Errors: an unknown group, no chain to the tip, those of hand_of().
+  /// Errors: an unknown group or one without a joint that moves the tip, no chain to the tip, those of
+  /// hand_of().
   [[nodiscard]] static Result<Manipulator> make(const RobotArms& arms, const std::string& name,
                                                 const std::string& group, const std::string& tip_link,
                                                 const std::string& finger_joint);
@@ -58,13 +59,14 @@ struct PickPlan {
 /// The best grasp of one of the objects that an arm reaches with a straight free approach and lift: first
 /// with the padding of plans and the given distances, then with smaller ones and more approach directions.
 /// Errors: kNoGrasp, with the reason for each gripper; kCancelled; kNoJointStates for a joint without a
-/// position.
+/// position; kInternal. `world` and the task's start are read once: a choice among several objects takes up
+/// to two attempts for each, and what moved meanwhile is found when the motion is planned.
 [[nodiscard]] tl::expected<PickPlan, Status> plan_pick(MotionPipeline& pipeline, const PickTask& task,
                                                        const CollisionWorld& world);
 
 struct PlaceTask {
   JointPositions start;                     ///< of every moving joint of the robot that is known
-  const Manipulator* manipulator{nullptr};  ///< holds the object
+  const Manipulator* manipulator{nullptr};  ///< holds the object; not null
   AttachedObject object;                    ///< as in the world, at the hand's tip
   PlaceRequirement place;                   ///< at least one place
   double attempt_time_s{5};                 ///< maximum wall time of each attempt
@@ -81,7 +83,7 @@ struct PlacePlan {
 /// A way to place a held object: first with the padding of plans, then without. A ball may rest in any
 /// orientation, so for it also approaches from vertical to nearly horizontal are tried. The retreat is never
 /// shortened, because the fingers have to leave the object. Errors: kGoalUnreachable, with the reason;
-/// kCancelled; kNoJointStates for a joint without a position.
+/// kCancelled; kNoJointStates for a joint without a position; kInvalidRequest without a place; kInternal.
 [[nodiscard]] tl::expected<PlacePlan, Status> plan_place(MotionPipeline& pipeline, const PlaceTask& task,
                                                          const CollisionWorld& world);
 

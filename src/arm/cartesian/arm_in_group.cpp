@@ -10,8 +10,8 @@ Result<ArmInGroup> ArmInGroup::make(const ArmChain& chain, const std::vector<std
   for (const auto& name : chain.joint_names()) {
     const auto found = std::find(group_joints.begin(), group_joints.end(), name);
     if (found == group_joints.end())
-      return fail(ErrorCode::kInvalidArgument,
-                  "link " + chain.tip_link() + " is moved by " + name + ", which is not in the group");
+      return fail(ErrorCode::kInvalidArgument, "link " + chain.tip_link() + " is moved by " + name +
+                                                   ", which is not a joint of the group");
     places.push_back(static_cast<int>(found - group_joints.begin()));
   }
   return ArmInGroup(chain, std::move(places));

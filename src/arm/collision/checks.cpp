@@ -13,8 +13,6 @@
 #include "arm/collision/motion_proof.hpp"
 
 namespace extperfc::arm {
-namespace {}  // namespace
-
 Checks::Checks(const CollisionModel& model_in, const CollisionWorld& world_in,
                const CollisionCheckerParams& params_in, Scene scene)
     : model(model_in),

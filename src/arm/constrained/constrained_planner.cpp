@@ -6,10 +6,9 @@
 #include <limits>
 #include <optional>
 #include <sstream>
-#include <stdexcept>
 #include <utility>
 
-#include "extperfc/base/math.hpp"
+#include "extperfc/base/demand.hpp"
 
 #include "arm/constrained/cbirrt.hpp"
 #include "arm/constrained/manifold.hpp"
@@ -24,12 +23,8 @@ namespace {
 
 constexpr const char* kOwnPlanner = "cbirrt";
 constexpr std::array<const char*, 5> kKinds{"axis", "plane", "line", "orientation", "relative pose"};
-/// Maximum length of a straight path, relative to the distance.
+/// Maximum length of a direct path, relative to the distance.
 constexpr double kMaxDetour = 2.0;
-
-void demand(bool holds, const char* what) {
-  if (!holds) throw std::invalid_argument(what);
-}
 
 /// The first constraint that a state breaks.
 std::optional<Violation> find_violation(const PathConstraint& constraint, double tolerance,

@@ -1,14 +1,14 @@
 #include "extperfc/arm/grasp_choice.hpp"
 
 #include <algorithm>
-#include <chrono>
 #include <cmath>
-#include <numeric>
 #include <stdexcept>
 #include <utility>
 
 #include "extperfc/base/stopwatch.hpp"
 #include "extperfc/world/shape_extent.hpp"
+
+#include "arm/collision/state_fault.hpp"
 
 namespace extperfc::arm {
 namespace {
@@ -68,7 +68,7 @@ class ReachableGrasps {
   [[nodiscard]] std::string touching() const {
     if (in_collision_.size() == 0) return {};
     const auto contact = arm_.checker->contact(whole(in_collision_));
-    return contact ? " (last: " + contact->first + " touches " + contact->second + ")" : std::string();
+    return contact ? " (last: " + text_of(*contact) + ")" : std::string();
   }
 
  private:

@@ -7,6 +7,7 @@
 #include "extperfc/arm/pick_and_place.hpp"
 #include "extperfc/world/shape_extent.hpp"
 
+#include "arm/cartesian/arm_in_group.hpp"
 #include "arm/grasping/straight_path.hpp"
 
 namespace extperfc::arm {
@@ -170,11 +171,14 @@ class PickPlanner {
 Result<Manipulator> Manipulator::make(const RobotArms& arms, const std::string& name,
                                       const std::string& group, const std::string& tip_link,
                                       const std::string& finger_joint) {
-  if (const auto known = arms.group(group); !known) return tl::unexpected(known.error());
+  const auto known = arms.group(group);
+  if (!known) return tl::unexpected(known.error());
   auto hand = hand_of(arms.robot(), tip_link, finger_joint);
   if (!hand) return tl::unexpected(hand.error());
   auto chain = ArmChain::make(arms.robot(), arms.root_link(), tip_link);
   if (!chain) return tl::unexpected(chain.error());
+  if (const auto fits = ArmInGroup::make(*chain, (*known)->joints); !fits)
+    return fail(fits.error().code, "group " + group + ": " + fits.error().message);
   return Manipulator{name, group, finger_joint, std::move(*hand), InverseKinematics(std::move(*chain))};
 }
 

@@ -110,6 +110,7 @@ class PlacePlanner {
     auto empty = world_;
     empty.remove(task_.object.name);
     const auto group = pipeline_.arms().group(task_.manipulator->group);
+    if (!group) return failure(ArmCode::kInvalidRequest, group.error().message);
     const auto state = RobotArms::select(**group, task_.start);
     if (!state) return failure(ArmCode::kNoJointStates, state.error().message);
     auto full = pipeline_.checker((*group)->name, task_.start, carrying, attempt.padded);

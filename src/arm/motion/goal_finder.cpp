@@ -164,7 +164,7 @@ tl::expected<ArmInGroup, Status> chain_to(const RobotArms& arms, const ArmGroup&
   auto chain = ArmChain::make(arms.robot(), arms.root_link(), tip);
   if (!chain) return failure(ArmCode::kInvalidRequest, "the goal's link: " + chain.error().message);
   auto arm = ArmInGroup::make(*chain, group.joints);
-  if (!arm) return failure(ArmCode::kInvalidRequest, arm.error().message + " " + group.name);
+  if (!arm) return failure(ArmCode::kInvalidRequest, "group " + group.name + ": " + arm.error().message);
   return *std::move(arm);
 }
 

@@ -10,6 +10,7 @@
 #include "extperfc/arm/cartesian_path.hpp"
 #include "extperfc/arm/constrained_planner.hpp"
 #include "extperfc/arm/planning_team.hpp"
+#include "extperfc/base/demand.hpp"
 #include "extperfc/base/stopwatch.hpp"
 
 #include "arm/motion/goal_finder.hpp"
@@ -19,10 +20,6 @@
 namespace extperfc::arm {
 
 namespace {
-
-void demand(bool holds, const char* what) {
-  if (!holds) throw std::invalid_argument(what);
-}
 
 MotionOutcome outcome_of(ArmCode code, std::string message) {
   MotionOutcome outcome;
@@ -217,20 +214,19 @@ class Run {
 
   Goals goals_of(const NamedState& state) {
     const auto positions = pipeline_.arms().named_state(*group_, state.name);
-    if (!positions) return tl::unexpected(Status{ArmCode::kInvalidRequest, positions.error().message});
+    if (!positions) return failure(ArmCode::kInvalidRequest, positions.error().message);
     return goals_of(*positions);
   }
 
   Goals goals_of(const JointPositions& positions) {
-    if (positions.empty()) return tl::unexpected(Status{ArmCode::kInvalidRequest, "no goal was given"});
+    if (positions.empty()) return failure(ArmCode::kInvalidRequest, "no goal was given");
     JointVector goal = start_;
     for (const auto& [name, value] : positions) {
       const auto found = std::find(group_->joints.begin(), group_->joints.end(), name);
       if (found == group_->joints.end())
-        return tl::unexpected(
-            Status{ArmCode::kInvalidRequest, "joint '" + name + "' is not in the group " + group_->name});
+        return failure(ArmCode::kInvalidRequest, "joint '" + name + "' is not in the group " + group_->name);
       if (!std::isfinite(value))
-        return tl::unexpected(Status{ArmCode::kInvalidRequest, "the goal of " + name + " is not finite"});
+        return failure(ArmCode::kInvalidRequest, "the goal of " + name + " is not finite");
       goal[found - group_->joints.begin()] = value;
     }
     return std::vector<JointVector>{goal};
@@ -385,7 +381,8 @@ class Run {
     auto made = prove_trajectory(*checker_, waypoints, {group_->max_velocity, group_->max_acceleration, {}},
                                  times, corners);
     times_.time_parameterization_s += watch.seconds();
-    unproven_ = !made && made.error().code == ErrorCode::kFailed;
+    // The straight path is the same with every seed.
+    unproven_ = !made && made.error().code == ErrorCode::kFailed && waypoints.size() > 2;
     if (!made)
       return finish(
           outcome_of(ArmCode::kInternal, "no trajectory along the planned path: " + made.error().message));

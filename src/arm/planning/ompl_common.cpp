@@ -14,6 +14,7 @@ namespace ob = ompl::base;
 void seed_ompl_once(std::uint64_t seed) {
   static std::once_flag once;
   std::call_once(once, [seed] {
+    // What concerns the user is in the plan's message.
     ompl::msg::setLogLevel(ompl::msg::LOG_NONE);
     ompl::RNG::setSeed(static_cast<std::uint_fast32_t>(seed));
   });

@@ -1,8 +1,9 @@
 #include "extperfc/arm/planning_team.hpp"
 
-#include <stdexcept>
 #include <string>
 #include <utility>
+
+#include "extperfc/base/demand.hpp"
 
 #include "arm/planning/request_validator.hpp"
 #include "arm/planning/shortcuts.hpp"
@@ -12,10 +13,6 @@
 namespace extperfc::arm {
 
 namespace {
-
-void demand(bool holds, const std::string& what) {
-  if (!holds) throw std::invalid_argument(what);
-}
 
 void demand_good(const PlanningTeamParams& params) {
   demand_ranges(params.planner);

@@ -5,6 +5,7 @@
 #include <stdexcept>
 #include <utility>
 
+#include "extperfc/base/demand.hpp"
 #include "extperfc/base/math.hpp"
 
 #include "arm/collision/state_fault.hpp"
@@ -12,10 +13,6 @@
 namespace extperfc::arm {
 
 namespace {
-
-void demand(bool holds, const char* what) {
-  if (!holds) throw std::invalid_argument(what);
-}
 
 /// Looks at the states of a request; says what is wrong with them.
 class RequestValidator {

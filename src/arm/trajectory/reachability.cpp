@@ -298,7 +298,7 @@ class SpeedSolver {
                          std::sqrt(acceleration_use(piece, phase, acceleration_))});
     }
     if (!std::isfinite(slower) || (slower > 1 + 1e-6 && (passage_.start_speed > 0 || passage_.end_speed > 0)))
-      return fail(ErrorCode::kFailed,
+      return fail(ErrorCode::kInvalidArgument,
                   "time parameterization: limits are exceeded by a factor of " + text(slower));
     for (auto& phase : phases) {
       phase.begin_s *= slower;

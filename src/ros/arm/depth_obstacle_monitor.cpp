@@ -166,7 +166,8 @@ Result<DepthObstacleMonitor::View> DepthObstacleMonitor::view_of(const std_msgs:
   auto positions = joints_->at(header.stamp);
   if (!positions) return tl::unexpected(positions.error());
   const auto world_T_root = world_frame_.world_T_root(header.stamp);
-  return View{*camera, *root_T_camera, *positions, world_T_root ? *world_T_root : std::nullopt};
+  if (!world_T_root) return tl::unexpected(world_T_root.error());
+  return View{*camera, *root_T_camera, *positions, *world_T_root};
 }
 
 void DepthObstacleMonitor::begin(const View& view, double time_s) {

@@ -26,7 +26,9 @@ Result<Pose> root_T_header(const TransformLookup& transforms, const std_msgs::He
         ErrorCode::kInvalidArgument,
         std::string(topic) + " has no frame_id or no stamp in its header: the publisher must set both");
   const auto root_T_frame = transforms.root_T_frame(header.frame_id, header.stamp);
-  if (!root_T_frame) return fail(ErrorCode::kNotFound, root_T_frame.error().message);
+  if (!root_T_frame)
+    return fail(ErrorCode::kNotFound, std::string(topic) + ": " + root_T_frame.error().message +
+                                          "; publish it, or use another frame_id");
   return *root_T_frame;
 }
 

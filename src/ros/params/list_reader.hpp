@@ -51,7 +51,7 @@ inline void read_strings(ParamReader& reader, const ros::NodeHandle& handle, con
     reader.complain(handle.resolveName(key) + " must be a list of texts");
 }
 
-inline std::string joined(std::initializer_list<std::string_view> parts) {
+inline std::string concatenated(std::initializer_list<std::string_view> parts) {
   std::string text;
   for (const auto part : parts) text += part;
   return text;
@@ -63,7 +63,8 @@ inline void check_expressions(ParamReader& reader, const std::string& where,
     try {
       (void)std::regex(expression);
     } catch (const std::regex_error& error) {
-      reader.complain(joined({where, ": '", expression, "' is no regular expression (", error.what(), ")"}));
+      reader.complain(
+          concatenated({where, ": '", expression, "' is no regular expression (", error.what(), ")"}));
     }
   }
 }
@@ -98,14 +99,14 @@ void read_named_by_label(ParamReader& reader, const ros::NodeHandle& handle, con
   const auto place = handle.resolveName(key);
   if (given.getType() == XmlRpc::XmlRpcValue::TypeArray && given.size() == 0) return;
   if (given.getType() != XmlRpc::XmlRpcValue::TypeStruct)
-    return reader.complain(
-        joined({place, " must be a group of labels and names, e.g. {label: ", names.begin()->first, "}"}));
+    return reader.complain(concatenated(
+        {place, " must be a group of labels and names, e.g. {label: ", names.begin()->first, "}"}));
   for (auto& [label, name] : given) {
     const bool text = name.getType() == XmlRpc::XmlRpcValue::TypeString;
     if (const auto value = meaning(text ? Entry(name).text() : "", names))
       values[label] = *value;
     else
-      reader.complain(joined({place, "/", label, ": ", value.error().message}));
+      reader.complain(concatenated({place, "/", label, ": ", value.error().message}));
   }
 }
 
@@ -132,9 +133,9 @@ std::vector<T> read_list(ParamReader& reader, const ros::NodeHandle& handle, con
     for (auto& [entry_key, value] : list[i]) {
       try {
         if (const auto done = set(item, entry_key, Entry(value)); !done)
-          reader.complain(joined({place, "/", entry_key, ": ", done.error().message}));
+          reader.complain(concatenated({place, "/", entry_key, ": ", done.error().message}));
       } catch (const XmlRpc::XmlRpcException&) {
-        reader.complain(joined({place, "/", entry_key, " has a value of a wrong type"}));
+        reader.complain(concatenated({place, "/", entry_key, " has a value of a wrong type"}));
       }
     }
     items.push_back(std::move(item));

@@ -117,7 +117,7 @@ std::string notice_about(const std::vector<std::string>& names, bool score_is_a_
   for (const auto& name : names) notice += (notice.empty() ? "" : ", ") + name;
   if (!notice.empty()) notice = "parameters of GMapping that have no meaning here and no effect: " + notice;
   if (!score_is_a_fraction)
-    notice += joined(
+    notice += concatenated(
         {notice.empty() ? "" : "; ",
          "minimumScore is the fraction of a scan that must fit, [0, 1]: the value above 1 is replaced by ",
          std::to_string(default_score).substr(0, 4)});

@@ -35,6 +35,7 @@ void read_body_keys(YamlMap& map, ObjectModel& model) {
 /// `at`: [x, y] with z = 0, or [x, y, z].
 Eigen::Vector3d place_of(YamlMap& map) {
   auto values = map.numbers("at", {2, 3}, kAny);
+  if (!map.is_list("at")) values = {0, 0};  // missing: one problem is enough
   values.resize(3, 0.0);
   return {values[0], values[1], values[2]};
 }

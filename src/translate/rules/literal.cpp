@@ -68,10 +68,6 @@ Result<void> resolve_names(Literal& literal, const Field& field, const MessageSc
 
 }  // namespace
 
-bool is_number(Primitive primitive) {
-  return primitive >= Primitive::kInt8 && primitive <= Primitive::kFloat64;
-}
-
 bool Budget::take(Problems& problems, int line) {
   if (++used_ == kMaxNodes + 1)
     problems.add(line, "", "the file has more than " + std::to_string(kMaxNodes) + " values: divide it");

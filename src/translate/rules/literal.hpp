@@ -24,8 +24,6 @@ class Budget {
   std::size_t used_{0};
 };
 
-[[nodiscard]] bool is_number(Primitive primitive);
-
 /// A literal as it stands: scalars are texts. What has no value (`key:` alone) is a problem.
 [[nodiscard]] Literal read_literal(const YAML::Node& node, const std::string& where, Problems& problems,
                                    Budget& budget, int depth = 0);

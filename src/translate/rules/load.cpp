@@ -41,14 +41,16 @@ class DocumentStart : public YAML::EventHandler {
 
 /// 0 when there is none. YAML::LoadAll would report it too, but takes memory without end for some damaged
 /// texts (yaml-cpp 0.7: ", a: &"), because it meets document after document without getting on.
-int line_of_second_document(const std::string& text) {
+int line_of_second_document(const std::string& text, Problems& problems) {
   std::istringstream in(text);
   YAML::Parser parser(in);
   DocumentStart first, second;
   try {
     if (!parser.HandleNextDocument(first) || !parser.HandleNextDocument(second)) return 0;
   } catch (const YAML::Exception& error) {
-    return error.mark.line + 1;
+    problems.add(error.mark.is_null() ? 0 : error.mark.line + 1, "", "not YAML: " + error.msg,
+                 ErrorCode::kCorrupt);
+    return 0;
   }
   return second.line;
 }
@@ -61,7 +63,7 @@ Page read_page(const std::string& text, const std::string& name, const Definitio
   }
   const auto root = parse_yaml(text, page.problems);
   if (!root) return page;
-  const int second = line_of_second_document(text);
+  const int second = line_of_second_document(text, page.problems);
   if (second > 0) page.problems.add(second, "", "a second document begins: write one list of rules");
   page.content = RuleReader(definitions, page.problems).read(*root);
   return page;

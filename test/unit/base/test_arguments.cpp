@@ -47,6 +47,8 @@ TEST(Arguments, Numbers) {
   EXPECT_EQ(read->number("--out", 0, 2).error().message, "--out must be a number from 0 to 2, not '2.5'");
   EXPECT_EQ(read->numbers("--set", 3)->value(), (std::vector<double>{1, -2, 3}));
   EXPECT_FALSE(read->numbers("--set", 2));
+  const auto spaced = Arguments::read({"a", "--set", "1, -2,  3"}, kSyntax);
+  EXPECT_EQ(spaced->numbers("--set", 3)->value(), (std::vector<double>{1, -2, 3}));
   for (const char* bad : {"", "x", "1x", "nan", "inf", "1,,2", "1,2,3,"}) {
     const auto other = Arguments::read({"a", "--set", bad}, kSyntax);
     EXPECT_FALSE(other->number("--set", 0, 10)) << bad;

@@ -135,7 +135,7 @@ TEST_P(Backends, UnnamedTensorsAreTheOnlyOnes) {
   EXPECT_TRUE(backend) << backend.error().message;
   spec = ssd_spec();
   spec.output.names.clear();
-  expect_error(spec, ErrorCode::kInvalidArgument, {"boxes, scores", "output.names"});
+  expect_error(spec, ErrorCode::kInvalidArgument, {"boxes and scores", "output.names"});
 }
 
 TEST_P(Backends, DamagedFilesAreOneClearLine) {
@@ -156,7 +156,7 @@ TEST_P(Backends, DamagedFilesAreOneClearLine) {
 TEST_P(Backends, WrongTensorNamesListTheRightOnes) {
   ModelSpec spec = ssd_spec();
   spec.output.names = {"boxes", "classes"};
-  expect_error(spec, ErrorCode::kInvalidArgument, {"no output \"classes\"", "boxes, scores"});
+  expect_error(spec, ErrorCode::kInvalidArgument, {"no output \"classes\"", "boxes and scores"});
   spec = ssd_spec();
   spec.input.name = "data";
   expect_error(spec, ErrorCode::kInvalidArgument, {"\"data\"", "input.name"});

@@ -44,6 +44,8 @@ RayPacket random_rays(Rng& rng, double spread) {
 
 class RaySceneTest : public testing::Test {
  protected:
+  void SetUp() override { ASSERT_NE(scene_, nullptr) << "Embree does not run on this processor"; }
+
   std::unique_ptr<RayScene> scene_ = RayScene::make();
 };
 

@@ -159,6 +159,7 @@ TEST_F(LoadTest, RenamesAreRead) {
       good("renames:\n  - {from: a_msgs, to: b_msgs}\n  - {from: tf/tfMessage, to: tf2_msgs/TFMessage}\n");
   EXPECT_EQ(rules.other_names("a_msgs/X"), std::vector<std::string>{"b_msgs/X"});
   EXPECT_EQ(rules.other_names("tf2_msgs/TFMessage"), std::vector<std::string>{"tf/tfMessage"});
+  expect_problem("renames: []\n]\n", "not YAML");
   expect_problem("renames:\n  - {from: a_msgs, to: b/T}\n", "r.yaml:2: renames: needs from and to");
 }
 
