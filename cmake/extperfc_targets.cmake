@@ -79,13 +79,20 @@ function(extperfc_add_program name)
   endif()
 endfunction()
 
-# extperfc_add_test(<module>/<name> SOURCES ... LINK ...): a GoogleTest program, run by `tools/test unit`.
+# extperfc_add_test(<module>/<name> [COMPUTES] SOURCES ... LINK ...): a GoogleTest program, run by `tools/test unit`.
+# COMPUTES: the test itself computes so much that it is compiled for speed.
 function(extperfc_add_test name)
-  cmake_parse_arguments(ARG "" "" "SOURCES;LINK" ${ARGN})
+  cmake_parse_arguments(ARG "COMPUTES" "" "SOURCES;LINK" ${ARGN})
   string(REPLACE "/" "_" target test_${name})
   add_executable(${target} ${ARG_SOURCES})
-  target_link_libraries(${target} PRIVATE extperfc_test_flags ${ARG_LINK} GTest::gtest_main)
-  target_precompile_headers(${target} REUSE_FROM extperfc_test_headers)
+  target_link_libraries(${target} PRIVATE ${ARG_LINK} GTest::gtest_main)
+  if(ARG_COMPUTES)
+    target_link_libraries(${target} PRIVATE extperfc_flags)
+    target_precompile_headers(${target} REUSE_FROM extperfc_core_headers)
+  else()
+    target_link_libraries(${target} PRIVATE extperfc_test_flags)
+    target_precompile_headers(${target} REUSE_FROM extperfc_test_headers)
+  endif()
   target_compile_definitions(${target} PRIVATE
     EXTPERFC_TEST_DATA="${PROJECT_SOURCE_DIR}/test/data" EXTPERFC_SOURCE_DIR="${PROJECT_SOURCE_DIR}")
   if(EXTPERFC_SANITIZE MATCHES address)
