@@ -19,6 +19,10 @@ target_compile_options(extperfc_flags INTERFACE
   -Wall -Wextra -Wpedantic -Wshadow -Wnon-virtual-dtor -Woverloaded-virtual -Wconversion -Wno-sign-conversion
   $<$<BOOL:${EXTPERFC_WERROR}>:-Werror>
   $<$<CXX_COMPILER_ID:GNU>:-fpch-preprocess>)  # lets ccache see through precompiled headers
+if(EXTPERFC_UNITY)
+  # Where sources are joined, what is anonymous in one seems to stand in a header.
+  target_compile_options(extperfc_flags INTERFACE $<$<CXX_COMPILER_ID:GNU>:-Wno-subobject-linkage>)
+endif()
 if(EXTPERFC_SANITIZE)
   target_compile_options(extperfc_flags INTERFACE
     -fsanitize=${EXTPERFC_SANITIZE} -fno-sanitize-recover=all -fno-omit-frame-pointer -g1
