@@ -30,8 +30,8 @@ class FieldCompiler {
                       const std::string& path);
   Result<void> element(const Field& from, const Field& to, const How& how, const std::string& path);
   Result<void> mapped(const Field& from, const Field& to, const How& how, const std::string& path);
-  /// Instructions that take `count` elements, or a whole array when there is none; false when there is no
-  /// such instruction and elements go one by one.
+  /// Adds one instruction for `count` elements, or for a whole array without a count. False when no such
+  /// instruction exists: then elements are converted one by one.
   Result<bool> bulk(const Field& from, const Field& to, std::optional<std::uint32_t> count, const How& how,
                     const std::string& path);
   Op numbers(const Field& from, const Field& to, const How& how);
