@@ -188,6 +188,89 @@ Colour books(float x, float y) {
   return scaled(colour, round * (0.92F + 0.16F * lattice(108, x, y, 200, 40)) * smooth_step(0, 0.003F, edge));
 }
 
+Colour stripes(float x, float y) {
+  const float along = 4 * x + 0.04F * (lattice(201, x, y, 6, 6) - 0.5F);
+  const float at = along - std::floor(along);
+  const float tone = smooth_step(0.0F, 0.02F, at) - smooth_step(0.5F, 0.52F, at);
+  return grey(0.22F + 0.75F * tone);
+}
+
+Colour dots(float x, float y) {
+  const float fx = 4 * x;
+  const float fy = 4 * y;
+  const float dx = fx - std::floor(fx) - 0.5F;
+  const float dy = fy - std::floor(fy) - 0.5F;
+  return grey(0.2F + 0.77F * smooth_step(0.25F, 0.28F, std::hypot(dx, dy)));
+}
+
+/// A vivid or dark colour of a palette that cells choose from.
+Colour print_colour(std::uint32_t layer, int i, int j) {
+  const auto channel = [&](std::uint32_t c) {
+    return 0.08F + 0.9F * cell(layer + c, i, j) * cell(layer + 7 + c, i, j);
+  };
+  return {channel(0), channel(1), channel(2)};
+}
+
+/// Two columns and three rows of labels: a ground, a bar, writing, a disc.
+Colour print(float x, float y) {
+  const int column = static_cast<int>(2 * x);
+  const int row = static_cast<int>(3 * y);
+  const float u = 2 * x - static_cast<float>(column);
+  const float v = 3 * y - static_cast<float>(row);
+  const bool pale = cell(211, column, row) > 0.4F;
+  Colour colour = pale ? grey(0.93F) : print_colour(212, column, row);
+  const float bar = 0.2F + 0.6F * cell(231, column, row);
+  if (std::abs(v - bar) < 0.13F) colour = print_colour(240, column, row);
+  const bool writing = u > 0.12F && u < 0.3F + 0.6F * cell(232, column, static_cast<int>(18 * v)) &&
+                       static_cast<int>(18 * v) % 2 == 0 && lattice(233, x, y, 150, 54) > 0.4F;
+  if (writing) colour = pale ? grey(0.12F) : grey(0.95F);
+  const float disc = std::hypot(u - 0.25F - 0.5F * cell(234, column, row), (v - 0.5F) * 0.7F);
+  if (disc < 0.16F && cell(235, column, row) > 0.4F) colour = print_colour(260, column, row);
+  return colour;
+}
+
+Colour poster(float x, float y) {
+  const auto channel = [&](std::uint32_t layer) {
+    const float broad = octaves(layer, x, y, 3, 3, 5);
+    return std::clamp(0.5F + 1.9F * (broad - 0.5F), 0.03F, 1.0F);
+  };
+  const float edge = octaves(301, x, y, 5, 5, 4) > 0.52F ? 0.6F : 1.0F;
+  return scaled({channel(281), channel(287), channel(293)}, edge);
+}
+
+Colour blotches(float x, float y) {
+  const float spot = smooth_step(0.48F, 0.56F, octaves(311, x, y, 5, 5, 3));
+  return mix({1.0F, 0.98F, 0.94F}, {0.35F, 0.26F, 0.2F}, spot);
+}
+
+/// Dark panels scattered on light ones, and seams.
+Colour ball(float x, float y) {
+  const float fx = 5 * x;
+  const float fy = 3 * y;
+  const int row = static_cast<int>(fy);
+  const float shifted = fx + (row % 2 != 0 ? 0.5F : 0.0F);
+  const float dx = shifted - std::floor(shifted) - 0.5F;
+  const float dy = fy - static_cast<float>(row) - 0.5F;
+  const float edge = std::max(std::abs(dx) + 0.5F * std::abs(dy), std::abs(dy));
+  if (edge < 0.26F) return grey(0.1F);
+  return grey(std::abs(dx) > 0.475F || std::abs(dy) > 0.48F ? 0.35F : 0.97F);
+}
+
+Colour pips(float x, float y) {
+  constexpr std::array<std::array<float, 2>, 5> kPlaces{
+      {{0.5F, 0.5F}, {0.25F, 0.25F}, {0.75F, 0.75F}, {0.25F, 0.75F}, {0.75F, 0.25F}}};
+  for (const auto& place : kPlaces)
+    if (std::hypot(x - place[0], y - place[1]) < 0.09F) return grey(0.08F);
+  const float edge = std::min(std::min(x, 1 - x), std::min(y, 1 - y));
+  return grey(0.8F + 0.2F * smooth_step(0.0F, 0.05F, edge));
+}
+
+Colour gradient(float x, float y) {
+  const float bright = 0.5F + 0.5F * std::cos(kTwoPiF * y);
+  const float glint = smooth_step(0.9F, 1.0F, 0.5F + 0.5F * std::cos(kTwoPiF * (x - 0.2F)));
+  return grey(std::min(1.0F, 0.45F + 0.45F * bright + 0.3F * glint));
+}
+
 Colour pattern(Texture texture, float x, float y) {
   switch (texture) {
     case Texture::kWood:
@@ -204,6 +287,22 @@ Colour pattern(Texture texture, float x, float y) {
       return marble(x, y);
     case Texture::kChecker:
       return checker(x, y);
+    case Texture::kStripes:
+      return stripes(x, y);
+    case Texture::kDots:
+      return dots(x, y);
+    case Texture::kPrint:
+      return print(x, y);
+    case Texture::kPoster:
+      return poster(x, y);
+    case Texture::kBlotches:
+      return blotches(x, y);
+    case Texture::kBall:
+      return ball(x, y);
+    case Texture::kPips:
+      return pips(x, y);
+    case Texture::kGradient:
+      return gradient(x, y);
     case Texture::kBooks:
       return books(x, y);
     case Texture::kNone:
@@ -212,38 +311,44 @@ Colour pattern(Texture texture, float x, float y) {
   return grey(1.0F);
 }
 
+Colour clamped(const Colour& c) {
+  return {std::clamp(c.r, 0.0F, 1.0F), std::clamp(c.g, 0.0F, 1.0F), std::clamp(c.b, 0.0F, 1.0F)};
+}
+
 std::uint32_t pack(const Colour& c) {
-  const auto byte = [](float v) {
-    return static_cast<std::uint32_t>(std::lround(std::clamp(v, 0.0F, 1.0F) * 255.0F));
-  };
+  const auto byte = [](float v) { return static_cast<std::uint32_t>(std::lround(v * 255.0F)); };
   return byte(c.r) | byte(c.g) << 8 | byte(c.b) << 16;
 }
 
-/// Mean of 2 x 2 pixels of the level with twice the size, by channel.
-std::uint32_t mean_of_four(const std::uint32_t* larger, int size, int x, int y) {
-  const std::uint32_t* const at = larger + static_cast<std::ptrdiff_t>(2 * y) * (2 * size) + 2 * x;
-  const std::array<std::uint32_t, 4> four{at[0], at[1], at[2 * size], at[2 * size + 1]};
-  std::uint32_t mean = 0;
-  for (int shift = 0; shift < 24; shift += 8) {
-    std::uint32_t sum = 2;
-    for (const auto pixel : four) sum += pixel >> shift & 0xFFU;
-    mean |= (sum / 4) << shift;
-  }
-  return mean;
+/// The level of half the size: each pixel is the mean of 2 x 2. Levels stay unrounded, or the
+/// rounding of eight of them would add up to two grey values.
+std::vector<Colour> halved(const std::vector<Colour>& larger, int size) {
+  std::vector<Colour> smaller;
+  smaller.reserve(static_cast<std::size_t>(size) * static_cast<std::size_t>(size));
+  for (int y = 0; y < size; ++y)
+    for (int x = 0; x < size; ++x) {
+      const Colour* const upper = larger.data() + static_cast<std::ptrdiff_t>(2 * y) * (2 * size) + 2 * x;
+      const Colour* const lower = upper + 2 * size;
+      smaller.push_back({0.25F * (upper[0].r + upper[1].r + lower[0].r + lower[1].r),
+                         0.25F * (upper[0].g + upper[1].g + lower[0].g + lower[1].g),
+                         0.25F * (upper[0].b + upper[1].b + lower[0].b + lower[1].b)});
+    }
+  return smaller;
 }
 
 MipTexture make_texture(Texture kind) {
   MipTexture texture;
   constexpr int n = MipTexture::kSize;
   texture.pixels.reserve(static_cast<std::size_t>(MipTexture::first_pixel(1)) + 1);
+  std::vector<Colour> level;
+  level.reserve(static_cast<std::size_t>(n) * n);
   for (int y = 0; y < n; ++y)
     for (int x = 0; x < n; ++x)
-      texture.pixels.push_back(
-          pack(pattern(kind, (static_cast<float>(x) + 0.5F) / n, (static_cast<float>(y) + 0.5F) / n)));
-  for (int size = n / 2; size > 0; size /= 2) {
-    const std::uint32_t* const larger = texture.pixels.data() + MipTexture::first_pixel(2 * size);
-    for (int y = 0; y < size; ++y)
-      for (int x = 0; x < size; ++x) texture.pixels.push_back(mean_of_four(larger, size, x, y));
+      level.push_back(
+          clamped(pattern(kind, (static_cast<float>(x) + 0.5F) / n, (static_cast<float>(y) + 0.5F) / n)));
+  for (int size = n; size > 0; size /= 2) {
+    if (size < n) level = halved(level, size);
+    std::transform(level.begin(), level.end(), std::back_inserter(texture.pixels), pack);
   }
   const auto linear = [&](int shift) {
     const float value = static_cast<float>(texture.pixels.back() >> shift & 0xFFU) / 255.0F;
@@ -277,6 +382,22 @@ const MipTexture* texture_of(Texture texture) {
       return made_once<Texture::kMarble>();
     case Texture::kChecker:
       return made_once<Texture::kChecker>();
+    case Texture::kStripes:
+      return made_once<Texture::kStripes>();
+    case Texture::kDots:
+      return made_once<Texture::kDots>();
+    case Texture::kPrint:
+      return made_once<Texture::kPrint>();
+    case Texture::kPoster:
+      return made_once<Texture::kPoster>();
+    case Texture::kBlotches:
+      return made_once<Texture::kBlotches>();
+    case Texture::kBall:
+      return made_once<Texture::kBall>();
+    case Texture::kPips:
+      return made_once<Texture::kPips>();
+    case Texture::kGradient:
+      return made_once<Texture::kGradient>();
     case Texture::kBooks:
       return made_once<Texture::kBooks>();
     case Texture::kNone:

@@ -67,15 +67,31 @@ double mean_brightness(const std::vector<std::uint8_t>& rgb) {
   return sum / (255.0 * std::max<double>(1, static_cast<double>(rgb.size()) / 21));
 }
 
+/// Spread of what goes wrong.
+struct Spread {
+  double exposure;       ///< standard deviation of the logarithm of brightness
+  double white_balance;  ///< likewise of each channel
+  double gamma;
+  float min_saturation, max_saturation;
+  float vignette;
+  double blurred;  ///< fraction of images out of focus
+  double focus_px;
+  double moved;  ///< fraction of images with motion blur
+  double motion_px;
+  double noise;  ///< standard deviation of its standard deviation
+};
+constexpr Spread kUsualSpread{0.22, 0.05, 0.1, 0.65F, 1.15F, 0.25F, 0.3, 0.8, 0.12, 6, 0.012};
+constexpr Spread kPoorSpread{0.42, 0.13, 0.2, 0.25F, 1.4F, 0.6F, 0.35, 1.6, 0.2, 12, 0.028};
+
 /// One table per channel: exposure, white balance, gamma.
-std::array<std::array<float, 256>, 3> tone_tables(Rng& rng, double brightness) {
-  const double aim = kMiddleGrey * std::exp(rng.normal(0, 0.22));
+std::array<std::array<float, 256>, 3> tone_tables(Rng& rng, double brightness, const Spread& spread) {
+  const double aim = kMiddleGrey * std::exp(rng.normal(0, spread.exposure));
   const double exposure = std::clamp(std::pow(aim / std::max(0.05, brightness), 0.75), 0.5, 2.2);
-  const double gamma = std::exp(rng.normal(0, 0.1));
+  const double gamma = std::exp(rng.normal(0, spread.gamma));
   const double lift = rng.chance(0.2) ? rng.uniform(0, 0.08) : 0;
   std::array<std::array<float, 256>, 3> tables{};
   for (auto& table : tables) {
-    const double gain = exposure * std::exp(rng.normal(0, 0.05));
+    const double gain = exposure * std::exp(rng.normal(0, spread.white_balance));
     for (std::size_t i = 0; i < table.size(); ++i) {
       const double value = std::min(1.0, std::pow(static_cast<double>(i) / 255, gamma) * gain);
       table[i] = static_cast<float>(255 * (lift + (1 - lift) * value));
@@ -84,10 +100,10 @@ std::array<std::array<float, 256>, 3> tone_tables(Rng& rng, double brightness) {
   return tables;
 }
 
-void tone(Rng& rng, std::vector<std::uint8_t>& rgb, int width, int height) {
-  const auto tables = tone_tables(rng, mean_brightness(rgb));
-  const auto saturation = static_cast<float>(rng.uniform(0.65, 1.15));
-  const auto vignette = static_cast<float>(rng.uniform(0, 0.25));
+void tone(Rng& rng, std::vector<std::uint8_t>& rgb, int width, int height, const Spread& spread) {
+  const auto tables = tone_tables(rng, mean_brightness(rgb), spread);
+  const auto saturation = static_cast<float>(rng.uniform(spread.min_saturation, spread.max_saturation));
+  const auto vignette = static_cast<float>(rng.uniform(0, spread.vignette));
   for (int y = 0; y < height; ++y)
     for (int x = 0; x < width; ++x) {
       const std::size_t at = 3 * (static_cast<std::size_t>(y) * width + x);
@@ -123,17 +139,19 @@ void add_noise(Rng& rng, std::vector<std::uint8_t>& rgb, double sigma) {
 
 }  // namespace
 
-void apply_camera_effects(Rng& rng, std::vector<std::uint8_t>& rgb, int width, int height) {
+void apply_camera_effects(Rng& rng, std::vector<std::uint8_t>& rgb, int width, int height,
+                          CameraQuality quality) {
+  const Spread& spread = quality == CameraQuality::kPoor ? kPoorSpread : kUsualSpread;
   const double unit = height / 480.0;
   const double kind = rng.uniform(0, 1);
   const double amount = rng.uniform(0, 1);
   const double angle = rng.uniform(0, kPi);
-  if (kind < 0.3)
-    convolve(rgb, width, height, bell(unit * (0.4 + 0.8 * amount)));
-  else if (kind < 0.42)
-    convolve(rgb, width, height, stroke(unit * (3 + 6 * amount), angle));
-  tone(rng, rgb, width, height);
-  add_noise(rng, rgb, std::abs(rng.normal(0, 0.012)));
+  if (kind < spread.blurred)
+    convolve(rgb, width, height, bell(unit * (0.4 + spread.focus_px * amount)));
+  else if (kind < spread.blurred + spread.moved)
+    convolve(rgb, width, height, stroke(unit * (3 + spread.motion_px * amount), angle));
+  tone(rng, rgb, width, height, spread);
+  add_noise(rng, rgb, std::abs(rng.normal(0, spread.noise)));
 }
 
 }  // namespace extperfc::simulate

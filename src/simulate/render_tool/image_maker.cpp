@@ -11,14 +11,18 @@
 #include "simulate/render_tool/camera_effects.hpp"
 #include "simulate/render_tool/random_view.hpp"
 #include "simulate/render_tool/whole_view.hpp"
+#include "simulate/worlds/varied_world.hpp"
 
 namespace extperfc::simulate {
 
 namespace {
 
 constexpr int kMaxViews = 25;  // views that are looked at before the last one is taken
+constexpr int kJpegQuality = 93;
 constexpr int kPreviewRows = 60;
-constexpr double kElsewhere = 0.04;  // fraction of the images that look anywhere in the room
+constexpr float kNear_m = 0.25F;      // nothing that is nearer may fill much of an ordinary image
+constexpr float kVeryNear_m = 0.13F;  // of a varied one
+constexpr double kElsewhere = 0.04;   // fraction of the images that look anywhere in the room
 constexpr double kOccluded = 0.95;
 constexpr double kDifficultFraction = 0.3;
 constexpr int kDifficultSize = 12;  // [px]
@@ -104,11 +108,18 @@ std::uint64_t ImageMaker::world_of(const Options& options, int number) {
              static_cast<std::uint64_t>(options.world.empty() ? number / kImagesPerWorld : number));
 }
 
+bool ImageMaker::varied(std::int64_t world_index) const {
+  if (fixed_ || options_.scenes == Scenes::kOrdinary) return false;
+  return options_.scenes == Scenes::kVaried || world_index % 2 == 1;
+}
+
 Result<void> ImageMaker::enter_world(int number) {
   const std::int64_t index = fixed_ ? 0 : number / kImagesPerWorld;
   if (index == world_index_) return {};
   const std::uint64_t seed = mix(options_.seed, static_cast<std::uint64_t>(index));
-  if (!fixed_) {
+  if (varied(index)) {
+    world_ = std::make_shared<const WorldSpec>(varied_world(seed));
+  } else if (!fixed_) {
     Rng rng(mix(seed, 1));
     auto world = random_world(world_params(rng), seed);
     if (!world) return tl::unexpected(world.error());
@@ -122,7 +133,20 @@ Result<void> ImageMaker::enter_world(int number) {
   return {};
 }
 
+int ImageMaker::count_visible() const {
+  const auto boxes = visible_boxes(preview_, rig_->instances(), 4);
+  return static_cast<int>(std::count_if(boxes.begin(), boxes.end(), [this](const VisibleBox& box) {
+    const Instance& instance = rig_->instances()[static_cast<std::size_t>(box.instance)];
+    return instance.body < 0 || asked_for(instance.label);
+  }));
+}
+
+bool ImageMaker::asked_for(const std::string& label) const {
+  return std::find(options_.classes.begin(), options_.classes.end(), label) != options_.classes.end();
+}
+
 Pose ImageMaker::choose_view(Rng& rng, const CameraParams& params) {
+  const bool any = varied(world_index_);
   const CameraParams preview = preview_of(params);
   std::vector<Eigen::Vector3d> targets = targets_;
   int min_visible =
@@ -133,11 +157,11 @@ Pose ImageMaker::choose_view(Rng& rng, const CameraParams& params) {
   }
   Pose view = Pose::Identity();
   for (int attempt = 0; attempt < kMaxViews; ++attempt) {
-    view = random_view(rng, *world_, targets);
+    view = random_view(rng, *world_, targets, any ? kAnyView : ViewRange{});
     rig_->camera(preview, view, preview_);
-    if (bad_fraction(preview_, 0.25F) > 0.03)
+    if (bad_fraction(preview_, any ? kVeryNear_m : kNear_m) > 0.03)
       continue;  // something right before the lens, or outside the room
-    if (static_cast<int>(visible_boxes(preview_, rig_->instances(), 4).size()) >= min_visible) break;
+    if (count_visible() >= min_visible) break;
   }
   return view;
 }
@@ -147,8 +171,7 @@ void ImageMaker::annotate(const CameraParams& params, const Pose& world_T_optica
   const auto& instances = rig_->instances();
   for (const VisibleBox& box : visible_boxes(image_.images, instances, options_.min_pixels)) {
     const Instance& instance = instances[static_cast<std::size_t>(box.instance)];
-    const auto& classes = options_.classes;
-    if (std::find(classes.begin(), classes.end(), instance.label) == classes.end()) continue;
+    if (!asked_for(instance.label)) continue;
     Annotation note{instance.label, box};
     const int small_side = std::min(box.x_max - box.x_min, box.y_max - box.y_min) + 1;
     note.difficult = small_side < kDifficultSize;
@@ -175,8 +198,13 @@ Result<const AnnotatedImage*> ImageMaker::make(int number) {
   params.image_noise = 0;  // apply_camera_effects() adds it after blur and exposure, as on a real sensor
   rig_->pose(snapshot_of(*world_, random_people(rng, *world_), number));
   const Pose view = choose_view(rng, params);
+  const bool any = varied(world_index_);
+  params.soft_light = !(any && rng.chance(0.25));
   rig_->camera(params, view, image_.images);
-  if (!options_.plain) apply_camera_effects(rng, image_.images.rgb, options_.width, options_.height);
+  if (!options_.plain)
+    apply_camera_effects(rng, image_.images.rgb, options_.width, options_.height,
+                         any ? CameraQuality::kPoor : CameraQuality::kUsual);
+  image_.jpeg_quality = any && !options_.plain ? rng.integer(35, 95) : kJpegQuality;
   annotate(params, view);
   return &image_;
 }

@@ -21,6 +21,7 @@ struct Annotation {
 };
 
 struct AnnotatedImage {
+  int jpeg_quality{93};  ///< 1 to 100
   CameraImages images;
   std::vector<Annotation> annotations;
 };
@@ -44,7 +45,10 @@ class ImageMaker {
 
  private:
   [[nodiscard]] Result<void> enter_world(int number);
+  [[nodiscard]] bool varied(std::int64_t world_index) const;
   [[nodiscard]] Pose choose_view(Rng& rng, const CameraParams& params);
+  [[nodiscard]] int count_visible() const;  ///< objects of the classes and people, in the preview
+  [[nodiscard]] bool asked_for(const std::string& label) const;
   void annotate(const CameraParams& params, const Pose& world_T_optical);
 
   Options options_;

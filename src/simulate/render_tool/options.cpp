@@ -21,10 +21,14 @@ Options:
   --seed NUMBER           of worlds, views and noise, 1 by default
   --size WIDTHxHEIGHT     640x480 by default; the lens is that of a D435i
   --world FILE            views of this world instead of random ones (config/worlds/README.md)
+  --scenes KIND           of the random worlds: ordinary (default: a table in a room), varied (any look and pose,
+                          look-alikes, odd light, poor cameras) or mixed (both in turn)
   --classes NAME,NAME...  labels that get boxes, cone,cube,sphere by default
   --min-pixels NUMBER     objects with fewer visible pixels get no box, 40 by default
   --val FRACTION          of the worlds for val.txt, 0 to 1, 0.1 by default
   --supersampling NUMBER  rays per pixel and direction, 1 or 2 (default)
+  --sequence              an RGB-D recording instead: a camera moves on an arc about the objects; OUT gets rgb/, depth/,
+                          associations.txt, groundtruth.txt (poses) and camera_info.yaml, as tools/demo --source reads them
   --depth                 writes Depth/000001.png too: 16 bit, millimetres, 0 where there is no measurement
   --plain                 no blur, exposure, white balance and noise
   --threads NUMBER        one per processor by default
@@ -73,6 +77,21 @@ Result<void> read_classes(Value text, Options& options) {
   return {};
 }
 
+const std::map<std::string, Scenes>& scene_kinds() {
+  static const std::map<std::string, Scenes> list{
+      {"ordinary", Scenes::kOrdinary}, {"varied", Scenes::kVaried}, {"mixed", Scenes::kMixed}};
+  return list;
+}
+
+Result<void> read_scenes(Value text, Options& options) {
+  const auto found = scene_kinds().find(text);
+  if (found == scene_kinds().end())
+    return fail(ErrorCode::kInvalidArgument,
+                "--scenes must be ordinary, varied or mixed, not \"" + text + "\"");
+  options.scenes = found->second;
+  return {};
+}
+
 using Reader = std::function<Result<void>(Value, Options&)>;
 
 const std::map<std::string, Reader>& readers() {
@@ -86,6 +105,7 @@ const std::map<std::string, Reader>& readers() {
          o.world = v;
          return Result<void>{};
        }},
+      {"--scenes", read_scenes},
       {"--classes", read_classes},
       {"--min-pixels",
        [](Value v, Options& o) { return read_number("--min-pixels", v, 1, 1000000, o.min_pixels); }},
@@ -99,6 +119,7 @@ const std::map<std::string, Reader>& readers() {
 
 const std::map<std::string, bool Options::*>& flags() {
   static const std::map<std::string, bool Options::*> list{{"--depth", &Options::depth},
+                                                           {"--sequence", &Options::sequence},
                                                            {"--plain", &Options::plain},
                                                            {"--resume", &Options::resume},
                                                            {"--help", &Options::help}};
@@ -132,6 +153,8 @@ Result<Options> parse_options(const std::vector<std::string>& tokens) {
 
 std::string fingerprint(const Options& options) {
   std::string world = "random";
+  for (const auto& [name, kind] : scene_kinds())
+    if (kind == options.scenes && kind != Scenes::kOrdinary) world += " " + name;
   if (!options.world.empty())
     world = options.world.string() + " " + sha256_of_file(options.world).value_or("");
   std::ostringstream out;

@@ -9,6 +9,13 @@
 
 namespace extperfc::simulate {
 
+/// Which random worlds are drawn.
+enum class Scenes {
+  kOrdinary,  ///< a table in a room, as a robot meets it
+  kVaried,    ///< any look, any pose, look-alikes, odd light, a poor camera
+  kMixed      ///< both in turn
+};
+
 struct Options {
   std::filesystem::path out;
   int count{100};  ///< images, [1, 999999]
@@ -16,7 +23,9 @@ struct Options {
   int width{640};               ///< [64, 4096]
   int height{480};              ///< [64, 4096]
   std::filesystem::path world;  ///< empty: random worlds
-  int supersampling{2};         ///< 1 or 2
+  Scenes scenes{Scenes::kOrdinary};
+  int supersampling{2};  ///< 1 or 2
+  bool sequence{false};  ///< a recording of a moving camera instead of single images
   bool depth{false};
   bool plain{false};  ///< without the lens and sensor effects
   bool resume{false};

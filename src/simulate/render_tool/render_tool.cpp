@@ -18,6 +18,7 @@
 
 #include "simulate/render_tool/image_maker.hpp"
 #include "simulate/render_tool/options.hpp"
+#include "simulate/render_tool/sequence.hpp"
 #include "simulate/render_tool/voc_folder.hpp"
 
 using namespace extperfc;            // NOLINT: a program, not a header
@@ -130,6 +131,17 @@ class Job {
   std::optional<Error> error_;  // guarded by mutex_
 };
 
+int record(const Options& options) {
+  std::error_code error;
+  if (std::filesystem::exists(options.out, error) && !std::filesystem::is_empty(options.out, error))
+    return complain(options.out.string() + " is not an empty folder: give a new one", kProblem);
+  listen_for_interrupts();
+  const auto written = write_sequence(options, [](int) { return !interrupted; });
+  if (!written) return complain(written.error().message, kProblem);
+  std::printf("%s: %d frames%s\n", options.out.c_str(), *written, interrupted ? "; interrupted" : "");
+  return interrupted ? kInterrupted : 0;
+}
+
 int render(const Options& options) {
   std::shared_ptr<const WorldSpec> world;
   if (!options.world.empty()) {
@@ -158,7 +170,7 @@ int render(const Options& options) {
 int main(int argc, char** argv) {
   const auto options = parse_options({argv + 1, argv + argc});
   if (!options) return complain(options.error().message, kUsage);
-  if (!options->help) return render(*options);
+  if (!options->help) return options->sequence ? record(*options) : render(*options);
   std::cout << kHelp;
   return 0;
 }

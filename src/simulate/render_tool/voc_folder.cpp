@@ -16,8 +16,6 @@ namespace fs = std::filesystem;
 
 namespace {
 
-constexpr int kJpegQuality = 93;
-
 /// Writes beside the target and renames, so that a file with its name is whole.
 Result<void> write_file(const fs::path& file, const char* data, std::size_t size) {
   const fs::path partial = file.parent_path() / ("." + file.filename().string() + ".partial");
@@ -145,7 +143,7 @@ Result<void> VocFolder::write(int number, const AnnotatedImage& image) const {
     if (auto written = write_image(options_.out / "Depth" / (name + ".png"), depth_of(image.images), {});
         !written)
       return written;
-  const std::vector<int> settings{cv::IMWRITE_JPEG_QUALITY, kJpegQuality};
+  const std::vector<int> settings{cv::IMWRITE_JPEG_QUALITY, image.jpeg_quality};
   if (auto written =
           write_image(options_.out / "JPEGImages" / (name + ".jpg"), bgr_of(image.images), settings);
       !written)

@@ -12,8 +12,11 @@
 namespace extperfc::simulate {
 namespace {
 
-constexpr std::array<Texture, 8> kAll{Texture::kWood,   Texture::kTiles,  Texture::kPlaster, Texture::kCloth,
-                                      Texture::kCarpet, Texture::kMarble, Texture::kChecker, Texture::kBooks};
+constexpr std::array<Texture, 16> kAll{
+    Texture::kWood,   Texture::kTiles,  Texture::kPlaster,  Texture::kCloth,
+    Texture::kCarpet, Texture::kMarble, Texture::kChecker,  Texture::kStripes,
+    Texture::kDots,   Texture::kPrint,  Texture::kPoster,   Texture::kBlotches,
+    Texture::kBall,   Texture::kPips,   Texture::kGradient, Texture::kBooks};
 
 double mean_green(const MipTexture& texture, int size) {
   double sum = 0;
