@@ -11,6 +11,7 @@
 
 #include "mapping/map_renderer.hpp"
 #include "mapping/path_filter.hpp"
+#include "mapping/rotation_by.hpp"
 #include "mapping/session.hpp"
 #include "mapping/tracker.hpp"
 
@@ -23,15 +24,6 @@ constexpr std::size_t kCellsPerMapCall = 1'500'000;  // drawn at most in one cal
 // version is still in use.
 constexpr MapRenderer::MapBounds kMapCall{600, 6'000'000};
 constexpr double kSmallestCovariance = 1e-8;
-
-/// The matrix that rotates x, y, yaw by `yaw`.
-Eigen::Matrix3d rotation_by(double yaw) {
-  Eigen::Matrix3d rotation = Eigen::Matrix3d::Identity();
-  rotation(0, 0) = rotation(1, 1) = std::cos(yaw);
-  rotation(1, 0) = std::sin(yaw);
-  rotation(0, 1) = -rotation(1, 0);
-  return rotation;
-}
 
 PathFilterParams filter_params(const MapperParams& params) {
   return {params.particles, params.resample_threshold, params.seed};
@@ -72,6 +64,7 @@ class Mapper::Impl {
   MapperStatistics statistics_;
   Pose2 key_pose_;  ///< tracked pose of the newest key frame
   double key_path_m_{0};
+  Eigen::Matrix3d doubt_{Eigen::Matrix3d::Zero()};  ///< of the steps since then
   double key_stamp_s_{0};
   bool settled_{true};
   bool settle_at_once_{false};  ///< after finish(): no time bound
@@ -90,6 +83,7 @@ MapperUpdate Mapper::Impl::add(const LaserScan& scan, const std::optional<Pose2>
   update.matched = tracked.matched;
   update.odometry_contradicted = tracked.odometry_contradicted;
   settle_at_once_ = false;
+  doubt_ += tracked.doubt;
   scans_.push_back({scan.stamp_s, tracked.pose, 0});
   if (points.surface.size() < Tracker::kMinPoints) {
     update.status = ScanStatus::kUnusable;
@@ -123,13 +117,16 @@ bool Mapper::Impl::add_key_frame(const ScanPoints& points, const Tracked& tracke
     filter_.begin(tracked.pose, std::move(frame));
   } else {
     const Eigen::Matrix3d rotation = rotation_by(-key_pose_.yaw);
+    const Eigen::Matrix3d information =
+        (tracked.information.inverse() + doubt_).inverse();  // the tracker's prior makes it invertible
     const TrackedStep tracked_step{between(key_pose_, tracked.pose),
-                                   rotation * tracked.information * rotation.transpose(),
+                                   rotation * information * rotation.transpose(),
                                    statistics_.path_m - key_path_m_};
     step = filter_.add(tracked_step, std::move(frame));
   }
   key_pose_ = tracked.pose;
   key_path_m_ = statistics_.path_m;
+  doubt_.setZero();
   settled_ = false;
   ++map_version_;
   return step.map_changed;

@@ -140,6 +140,32 @@ ScanMatch evaluate(const SurfaceMap& map, const ScanPoints& points, const Pose2&
   return summarize(linearize(map, points, pose, kReachCells, 2 * kSigmaM), points, pose);
 }
 
+Agreement agreement(const SurfaceMap& map, const ScanPoints& points, const Pose2& pose) {
+  constexpr int kNearCells = 4;
+  Eigen::Matrix2f rotation;
+  const auto c = static_cast<float>(std::cos(pose.yaw));
+  const auto s = static_cast<float>(std::sin(pose.yaw));
+  rotation << c, -s, s, c;
+  const Eigen::Vector2f shift(static_cast<float>(pose.x), static_cast<float>(pose.y));
+  Agreement sum;
+  sum.all = static_cast<double>(points.surface.size());
+  for (const SurfacePoint& point : points.surface) {
+    const Eigen::Vector2f position = rotation * point.position + shift;
+    const Eigen::Vector2f own_normal = rotation * point.normal;
+    const auto* surface = map.nearest(position, own_normal, kNearCells);
+    if (!surface) continue;
+    sum.near_surface += 1;
+    const Eigen::Vector2f d = position - surface->mean;
+    constexpr float kBesideM = 2 * SurfaceMap::kCellM;  // along its line, a surface ends here
+    if (d.squaredNorm() > kBesideM * kBesideM) continue;
+    const double error =
+        static_cast<double>(surface->normal.squaredNorm() > 0 ? std::abs(surface->normal.dot(d)) : d.norm());
+    const double ratio = error / kOnSurfaceM;
+    sum.on_surface += std::max(0.0, 1.0 - ratio * ratio);
+  }
+  return sum;
+}
+
 double graded_fit(const SurfaceMap& map, const ScanPoints& points, const Pose2& pose) {
   constexpr int kReachCells = 2;
   Eigen::Matrix2f rotation;

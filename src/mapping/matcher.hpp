@@ -40,6 +40,14 @@ struct ScanMatch {
 /// Fraction of the points that lie on a surface, graded by how near they lie, [0, 1].
 [[nodiscard]] double graded_fit(const SurfaceMap& map, const ScanPoints& points, const Pose2& pose);
 
+/// How the points of a scan compare with a map at a pose, in points.
+struct Agreement {
+  double on_surface{0};    ///< graded by how near they lie, as in graded_fit()
+  double near_surface{0};  ///< lie so near to a surface that they should lie on it
+  double all{0};
+};
+[[nodiscard]] Agreement agreement(const SurfaceMap& map, const ScanPoints& points, const Pose2& pose);
+
 /// A match in surroundings that may look alike along one direction, as corridors do: evaluates `score` along
 /// the weakest direction, up to `window_m` on both sides of the prior's mean. A single narrow peak restarts
 /// the match there. A broad one keeps the position nearest to the prior and reduces the information along

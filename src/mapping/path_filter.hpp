@@ -62,7 +62,7 @@ class PathFilter {
   /// The first key frame, at `pose`.
   void begin(const Pose2& pose, KeyFrame frame);
   Step add(const TrackedStep& step, KeyFrame frame);
-  /// Matches again the loop closures that contradict the optimized poses, and optimizes the whole graph.
+  /// Searches the whole map once more for loop closures, and optimizes the whole graph.
   void finish();
 
   [[nodiscard]] const std::vector<KeyFrame>& frames() const { return frames_; }

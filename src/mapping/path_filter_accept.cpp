@@ -6,6 +6,7 @@
 #include <Eigen/Eigenvalues>
 #include <Eigen/Geometry>
 
+#include "mapping/loop_closer.hpp"
 #include "mapping/path_filter.hpp"
 #include "mapping/path_filter_common.hpp"
 
@@ -25,6 +26,7 @@ constexpr double kMaxSquaredErrorPerStep = 4.0;  // mean chi-square of tracked s
 constexpr std::size_t kWindow = 60;            // key frames that a small correction moves
 constexpr std::size_t kOptimizeAllEvery = 60;  // small corrections
 constexpr double kLargeMoveM = 0.1;
+constexpr double kBetweenLoopsM = 5.0;    // without a closure, until the next one counts as another loop
 constexpr double kContradictionM = 0.35;  // a larger correction contradicts earlier loop closures
 
 }  // namespace
@@ -83,7 +85,7 @@ PathFilter::Step PathFilter::accept(std::size_t best) {
     collapse();
     return {};
   }
-  if (moved > kLargeMoveM) ++loops_;
+  if (moved > kLargeMoveM || frames_.back().travelled_m - accepted_at_m_ > kBetweenLoopsM) ++loops_;
   accepted_at_m_ = frames_.back().travelled_m;
   collapse();
   return {true, moved > kLargeMoveM};
@@ -183,16 +185,17 @@ void PathFilter::accept_rest() {
   if (agreeing >= kMinAgreement) accept(best);
 }
 
+/// Tells the whole path once more from its tracked steps. That story replaces the particles' one only where
+/// it agrees clearly better with itself.
 void PathFilter::finish() {
-  constexpr double kContradicted = 12.0;  // chi-square: one in a hundred
-  constexpr int kRounds = 3;
   accept_rest();
   graph_.optimize(0, 10);
-  for (int round = 0; round < kRounds; ++round) {
-    for (Constraint& constraint : graph_.constraints())
-      if (constraint.is_loop_closure && graph_.squared_error(constraint) > kContradicted) rematch(constraint);
-    graph_.optimize(0, 6);
-  }
+  LoopCloser closer(submaps_);
+  PoseGraph again = graph_;
+  constexpr double kClearly = 1.02;
+  constexpr double kFrames = 2.0;
+  const double score = closer.score(frames_, graph_);
+  if (closer.close_all(frames_, again) > kClearly * std::max(0.0, score) + kFrames) graph_ = std::move(again);
   if (!particles_.empty() && !graph_.poses().empty()) collapse();
 }
 

@@ -10,9 +10,21 @@ namespace extperfc::mapping {
 
 namespace {
 
-// A loop closure with this chi-square has a quarter of its weight (Geman-McClure).
-constexpr double kDoubtfulSquaredError = 40.0;
 constexpr double kSettledM = 1e-5;
+
+// A tracked step with a chi-square beyond this slipped: its residual counts linearly.
+constexpr double kSlippedSquaredError = 25.0;
+
+/// Weight of a squared error under the Geman-McClure loss: one fourth at `scale`.
+double geman_mcclure(double squared_error, double scale) {
+  const double root = 1.0 / (1.0 + squared_error / scale);
+  return root * root;
+}
+
+/// Weight of a squared error under the Huber loss that is linear beyond `scale`.
+double huber(double squared_error, double scale) {
+  return squared_error <= scale ? 1.0 : std::sqrt(scale / squared_error);
+}
 
 Eigen::Matrix3d jacobian_from(const Pose2& from, const Pose2& to) {
   const double c = std::cos(from.yaw);
@@ -115,6 +127,28 @@ double PoseGraph::squared_error(const Constraint& constraint) const {
 }
 
 bool PoseGraph::optimize(std::size_t first_free, int iterations) {
+  return optimize(first_free, iterations, kDoubtfulSquaredError);
+}
+
+bool PoseGraph::optimize_gradually() {
+  constexpr int kLastIterations = 6;
+  constexpr double kEasing = 8.0;
+  constexpr double kFarOff = 1e5;  // beyond, a loop closure counts in full whatever its residual is
+  const auto before = poses_;
+  double largest = kDoubtfulSquaredError;
+  for (const Constraint& constraint : constraints_)
+    if (constraint.is_loop_closure) largest = std::max(largest, squared_error(constraint));
+  for (double scale = std::min(largest, kFarOff) * kEasing; scale > kDoubtfulSquaredError; scale /= kEasing) {
+    if (optimize(0, 2, scale)) continue;
+    poses_ = before;
+    return false;
+  }
+  if (optimize(0, kLastIterations, kDoubtfulSquaredError)) return true;
+  poses_ = before;
+  return false;
+}
+
+bool PoseGraph::optimize(std::size_t first_free, int iterations, double loss_scale) {
   const std::size_t first = std::max<std::size_t>(1, first_free);
   if (first >= poses_.size()) return true;
   const auto before = poses_;
@@ -124,9 +158,9 @@ bool PoseGraph::optimize(std::size_t first_free, int iterations) {
     for (const Constraint& constraint : constraints_) {
       if (constraint.from < first && constraint.to < first) continue;
       const Eigen::Vector3d e = error(constraint);
-      const double ratio =
-          constraint.is_loop_closure ? e.dot(constraint.information * e) / kDoubtfulSquaredError : 0.0;
-      const double weight = 1.0 / ((1.0 + ratio) * (1.0 + ratio));
+      const double squared = e.dot(constraint.information * e);
+      const double weight = constraint.is_loop_closure ? geman_mcclure(squared, loss_scale)
+                                                       : huber(squared, kSlippedSquaredError);
       equations.add(constraint, jacobian_from(poses_[constraint.from], poses_[constraint.to]),
                     jacobian_to(poses_[constraint.from]), e, weight);
     }

@@ -33,13 +33,22 @@ class PoseGraph {
 
   /// Moves the nodes from `first_free` on. False when the equations could not be solved; nothing moves then.
   bool optimize(std::size_t first_free, int iterations);
+  /// Moves all nodes by graduated non-convexity (Yang, Antonante, Tzoumas and Carlone 2020): loop closures
+  /// count in full at first, however far off, and those that the others contradict lose their weight step by
+  /// step. For closures that were accepted together.
+  bool optimize_gradually();
 
   /// Residual of a constraint at the present poses: x, y [m], yaw [rad] in the frame of its `from`.
   [[nodiscard]] Eigen::Vector3d error(const Constraint& constraint) const;
   /// The same in standard deviations, squared (a chi-square of three degrees of freedom).
   [[nodiscard]] double squared_error(const Constraint& constraint) const;
 
+  /// The chi-square at which a loop closure has a quarter of its weight.
+  static constexpr double kDoubtfulSquaredError = 40.0;
+
  private:
+  bool optimize(std::size_t first_free, int iterations, double loss_scale);
+
   std::vector<Pose2> poses_;
   std::vector<Constraint> constraints_;
 };

@@ -14,12 +14,27 @@ bool moved(const Pose2& a, const Pose2& b) {
   return std::hypot(a.x - b.x, a.y - b.y) > kMovedM || std::abs(wrap_angle(a.yaw - b.yaw)) > kMovedRad;
 }
 
+/// Every n-th surface, so that there are kMaxSubmapPoints at most.
+ScanPoints thinned(const SurfaceMap& map) {
+  constexpr std::size_t kMaxSubmapPoints = 500;
+  ScanPoints points;
+  map.visit([&](const SurfaceMap::Surface& surface) {
+    if (surface.weight >= 2) points.surface.push_back({surface.mean, surface.normal});
+  });
+  const std::size_t step = 1 + points.surface.size() / kMaxSubmapPoints;
+  std::size_t kept = 0;
+  for (std::size_t i = 0; i < points.surface.size(); i += step) points.surface[kept++] = points.surface[i];
+  points.surface.resize(kept);
+  return points;
+}
+
 void draw(Submap& submap, const std::vector<KeyFrame>& frames, const std::vector<Pose2>& poses) {
   const Pose2& middle = poses[submap.key_frame];
   submap.map.clear();
   submap.pyramid.reset();
   for (std::size_t i = submap.first; i < submap.last; ++i)
     submap.map.add(frames[i].points, between(middle, poses[i]));
+  submap.points = thinned(submap.map);
   submap.profiles.clear();
   submap.profile_poses.clear();
   for (const std::size_t i : {submap.first, submap.key_frame, submap.last - 1}) {
@@ -41,6 +56,18 @@ double contradictions(const Submap& submap, const ScanPoints& points, const Rang
         in_free_space,
         fraction_in_free_space(submap.profiles[i], points, between(submap.profile_poses[i], submap_T_base)));
   return 0.5 * (in_free_space + fraction_seen_through(profile, submap.map, submap_T_base, kRadiusM));
+}
+
+double contradictions(const Submap& submap, const Submap& other, const Pose2& submap_T_other) {
+  const auto worst_in = [](const Submap& seen, const ScanPoints& points, const Pose2& seen_T_points) {
+    double worst = 0;
+    for (std::size_t i = 0; i < seen.profiles.size(); ++i)
+      worst = std::max(worst, fraction_in_free_space(seen.profiles[i], points,
+                                                     between(seen.profile_poses[i], seen_T_points)));
+    return worst;
+  };
+  return 0.5 * (worst_in(submap, other.points, submap_T_other) +
+                worst_in(other, submap.points, inverse(submap_T_other)));
 }
 
 Submap& SubmapCache::at(std::size_t key_frame, std::size_t end, const std::vector<KeyFrame>& frames,

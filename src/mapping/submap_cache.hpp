@@ -22,6 +22,7 @@ struct Submap {
   Pose2 first_seen;  ///< of `first` and of `last - 1` when the map was drawn; shows when it is out of date
   Pose2 last_seen;
   SurfaceMap map;
+  ScanPoints points;                       ///< its surfaces, thinned, as if one scan had seen them
   std::vector<RangeProfile> profiles;      ///< of `first`, `key_frame` and `last - 1` ...
   std::vector<Pose2> profile_poses;        ///< ... and where those stand here
   std::unique_ptr<SearchPyramid> pyramid;  ///< made when a wide search first needs it
@@ -32,12 +33,14 @@ struct Submap {
 /// free, surfaces that the scan saw through. [0, 1]
 [[nodiscard]] double contradictions(const Submap& submap, const ScanPoints& points,
                                     const RangeProfile& profile, const Pose2& submap_T_base);
+/// The same between two submaps.
+[[nodiscard]] double contradictions(const Submap& submap, const Submap& other, const Pose2& submap_T_other);
 
 /// Submaps of old key frames, shared by all particles: drawn on demand, redrawn when an optimization moved
 /// their key frames, dropped when others were used more recently. Memory is bounded by kMaxSubmaps.
 class SubmapCache {
  public:
-  static constexpr std::size_t kMaxSubmaps = 40;
+  static constexpr std::size_t kMaxSubmaps = 64;
   static constexpr std::size_t kHalfWidth = 8;  ///< key frames before and after the middle
 
   /// The submap around `key_frame`, from key frames before `end` only. Valid until the next call.

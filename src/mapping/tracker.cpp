@@ -77,6 +77,9 @@ Tracked Tracker::add(const ScanPoints& points, const std::optional<Pose2>& odom_
     if (tracked.matched && has_odometry && !resuming_) watch_slide(points, before, step, tracked);
   }
   if (!has_odometry) slide_ = {};
+  if (has_odometry && !resuming_) tracked.doubt = doubt(tracked, step, before);
+  constexpr double kFollow = 0.1;
+  usual_fit_ += kFollow * (tracked.fit - usual_fit_);
   const double per_m2 = 1 / (before.sigma_m * before.sigma_m);
   tracked.information +=
       Eigen::Vector3d(per_m2, per_m2, 1 / (before.sigma_rad * before.sigma_rad)).asDiagonal();
@@ -94,12 +97,54 @@ Tracked Tracker::add(const ScanPoints& points, const std::optional<Pose2>& odom_
 
 void Tracker::match_scan(const ScanPoints& points, const PosePrior& prior, Tracked& tracked) const {
   ScanMatch best = match(map_, points, prior.mean, prior, kReachM);
-  if (best.fit < minimum_fit_ + kComfortableFit) best = look_wider(points, prior, best);
+  if (best.fit < minimum_fit_ + kComfortableFit || is_unusual(best)) best = look_wider(points, prior, best);
   tracked.fit = best.fit;
   if (best.fit < minimum_fit_ && best.used * 2 < static_cast<int>(points.surface.size())) return;
   tracked.matched = true;
   tracked.pose = best.pose;
   tracked.information = best.information;
+}
+
+bool Tracker::is_unusual(const ScanMatch& match) const {
+  constexpr double kDrop = 0.12;
+  return match.fit < usual_fit_ - kDrop;
+}
+
+/// Fraction of the scan that the local map explains, less what contradicts it: points beside surfaces that
+/// they should lie on, and points where the latest scans saw free space. Points where nothing was seen yet
+/// are no argument.
+double Tracker::support(const ScanPoints& points, const Pose2& pose) const {
+  constexpr std::size_t kApart = 5;
+  constexpr std::size_t kProfiles = 4;
+  constexpr double kInFreeSpace = 2.0;
+  const Agreement seen = agreement(map_, points, pose);
+  double in_free_space = 0;
+  for (std::size_t i = 0; i < kProfiles && i * kApart < recent_.size(); ++i) {
+    const Remembered& other = recent_[recent_.size() - 1 - i * kApart];
+    in_free_space =
+        std::max(in_free_space, fraction_in_free_space(other.profile, points, between(other.pose, pose)));
+  }
+  return (2 * seen.on_surface - seen.near_surface) / std::max(1.0, seen.all) - kInFreeSpace * in_free_space;
+}
+
+/// Neither side is believed blindly when they disagree by more than the noise of wheels that do not slip.
+Eigen::Matrix3d Tracker::doubt(const Tracked& tracked, const Pose2& step, const PosePrior& prior) const {
+  constexpr double kNoiseM = 0.02;
+  constexpr double kNoiseRad = 0.02;
+  constexpr double kSigmas = 3.0;
+  constexpr double kTrust = 0.5;  // the matched pose is half as far off, as one standard deviation
+  const double distance_m = std::hypot(step.x, step.y);
+  const double rotation_rad = std::abs(step.yaw);
+  const double usual_m = kNoiseM + kSigmas * (noise_.srr * distance_m + noise_.str * 0.2 * rotation_rad);
+  const double usual_rad = kNoiseRad + kSigmas * (noise_.stt * rotation_rad + noise_.srt * distance_m);
+  Eigen::Vector3d off(tracked.pose.x - prior.mean.x, tracked.pose.y - prior.mean.y,
+                      wrap_angle(tracked.pose.yaw - prior.mean.yaw));
+  Eigen::Matrix3d doubt = Eigen::Matrix3d::Zero();
+  off *= kTrust;
+  if (off.head<2>().norm() > kTrust * usual_m)
+    doubt.topLeftCorner<2, 2>() = off.head<2>() * off.head<2>().transpose();
+  if (std::abs(off.z()) > kTrust * usual_rad) doubt(2, 2) = off.z() * off.z();
+  return doubt;
 }
 
 /// In a corridor few points constrain the position along it, and some of those are people, or move with the
@@ -141,16 +186,28 @@ void Tracker::hold(const ScanPoints& points, PosePrior prior, Tracked& tracked) 
 }
 
 /// For slipping wheels, jumps of odometry, a carried robot, or much new surroundings: searches around the
-/// pose of odometry, the constant-velocity prediction and the last pose. Only a clear gain counts.
+/// pose of odometry, the constant-velocity prediction and the last pose. The farther from odometry, the more
+/// the scan must speak for a pose: the logarithm of a heavy-tailed prior, weighed against the support.
 ScanMatch Tracker::look_wider(const ScanPoints& points, const PosePrior& prior,
                               const ScanMatch& first) const {
   constexpr double kWindowM = 0.4;
   constexpr double kResumingWindowM = 1.2;
   constexpr double kWindowRad = 0.3;
   constexpr double kResumingWindowRad = 0.6;
-  constexpr double kClearGain = 0.1;
+  constexpr double kMinGain = 0.05;
+  constexpr double kGainPerLog = 0.045;
+  constexpr double kFullScan = 200;  // points; fewer prove less
   constexpr double kSamePlaceM = 0.2;
   ScanMatch best = first;
+  double best_score = support(points, first.pose) + kMinGain;
+  const double per_log =
+      kGainPerLog * std::clamp(kFullScan / static_cast<double>(points.surface.size()), 1.0, 4.0);
+  const auto cost = [&](const Pose2& pose) {
+    const double m = std::hypot(pose.x - prior.mean.x, pose.y - prior.mean.y) / prior.sigma_m;
+    const double rad = wrap_angle(pose.yaw - prior.mean.yaw) / prior.sigma_rad;
+    return resuming_ ? 0.0 : per_log * std::log1p(m * m + rad * rad);
+  };
+  best_score -= cost(first.pose);
   std::vector<Pose2> tried;
   for (const Pose2& centre : {prior.mean, compose(pose_, last_step_), pose_}) {
     const bool known = std::any_of(tried.begin(), tried.end(), [&](const Pose2& other) {
@@ -162,7 +219,10 @@ ScanMatch Tracker::look_wider(const ScanPoints& points, const PosePrior& prior,
     const Pose2 start = search_near(map_, points, centre, resuming_ ? kResumingWindowM : kWindowM,
                                     resuming_ ? kResumingWindowRad : kWindowRad);
     const ScanMatch wide = match(map_, points, start, {start, 1.0, 1.0}, kReachM);
-    if (wide.fit > best.fit + kClearGain) best = wide;
+    const double score = support(points, wide.pose) - cost(wide.pose);
+    if (score <= best_score) continue;
+    best = wide;
+    best_score = score;
   }
   return best;
 }
@@ -172,7 +232,7 @@ void Tracker::remember(const ScanPoints& points, const Pose2& pose) {
     const Pose2 since = between(recent_.back().pose, pose);
     if (std::hypot(since.x, since.y) < kRememberEveryM && std::abs(since.yaw) < kRememberEveryRad) return;
   }
-  recent_.push_back({pose, points});
+  recent_.push_back({pose, points, RangeProfile(points)});
   map_.add(points, pose);
   if (recent_.size() < 2 * kRemembered) return;
   while (recent_.size() > kRemembered) recent_.pop_front();
@@ -188,7 +248,7 @@ void Tracker::resume_from(const std::vector<KeyFrame>& frames, const std::vector
                           const Pose2& pose) {
   recent_.clear();
   for (std::size_t i = frames.size() - std::min(frames.size(), kRemembered); i < frames.size(); ++i)
-    recent_.push_back({poses[i], frames[i].points});
+    recent_.push_back({poses[i], frames[i].points, RangeProfile(frames[i].points)});
   redraw();
   pose_ = pose;
   last_step_ = {};

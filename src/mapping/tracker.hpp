@@ -10,6 +10,7 @@
 #include "mapping/matcher.hpp"
 #include "mapping/scan_points.hpp"
 #include "mapping/surface_map.hpp"
+#include "mapping/visibility.hpp"
 
 namespace extperfc::mapping {
 
@@ -27,6 +28,9 @@ struct Tracked {
   double fit{0};                                         ///< see ScanMatch
   bool matched{false};                                   ///< false: odometry alone gave the pose
   bool odometry_contradicted{false};
+  /// What the scan and the wheels disagree by, as a covariance of x, y, yaw in that frame; zero when they
+  /// agree.
+  Eigen::Matrix3d doubt{Eigen::Matrix3d::Zero()};
 };
 
 /// Scan-to-map tracking: matches every scan to the surfaces seen over the last metres, with odometry (without
@@ -50,6 +54,7 @@ class Tracker {
   struct Remembered {
     Pose2 pose;
     ScanPoints points;
+    RangeProfile profile;
   };
   /// Recent deviation of the matches from odometry along directions that scans hardly constrain.
   struct Slide {
@@ -63,6 +68,10 @@ class Tracker {
   void match_scan(const ScanPoints& points, const PosePrior& prior, Tracked& tracked) const;
   void watch_slide(const ScanPoints& points, const PosePrior& prior, const Pose2& step, Tracked& tracked);
   void hold(const ScanPoints& points, PosePrior prior, Tracked& tracked);
+  [[nodiscard]] bool is_unusual(const ScanMatch& match) const;
+  [[nodiscard]] double support(const ScanPoints& points, const Pose2& pose) const;
+  [[nodiscard]] Eigen::Matrix3d doubt(const Tracked& tracked, const Pose2& step,
+                                      const PosePrior& prior) const;
   [[nodiscard]] ScanMatch look_wider(const ScanPoints& points, const PosePrior& prior,
                                      const ScanMatch& first) const;
   void redraw();
@@ -76,6 +85,7 @@ class Tracker {
   std::deque<Remembered> recent_;
   SurfaceMap map_;
   Slide slide_;
+  double usual_fit_{0};   ///< of the latest scans
   bool resuming_{false};  ///< the next scan is looked for in a wider window
 };
 

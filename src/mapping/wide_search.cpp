@@ -115,9 +115,22 @@ SearchPyramid::SearchPyramid(const SurfaceMap& map) {
   }
 }
 
-std::optional<FoundPose> search_wide(const SearchPyramid& pyramid, const ScanPoints& points,
-                                     const SearchWindow& window, double min_score, int max_nodes) {
-  if (points.surface.empty()) return std::nullopt;
+namespace {
+
+bool is_new_peak(const std::vector<FoundPose>& found, const Pose2& pose, const PeakOptions& options) {
+  return std::none_of(found.begin(), found.end(), [&](const FoundPose& other) {
+    return std::hypot(other.pose.x - pose.x, other.pose.y - pose.y) < options.apart_m &&
+           std::abs(wrap_angle(other.pose.yaw - pose.yaw)) < options.apart_rad;
+  });
+}
+
+}  // namespace
+
+std::vector<FoundPose> search_peaks(const SearchPyramid& pyramid, const ScanPoints& points,
+                                    const SearchWindow& window, double min_score, int max_nodes,
+                                    const PeakOptions& options) {
+  std::vector<FoundPose> found;
+  if (points.surface.empty()) return found;
   const int yaw_steps = std::max(0, static_cast<int>(std::ceil(window.half_yaw_rad / kYawStepRad)));
   const auto scans = rotate_scan(points, window, yaw_steps);
   const int width = std::max(1, cell_of(2 * window.half_width_m));
@@ -136,19 +149,29 @@ std::optional<FoundPose> search_wide(const SearchPyramid& pyramid, const ScanPoi
   while (!open.empty() && nodes < max_nodes) {
     const Node node = open.top();
     open.pop();
+    if (!found.empty() && node.bound < found.front().score - options.within_best) break;
     if (node.level == 0) {
       const double step = static_cast<double>(SearchPyramid::kCellM);
-      return FoundPose{{window.centre.x - window.half_width_m + node.column * step,
-                        window.centre.y - window.half_width_m + node.row * step,
-                        wrap_angle(window.centre.yaw + (node.angle - yaw_steps) * kYawStepRad)},
-                       node.bound};
+      const Pose2 pose{window.centre.x - window.half_width_m + node.column * step,
+                       window.centre.y - window.half_width_m + node.row * step,
+                       wrap_angle(window.centre.yaw + (node.angle - yaw_steps) * kYawStepRad)};
+      if (is_new_peak(found, pose, options)) found.push_back({pose, node.bound});
+      if (found.size() == options.count) break;
+      continue;
     }
     const int half = 1 << (node.level - 1);
     for (int dc = 0; dc <= half; dc += half)
       for (int dr = 0; dr <= half; dr += half)
         offer(node.level - 1, node.angle, node.column + dc, node.row + dr);
   }
-  return std::nullopt;
+  return found;
+}
+
+std::optional<FoundPose> search_wide(const SearchPyramid& pyramid, const ScanPoints& points,
+                                     const SearchWindow& window, double min_score, int max_nodes) {
+  const auto found = search_peaks(pyramid, points, window, min_score, max_nodes, {});
+  if (found.empty()) return std::nullopt;
+  return found.front();
 }
 
 }  // namespace extperfc::mapping

@@ -49,9 +49,22 @@ struct FoundPose {
   double score{0};  ///< fraction of the points that fall on a surface, [0, 1]
 };
 
-/// The best pose in the window whose score is at least `min_score`, by branch and bound (Hess et al. 2016,
-/// Real-Time Loop Closure in 2D LIDAR SLAM, section V). No pose when none was found
-/// within `max_nodes` computed bounds.
+/// How many poses of a window are wanted, and how far apart.
+struct PeakOptions {
+  std::size_t count{1};
+  double apart_m{1.0};      ///< a pose this far from all better ones is another peak ...
+  double apart_rad{0.3};    ///< ... as is one rotated this far
+  double within_best{1.0};  ///< of the best score: lower peaks are not looked for
+};
+
+/// The best poses in the window whose scores are at least `min_score`, best first, by branch and bound (Hess
+/// et al. 2016, Real-Time Loop Closure in 2D LIDAR SLAM, section V). Those found within `max_nodes` computed
+/// bounds.
+[[nodiscard]] std::vector<FoundPose> search_peaks(const SearchPyramid& pyramid, const ScanPoints& points,
+                                                  const SearchWindow& window, double min_score, int max_nodes,
+                                                  const PeakOptions& options);
+
+/// The best one.
 [[nodiscard]] std::optional<FoundPose> search_wide(const SearchPyramid& pyramid, const ScanPoints& points,
                                                    const SearchWindow& window, double min_score,
                                                    int max_nodes);

@@ -63,7 +63,9 @@ struct MapperStatistics {
   std::size_t key_frames{0};
   std::size_t unusable_scans{0};
   std::size_t odometry_contradictions{0};
-  std::size_t loops{0};  ///< closed so far
+  /// Closed so far: known ground that was reached again after 5 m elsewhere, or a correction of more than 0.1
+  /// m.
+  std::size_t loops{0};
   std::size_t resamplings{0};
   double effective_particles{0};  ///< of the last key frame, [1, particles]
   double entropy{0};              ///< of the particles' weights [nat]

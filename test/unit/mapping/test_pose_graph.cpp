@@ -196,5 +196,47 @@ TEST(PoseGraph, SmallAndHostileOnes) {
   EXPECT_TRUE(same_bits(graph.poses()[1], before[1])) << "nothing moves then";
 }
 
+/// A closed square of 40 steps that veer, as an open path.
+PoseGraph veering_square(std::vector<Pose2>& truth) {
+  PoseGraph graph;
+  truth.assign(1, {});
+  graph.add_node({});
+  for (std::size_t i = 0; i < 40; ++i) {
+    const double corner = i % 10 == 9 ? M_PI / 2 : 0.0;
+    truth.push_back(compose(truth.back(), {1, 0, corner}));
+    const Pose2 step{1, 0, corner + 0.01};
+    graph.add_node(compose(graph.poses().back(), step));
+    graph.add({i, i + 1, step, Eigen::Vector3d(1e4, 1e4, 1e4).asDiagonal(), false});
+  }
+  return graph;
+}
+
+TEST(PoseGraph, GraduallyClosesALoopThatIsFarOff) {
+  std::vector<Pose2> truth;
+  PoseGraph graph = veering_square(truth);
+  const Eigen::Matrix3d sharp = Eigen::Vector3d(1e6, 1e6, 1e7).asDiagonal();
+  graph.add({0, 40, truth[40], sharp, true});
+  graph.add({1, 39, between(truth[1], truth[39]), sharp, true});
+  ASSERT_GT(distance(graph.poses()[40], truth[40]), 1.0);
+  PoseGraph timid = graph;
+  ASSERT_TRUE(timid.optimize(0, 20));
+  EXPECT_GT(distance(timid.poses()[40], truth[40]), 0.5) << "the robust loss alone takes it for wrong";
+  ASSERT_TRUE(graph.optimize_gradually());
+  EXPECT_LT(distance(graph.poses()[40], truth[40]), 0.05);
+}
+
+TEST(PoseGraph, GraduallyLeavesOutWhatTheOthersContradict) {
+  std::vector<Pose2> truth;
+  PoseGraph graph = veering_square(truth);
+  const Eigen::Matrix3d information = Eigen::Vector3d(1e4, 1e4, 1e4).asDiagonal();
+  for (std::size_t i = 0; i < 5; ++i)
+    graph.add({i, 40 - i, between(truth[i], truth[40 - i]), information, true});
+  const Constraint wrong{5, 35, {3, 7, 1}, information, true};
+  graph.add(wrong);
+  ASSERT_TRUE(graph.optimize_gradually());
+  EXPECT_LT(distance(graph.poses()[40], truth[40]), 0.1);
+  EXPECT_GT(graph.squared_error(wrong), PoseGraph::kDoubtfulSquaredError);
+}
+
 }  // namespace
 }  // namespace extperfc::mapping

@@ -155,6 +155,25 @@ TEST(WideSearch, GivesUpAfterMaxNodes) {
   EXPECT_GT(found->score, 0.9);
 }
 
+TEST(WideSearch, PeaksAreApartAndFallInScore) {
+  Rng rng(7);
+  const auto pattern = random_points(rng, 60, 1);
+  ScanPoints twice = pattern;  // the same surroundings 3 m to the right, a third of them missing
+  for (std::size_t i = 0; i < 40; ++i)
+    twice.surface.push_back(point_at(static_cast<double>(pattern.surface[i].position.x()) + 3,
+                                     static_cast<double>(pattern.surface[i].position.y())));
+  const SearchPyramid pyramid(map_of(twice));
+  const PeakOptions two{2, 1.0, 0.3, 1.0};
+  const auto peaks = search_peaks(pyramid, pattern, {{1, 0.2, 0}, 4, 0.1}, 0.3, kAllNodes, two);
+  ASSERT_EQ(peaks.size(), 2U);
+  EXPECT_NEAR(peaks[0].pose.x, 0, 0.15);
+  EXPECT_NEAR(peaks[1].pose.x, 3, 0.15);
+  EXPECT_GT(peaks[0].score, peaks[1].score);
+  PeakOptions like_the_best = two;
+  like_the_best.within_best = 0.05;
+  EXPECT_EQ(search_peaks(pyramid, pattern, {{1, 0.2, 0}, 4, 0.1}, 0.3, kAllNodes, like_the_best).size(), 1U);
+}
+
 TEST(WideSearch, NothingToFind) {
   const SearchPyramid empty{SurfaceMap{}};
   Rng rng(6);

@@ -1,0 +1,452 @@
+#include "mapping/loop_closer.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <memory>
+#include <utility>
+
+#include <Eigen/Eigenvalues>
+#include <Eigen/LU>
+
+#include "mapping/matcher.hpp"
+#include "mapping/path_filter_common.hpp"
+#include "mapping/rotation_by.hpp"
+#include "mapping/visibility.hpp"
+
+namespace extperfc::mapping {
+
+namespace {
+
+// References.
+constexpr double kMinLoopM = 8.0;  // of path between a submap and one that it may be recognized in
+constexpr std::size_t kMinLoopFrames = 24;
+constexpr double kOverlapM = 4.0;  // two key frames this near have much the same view
+constexpr std::size_t kOtherPassFrames = 30;
+constexpr double kNearReachM = 0.6;  // a match finds its way from here
+constexpr double kNearReachRad = 0.25;
+constexpr std::size_t kMaxNear = 3;
+constexpr std::size_t kMaxFar = 16;
+// Search.
+constexpr double kMaxWindowM = 40.0;
+constexpr double kMaxWindowRad = 0.8;
+constexpr double kMinScore = 0.5;
+constexpr int kMaxNodes = 60'000;
+constexpr double kSlackM = 0.3;
+constexpr std::size_t kPeaks = 3;
+constexpr double kPeakApartM = 1.0;
+constexpr double kPeakApartRad = 0.3;
+// Verification.
+constexpr double kMinFineFit = 0.6;
+constexpr int kGraphIterations = 10;
+constexpr double kReachM = 0.4;
+constexpr double kContradiction = 2.0;  // of support, per fraction of contradictions
+constexpr double kMinFit = 0.4;
+constexpr double kMinSupport = 0.2;
+constexpr double kGoodSupport = 0.6;   // counts in full
+constexpr double kClearMargin = 0.12;  // of support, to the next best place
+constexpr double kFloorM = 0.02;       // standard deviation of errors inside submaps
+constexpr double kFloorRad = 0.005;
+constexpr double kDeterminedM = 0.12;
+// Acceptance.
+constexpr double kConsistent = 11.3;  // chi-square of three degrees of freedom: one in a hundred
+constexpr double kMinWeight = 1.5;
+constexpr double kMinWeightAtEnd = 0.6;
+constexpr double kAlternativeRatio = 1.4;
+constexpr std::size_t kKeptPerQuery = 8;
+constexpr std::size_t kMaxPool = 160;
+constexpr std::size_t kOptimizeEvery = 8;
+
+/// Standard deviation of the position along its least known direction.
+double widest_sigma_m(const Eigen::Matrix3d& covariance) {
+  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d> axes(covariance.topLeftCorner<2, 2>(),
+                                                            Eigen::EigenvaluesOnly);
+  return std::sqrt(std::max(0.0, axes.eigenvalues()[1]));
+}
+
+Eigen::Matrix3d covariance_of(const Constraint& constraint) {
+  return (constraint.information + 1e-6 * Eigen::Matrix3d::Identity()).inverse();
+}
+
+/// Whether a residual in x, y, yaw can be explained by a covariance and a bias of the position.
+bool is_explained(const Pose2& residual, Eigen::Matrix3d covariance, double systematic_m) {
+  covariance(0, 0) += systematic_m * systematic_m / 4 + 1e-4;
+  covariance(1, 1) += systematic_m * systematic_m / 4 + 1e-4;
+  covariance(2, 2) += 1e-5;
+  const Eigen::Vector3d e(residual.x, residual.y, residual.yaw);
+  return e.dot(covariance.ldlt().solve(e)) < kConsistent;
+}
+
+}  // namespace
+
+std::vector<std::size_t> LoopCloser::references(std::size_t query, const std::vector<KeyFrame>& frames,
+                                                const PoseGraph& graph,
+                                                const std::vector<RelativeUncertainty>& known) const {
+  std::vector<std::pair<double, std::size_t>> found;
+  const Pose2& here = graph.poses()[query];
+  for (std::size_t i = kStride / 2; i + kMinLoopFrames < query; i += kStride) {
+    if (frames[query].travelled_m - frames[i].travelled_m < kMinLoopM) break;
+    const double reach = std::min(kMaxWindowM, known[i].reach_m());
+    const double away = distance(graph.poses()[i], here);
+    if (away < kOverlapM + reach) found.emplace_back(away, i);
+  }
+  std::sort(found.begin(), found.end());
+  std::vector<std::size_t> references;
+  for (const auto& [away, i] : found) references.push_back(i);
+  return references;
+}
+
+std::optional<SubmapClosure> LoopCloser::verify(std::size_t reference, std::size_t query, const Pose2& start,
+                                                double window_m, const std::vector<KeyFrame>& frames,
+                                                const PoseGraph& graph) {
+  const Submap& old = submaps_.at(reference, frames.size(), frames, graph.poses());
+  const Submap& seen = submaps_.at(query, frames.size(), frames, graph.poses());
+  const PosePrior prior{start, 0.4, 0.15};
+  ScanMatch found = match(old.map, seen.points, start, prior, kReachM);
+  const auto support = [&](const Pose2& pose) {
+    const Agreement forward = agreement(old.map, seen.points, pose);
+    const Agreement backward = agreement(seen.map, old.points, inverse(pose));
+    return (forward.on_surface - (forward.near_surface - forward.on_surface)) / std::max(1.0, forward.all) -
+           (backward.near_surface - backward.on_surface) / std::max(1.0, backward.near_surface) -
+           kContradiction * contradictions(old, seen, pose);
+  };
+  if (found.fit < kMinFit) return std::nullopt;
+  found = match_along(old.map, seen.points, found, prior, window_m, kReachM, support);
+  SubmapClosure closure;
+  closure.support = support(found.pose);
+  closure.constraint = {reference,  query,
+                        found.pose, Eigen::Matrix3d::Zero(),
+                        true,       found.fit - kContradiction * contradictions(old, seen, found.pose)};
+  if (closure.constraint.fit < kMinFit) return std::nullopt;
+  Eigen::Matrix3d covariance = (found.information + 1e-2 * Eigen::Matrix3d::Identity()).inverse();
+  covariance.diagonal() += Eigen::Vector3d(kFloorM * kFloorM, kFloorM * kFloorM, kFloorRad * kFloorRad);
+  closure.constraint.information = covariance.inverse();
+  return closure;
+}
+
+bool LoopCloser::match_near(std::size_t reference, std::size_t query, const RelativeUncertainty& known,
+                            const std::vector<KeyFrame>& frames, PoseGraph& graph) {
+  const Pose2 expected = between(graph.poses()[reference], graph.poses()[query]);
+  const auto closure = verify(reference, query, expected, known.reach_m() + 0.1, frames, graph);
+  if (!closure) return false;
+  const Pose2 off = between(expected, closure->constraint.from_T_to);
+  if (std::hypot(off.x, off.y) > known.reach_m() + 0.15 || std::abs(off.yaw) > known.reach_rad() + 0.05)
+    return false;
+  graph.add(closure->constraint);
+  return true;
+}
+
+void LoopCloser::search_far(const std::vector<std::size_t>& references, std::size_t query,
+                            const std::vector<RelativeUncertainty>& known,
+                            const std::vector<KeyFrame>& frames, const PoseGraph& graph) {
+  const std::size_t first = pool_.size();
+  std::vector<Pose2> places;  // of the candidates, in the graph's frame
+  for (const std::size_t reference : references) {
+    const double reach = std::min(kMaxWindowM, known[reference].reach_m() + kSlackM);
+    const double reach_rad = std::min(kMaxWindowRad, known[reference].reach_rad() + 0.05);
+    Submap& old = submaps_.at(reference, frames.size(), frames, graph.poses());
+    if (!old.pyramid) old.pyramid = std::make_unique<SearchPyramid>(old.map);
+    const Submap& seen = submaps_.at(query, frames.size(), frames, graph.poses());
+    const Pose2 expected = between(graph.poses()[reference], graph.poses()[query]);
+    const auto peaks = search_peaks(*old.pyramid, seen.points, {expected, reach, reach_rad}, kMinScore,
+                                    kMaxNodes, {kPeaks, kPeakApartM, kPeakApartRad, 0.2});
+    for (const FoundPose& peak : peaks) {
+      auto closure = verify(reference, query, peak.pose, 1.0, frames, graph);
+      if (!closure || closure->support < kMinSupport) continue;
+      // Seen from the query, as the uncertainty is.
+      const Pose2 found = inverse(closure->constraint.from_T_to);
+      const Pose2 expected_back = inverse(expected);
+      if (!is_explained({found.x - expected_back.x, found.y - expected_back.y,
+                         wrap_angle(found.yaw - expected_back.yaw)},
+                        known[reference].covariance, known[reference].systematic_m + kSlackM))
+        continue;
+      places.push_back(compose(graph.poses()[reference], closure->constraint.from_T_to));
+      pool_.push_back(*closure);
+    }
+  }
+  for (std::size_t i = first; i < pool_.size(); ++i) {
+    double alternative = kMinSupport - kClearMargin;
+    for (std::size_t k = first; k < pool_.size(); ++k)
+      if (!near(places[i - first], places[k - first], kPeakApartM, kPeakApartRad))
+        alternative = std::max(alternative, pool_[k].support);
+    double clear = std::clamp((pool_[i].support - alternative) / kClearMargin, 0.02, 1.0);
+    if (widest_sigma_m(covariance_of(pool_[i].constraint)) > kDeterminedM) clear = std::min(clear, 0.1);
+    pool_[i].distinctness = clear * std::clamp(pool_[i].support / kGoodSupport, 0.3, 1.0);
+  }
+}
+
+bool LoopCloser::accept(std::size_t first_new, double min_weight, PoseGraph& graph) {
+  const std::size_t n = pool_.size();
+  if (n == 0 || first_new >= n) return false;
+  // Which candidates agree, by the path between their ends.
+  std::map<std::size_t, std::vector<RelativeUncertainty>> known;
+  const auto uncertainty = [&](std::size_t from, std::size_t to) -> const RelativeUncertainty& {
+    auto& row = known[from];
+    if (row.empty()) row = relative_uncertainty(graph, from);
+    return row[to];
+  };
+  const auto agree = [&](const SubmapClosure& a, const SubmapClosure& b) {
+    const auto& poses = graph.poses();
+    const Pose2 from_step = between(poses[a.constraint.from], poses[b.constraint.from]);
+    const Pose2 to_step = between(poses[b.constraint.to], poses[a.constraint.to]);
+    const Pose2 around = compose(from_step, compose(b.constraint.from_T_to, to_step));
+    const Pose2 residual = between(a.constraint.from_T_to, around);
+    const auto& from_known = uncertainty(a.constraint.from, b.constraint.from);
+    const auto& to_known = uncertainty(a.constraint.to, b.constraint.to);
+    const Eigen::Matrix3d to_a = rotation_by(-a.constraint.from_T_to.yaw);
+    const Pose2 lever = compose(b.constraint.from_T_to, to_step);
+    Eigen::Matrix3d j = Eigen::Matrix3d::Identity();
+    j(0, 2) = -lever.y;
+    j(1, 2) = lever.x;
+    Eigen::Matrix3d covariance = to_a * j * from_known.covariance * j.transpose() * to_a.transpose();
+    covariance += to_known.covariance;
+    covariance += to_a * covariance_of(a.constraint) * to_a.transpose();
+    Eigen::Matrix3d k = Eigen::Matrix3d::Identity();
+    k(0, 2) = -to_step.y;
+    k(1, 2) = to_step.x;
+    covariance += k * covariance_of(b.constraint) * k.transpose();
+    return is_explained(residual, covariance, from_known.systematic_m + to_known.systematic_m);
+  };
+  // One clique per new candidate, greedily by weight.
+  std::vector<std::size_t> order(n);
+  for (std::size_t i = 0; i < n; ++i) order[i] = i;
+  std::stable_sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) {
+    return pool_[a].distinctness * pool_[a].support > pool_[b].distinctness * pool_[b].support;
+  });
+  std::map<std::pair<std::size_t, std::size_t>, bool> memory;
+  const auto consistent = [&](std::size_t a, std::size_t b) {
+    const auto key = std::minmax(a, b);
+    const auto at = memory.find(key);
+    if (at != memory.end()) return at->second;
+    return memory[key] = agree(pool_[key.first], pool_[key.second]);
+  };
+  struct Clique {
+    std::vector<std::size_t> members;
+    double weight{0};
+  };
+  // Of those members that are not in `without`; several of one query count once.
+  const auto weight_of = [&](const std::vector<std::size_t>& members,
+                             const std::vector<std::size_t>& without) {
+    std::map<std::size_t, double> per_query;
+    for (const std::size_t i : members) {
+      if (std::find(without.begin(), without.end(), i) != without.end()) continue;
+      double& weight = per_query[pool_[i].constraint.to];
+      weight = std::max(weight, pool_[i].distinctness);
+    }
+    double sum = 0;
+    for (const auto& [query, weight] : per_query) sum += weight;
+    return sum;
+  };
+  const auto grow = [&](std::size_t seed) {
+    Clique clique{{seed}, 0};
+    for (const std::size_t i : order) {
+      if (i == seed) continue;
+      if (std::all_of(clique.members.begin(), clique.members.end(),
+                      [&](std::size_t member) { return consistent(member, i); }))
+        clique.members.push_back(i);
+    }
+    clique.weight = weight_of(clique.members, {});
+    return clique;
+  };
+  Clique best;
+  for (std::size_t i = first_new; i < n; ++i) {
+    if (std::find(best.members.begin(), best.members.end(), i) != best.members.end()) continue;
+    Clique clique = grow(i);
+    if (clique.weight > best.weight) best = std::move(clique);
+  }
+  if (best.weight < min_weight) return false;
+  for (std::size_t i = 0; i < n; ++i) {
+    const bool contradicts = std::any_of(best.members.begin(), best.members.end(),
+                                         [&](std::size_t member) { return !consistent(member, i); });
+    if (!contradicts) continue;
+    // What the two have in common speaks for neither.
+    const Clique alternative = grow(i);
+    const double for_best = weight_of(best.members, alternative.members);
+    const double for_alternative = weight_of(alternative.members, best.members);
+    if (for_best >= kAlternativeRatio * for_alternative) continue;
+    std::vector<std::size_t> common;
+    for (const std::size_t member : best.members)
+      if (std::find(alternative.members.begin(), alternative.members.end(), member) !=
+          alternative.members.end())
+        common.push_back(member);
+    best = {common, weight_of(common, {})};
+    if (best.weight < min_weight) return false;
+  }
+  const auto poses = graph.poses();
+  const auto constraints = graph.constraints();
+  const auto satisfied = [&] {
+    double sum = 0;
+    for (const Constraint& constraint : graph.constraints())
+      if (constraint.is_loop_closure && graph.squared_error(constraint) < PoseGraph::kDoubtfulSquaredError)
+        sum += constraint.fit;
+    return sum;
+  };
+  const double before = satisfied();
+  for (const std::size_t i : best.members) graph.add(pool_[i].constraint);
+  const bool solved = graph.optimize_gradually();
+  std::size_t good = 0;
+  for (std::size_t i = constraints.size(); i < graph.constraints().size(); ++i)
+    if (graph.squared_error(graph.constraints()[i]) < PoseGraph::kDoubtfulSquaredError) ++good;
+  const double after = satisfied();
+  if (!solved || 5 * good < 4 * best.members.size() || after < before) {
+    graph.constraints() = constraints;
+    graph.set_poses(poses);
+    return false;
+  }
+  pool_.clear();  // what is left was searched from poses that were wrong
+  return true;
+}
+
+bool LoopCloser::close(std::size_t query, const std::vector<KeyFrame>& frames, PoseGraph& graph) {
+  const auto known = relative_uncertainty(graph, query);
+  // What a query sees of a reference's uncertainty is as good as the reverse.
+  std::vector<std::size_t> near_ones;
+  std::vector<std::size_t> far_ones;
+  for (const std::size_t i : references(query, frames, graph, known)) {
+    const bool is_near = known[i].reach_m() < kNearReachM && known[i].reach_rad() < kNearReachRad;
+    auto& chosen = is_near ? near_ones : far_ones;
+    const bool new_pass = std::all_of(chosen.begin(), chosen.end(), [&](std::size_t other) {
+      return (i > other ? i - other : other - i) >= (is_near ? kOtherPassFrames : 2 * kStride);
+    });
+    if (new_pass && chosen.size() < (is_near ? kMaxNear : kMaxFar)) chosen.push_back(i);
+  }
+  std::size_t matched = 0;
+  for (const std::size_t i : near_ones) matched += match_near(i, query, known[i], frames, graph) ? 1 : 0;
+  since_optimized_ += matched;
+  if (since_optimized_ >= kOptimizeEvery) {
+    graph.optimize(0, 3);
+    since_optimized_ = 0;
+  }
+  if (matched > 0 && far_ones.size() > 4) far_ones.resize(4);
+  if (far_ones.empty()) return false;
+  const std::size_t first = pool_.size();
+  search_far(far_ones, query, known, frames, graph);
+  const bool accepted = accept(first, kMinWeight, graph);
+  if (pool_.size() > kMaxPool)
+    pool_.erase(pool_.begin(), pool_.end() - static_cast<std::ptrdiff_t>(kMaxPool));
+  return accepted;
+}
+
+double LoopCloser::close_all(const std::vector<KeyFrame>& frames, PoseGraph& graph) {
+  if (frames.size() < 2) return 0;
+  auto& constraints = graph.constraints();
+  constraints.erase(std::remove_if(constraints.begin(), constraints.end(),
+                                   [](const Constraint& constraint) { return constraint.is_loop_closure; }),
+                    constraints.end());
+  auto poses = graph.poses();
+  for (const Constraint& constraint : constraints)
+    if (constraint.to == constraint.from + 1)
+      poses[constraint.to] = compose(poses[constraint.from], constraint.from_T_to);
+  graph.set_poses(poses);
+  pool_.clear();
+  close_along(false, frames, graph);
+  close_along(true, frames, graph);
+  return refine(frames, graph);
+}
+
+void LoopCloser::close_along(bool open_ones_only, const std::vector<KeyFrame>& frames, PoseGraph& graph) {
+  const auto is_closed = [&](std::size_t query) {
+    return std::any_of(graph.constraints().begin(), graph.constraints().end(),
+                       [&](const Constraint& c) { return c.is_loop_closure && c.to == query; });
+  };
+  for (std::size_t query = kStride / 2; query < frames.size(); query += kStride)
+    if (!open_ones_only || !is_closed(query)) (void)close(query, frames, graph);
+  if (!pool_.empty()) (void)accept(0, kMinWeightAtEnd, graph);
+  pool_.clear();
+  graph.optimize(0, kGraphIterations);
+}
+
+/// Old key frames about `query` at its present pose, one of each pass, the nearest first.
+std::vector<std::size_t> LoopCloser::passes(std::size_t query, const std::vector<KeyFrame>& frames,
+                                            const std::vector<Pose2>& poses) const {
+  constexpr std::size_t kMaxPasses = 2;
+  std::vector<std::pair<double, std::size_t>> found;
+  for (std::size_t i = 0; i + kMinLoopFrames < query; i += 2) {
+    if (frames[query].travelled_m - frames[i].travelled_m < kMinLoopM) break;
+    const double away = distance(poses[i], poses[query]);
+    if (away < kOverlapM) found.emplace_back(away, i);
+  }
+  std::sort(found.begin(), found.end());
+  std::vector<std::size_t> chosen;
+  for (const auto& [away, i] : found) {
+    const bool new_pass = std::all_of(chosen.begin(), chosen.end(), [&, i = i](std::size_t other) {
+      return (i > other ? i - other : other - i) >= kOtherPassFrames;
+    });
+    if (new_pass) chosen.push_back(i);
+    if (chosen.size() == kMaxPasses) break;
+  }
+  return chosen;
+}
+
+/// Matches one scan in an old submap, from where it stands.
+Constraint LoopCloser::match_scan(std::size_t reference, std::size_t query,
+                                  const std::vector<KeyFrame>& frames, const std::vector<Pose2>& poses) {
+  constexpr double kFloorM = 0.008;
+  constexpr double kFloorRad = 0.003;
+  constexpr double kReachM = 0.25;
+  constexpr double kWindowM = 0.3;
+  // Along a corridor a single scan may be pulled by returns at a grazing angle: neighbours decide there.
+  constexpr double kWeakRatio = 0.15;
+  constexpr double kAlongM = 0.15;
+  const Submap& submap = submaps_.at(reference, query, frames, poses);
+  const Pose2 start = between(poses[reference], poses[query]);
+  const ScanPoints& points = frames[query].points;
+  const RangeProfile profile(points);
+  const PosePrior prior{start, 0.15, 0.06};
+  auto seen = match(submap.map, points, start, prior, kReachM);
+  if (seen.fit >= kMinFineFit)
+    seen = match_along(submap.map, points, seen, prior, kWindowM, kReachM, [&](const Pose2& there) {
+      return graded_fit(submap.map, points, there) -
+             kContradiction * contradictions(submap, points, profile, there);
+    });
+  Eigen::Matrix3d covariance = (seen.information + 1e-2 * Eigen::Matrix3d::Identity()).inverse();
+  covariance.diagonal() += Eigen::Vector3d(kFloorM * kFloorM, kFloorM * kFloorM, kFloorRad * kFloorRad);
+  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d> axes(seen.information.topLeftCorner<2, 2>());
+  if (axes.eigenvalues()[0] < kWeakRatio * axes.eigenvalues()[1]) {
+    const Eigen::Vector2d along = axes.eigenvectors().col(0);
+    covariance.topLeftCorner<2, 2>() += kAlongM * kAlongM * along * along.transpose();
+  }
+  const double fit = seen.fit - kContradiction * contradictions(submap, points, profile, seen.pose);
+  return {reference, query, seen.pose, covariance.inverse(), true, fit};
+}
+
+double LoopCloser::match_passes(const std::vector<KeyFrame>& frames, const std::vector<Pose2>& poses,
+                                std::vector<Constraint>& found) {
+  constexpr double kFarthestM = 0.35;
+  constexpr double kFarthestRad = 0.12;
+  constexpr double kIndifferentFit = 0.4;
+  double score = 0;
+  found.clear();
+  for (std::size_t query = kMinLoopFrames; query < frames.size(); ++query) {
+    for (const std::size_t i : passes(query, frames, poses)) {
+      const std::size_t reference = i / 4 * 4 + 2;  // neighbours share their submaps
+      const Constraint match = match_scan(reference, query, frames, poses);
+      score += std::clamp(match.fit - kIndifferentFit, -0.5, 0.5);
+      const Pose2 start = between(poses[reference], poses[query]);
+      if (match.fit >= kMinFineFit && near(match.from_T_to, start, kFarthestM, kFarthestRad))
+        found.push_back(match);
+    }
+  }
+  return score;
+}
+
+double LoopCloser::score(const std::vector<KeyFrame>& frames, const PoseGraph& graph) {
+  std::vector<Constraint> found;
+  return match_passes(frames, graph.poses(), found);
+}
+
+double LoopCloser::refine(const std::vector<KeyFrame>& frames, PoseGraph& graph) {
+  constexpr int kRounds = 2;
+  const std::size_t coarse = graph.constraints().size();
+  double score = 0;
+  std::vector<Constraint> found;
+  for (int round = 0; round < kRounds; ++round) {
+    score = match_passes(frames, graph.poses(), found);
+    graph.constraints().resize(coarse);
+    for (const Constraint& constraint : found) graph.add(constraint);
+    graph.optimize(0, kGraphIterations);
+  }
+  return score;
+}
+
+}  // namespace extperfc::mapping

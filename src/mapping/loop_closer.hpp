@@ -1,0 +1,72 @@
+#pragma once
+
+#include <cstddef>
+#include <optional>
+#include <vector>
+
+#include "extperfc/world/pose.hpp"
+
+#include "mapping/key_frame.hpp"
+#include "mapping/pose_graph.hpp"
+#include "mapping/relative_uncertainty.hpp"
+#include "mapping/submap_cache.hpp"
+
+namespace extperfc::mapping {
+
+/// The submap of a key frame, recognized in an older submap.
+struct SubmapClosure {
+  Constraint constraint;   ///< from the older submap's key frame
+  double support{0};       ///< fraction of the surfaces explained, less contradictions
+  double distinctness{0};  ///< [0, 1]; 0: the surroundings look alike elsewhere, too
+};
+
+/// Finds where a path comes back to known surroundings: searches every old submap that the graph's
+/// uncertainty allows, verifies what it finds, and accepts loop closures in sets that agree with each other
+/// and with the path between them (pairwise consistency: Mangelson et al., ICRA 2018).
+class LoopCloser {
+ public:
+  explicit LoopCloser(SubmapCache& submaps) : submaps_(submaps) {}
+
+  static constexpr std::size_t kStride = 8;  ///< key frames from one submap to the next
+
+  /// Forgets the graph's loop closures and finds those of the whole path, from its beginning to its end.
+  /// Gives the score of refine().
+  double close_all(const std::vector<KeyFrame>& frames, PoseGraph& graph);
+  /// Sums over the key frames how much better (or worse) than by chance they fit the old submaps about them:
+  /// of two graphs of one path, that with the higher score agrees better with itself.
+  [[nodiscard]] double score(const std::vector<KeyFrame>& frames, const PoseGraph& graph);
+  /// Matches every key frame in the old submaps about it, and optimizes the graph. Gives the score before the
+  /// last round.
+  double refine(const std::vector<KeyFrame>& frames, PoseGraph& graph);
+
+ private:
+  /// Searches the submap of `query` in older ones and accepts what is certain. True when a far closure was
+  /// accepted.
+  bool close(std::size_t query, const std::vector<KeyFrame>& frames, PoseGraph& graph);
+  [[nodiscard]] std::vector<std::size_t> references(std::size_t query, const std::vector<KeyFrame>& frames,
+                                                    const PoseGraph& graph,
+                                                    const std::vector<RelativeUncertainty>& known) const;
+  [[nodiscard]] std::optional<SubmapClosure> verify(std::size_t reference, std::size_t query,
+                                                    const Pose2& start, double window_m,
+                                                    const std::vector<KeyFrame>& frames,
+                                                    const PoseGraph& graph);
+  bool match_near(std::size_t reference, std::size_t query, const RelativeUncertainty& known,
+                  const std::vector<KeyFrame>& frames, PoseGraph& graph);
+  void search_far(const std::vector<std::size_t>& references, std::size_t query,
+                  const std::vector<RelativeUncertainty>& known, const std::vector<KeyFrame>& frames,
+                  const PoseGraph& graph);
+  bool accept(std::size_t first_new, double min_weight, PoseGraph& graph);
+  void close_along(bool open_ones_only, const std::vector<KeyFrame>& frames, PoseGraph& graph);
+  [[nodiscard]] std::vector<std::size_t> passes(std::size_t query, const std::vector<KeyFrame>& frames,
+                                                const std::vector<Pose2>& poses) const;
+  double match_passes(const std::vector<KeyFrame>& frames, const std::vector<Pose2>& poses,
+                      std::vector<Constraint>& found);
+  [[nodiscard]] Constraint match_scan(std::size_t reference, std::size_t query,
+                                      const std::vector<KeyFrame>& frames, const std::vector<Pose2>& poses);
+
+  SubmapCache& submaps_;
+  std::vector<SubmapClosure> pool_;  ///< found, not accepted yet
+  std::size_t since_optimized_{0};
+};
+
+}  // namespace extperfc::mapping

@@ -1,0 +1,29 @@
+#pragma once
+
+#include <cstddef>
+#include <vector>
+
+#include <Eigen/Core>
+
+#include "mapping/pose_graph.hpp"
+
+namespace extperfc::mapping {
+
+/// What is known of a node's pose as seen from another node.
+struct RelativeUncertainty {
+  bool connected{false};
+  Eigen::Matrix3d covariance{Eigen::Matrix3d::Zero()};  ///< of x, y, yaw in the frame of the other node
+  double systematic_m{0};  ///< a bias that grows with the distance, such as that of the wheels' diameters
+
+  /// Within this distance of its pose, in any direction, the node stands with three standard deviations [m].
+  [[nodiscard]] double reach_m() const;
+  [[nodiscard]] double reach_rad() const;
+};
+
+/// For every node the covariance of its pose relative to `from`, along that chain of constraints whose
+/// covariance grows least (Olson, Robust and Efficient Robotic Mapping, 2008, section 4.3: the Dijkstra
+/// projection). An upper bound: other chains may add knowledge. Loop closures that the others contradict are
+/// no links. O(constraints log nodes).
+[[nodiscard]] std::vector<RelativeUncertainty> relative_uncertainty(const PoseGraph& graph, std::size_t from);
+
+}  // namespace extperfc::mapping

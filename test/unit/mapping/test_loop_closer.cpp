@@ -1,0 +1,133 @@
+// Key frames of simulated buildings, with steps that drift as a tracker's do.
+#include <algorithm>
+#include <cmath>
+
+#include <gtest/gtest.h>
+
+#include "mapping/loop_closer.hpp"
+#include "test/support/planar_world.hpp"
+
+namespace extperfc::mapping {
+namespace {
+
+struct Path {
+  std::vector<Pose2> truth;  ///< seen from the first
+  std::vector<KeyFrame> frames;
+  PoseGraph graph;  ///< of the tracked steps
+};
+
+/// Every step is rotated by `veer_rad` too far to the left.
+Path drive(const PlanarWorld& world, const std::vector<Pose2>& route, double veer_rad, std::uint64_t seed) {
+  PlanarScanner scanner;
+  scanner.rays = 180;
+  scanner.angle_increment = 2 * M_PI / 180;
+  scanner.range_max = 8;
+  Rng rng(seed);
+  Path path;
+  double travelled_m = 0;
+  for (std::size_t i = 0; i < route.size(); ++i) {
+    path.truth.push_back(between(route.front(), route[i]));
+    const Pose2 step = i == 0 ? Pose2{} : between(route[i - 1], route[i]);
+    travelled_m += std::hypot(step.x, step.y);
+    path.frames.push_back({i, travelled_m, scan_points(scanner.scan(world, route[i], rng), {})});
+    if (i == 0) {
+      path.graph.add_node({});
+      continue;
+    }
+    const Pose2 tracked{step.x + rng.normal(0, 0.004), step.y + rng.normal(0, 0.004),
+                        step.yaw + veer_rad + rng.normal(0, 0.001)};
+    path.graph.add_node(compose(path.graph.poses().back(), tracked));
+    path.graph.add({i - 1, i, tracked, Eigen::Vector3d(4e4, 4e4, 1.5e5).asDiagonal(), false});
+  }
+  return path;
+}
+
+Path loop_of_corridors(double veer_rad, std::uint64_t seed) {
+  return drive(planar_loop(), planar_loop_route(0.3, 9.0), veer_rad, seed);
+}
+
+double worst_error_m(const Path& path) {
+  double worst = 0;
+  for (std::size_t i = 0; i < path.truth.size(); ++i) {
+    const Pose2 off = between(path.truth[i], path.graph.poses()[i]);
+    worst = std::max(worst, std::hypot(off.x, off.y));
+  }
+  return worst;
+}
+
+std::size_t closures(const PoseGraph& graph) {
+  return static_cast<std::size_t>(std::count_if(graph.constraints().begin(), graph.constraints().end(),
+                                                [](const Constraint& c) { return c.is_loop_closure; }));
+}
+
+class LoopCloserSeeds : public testing::TestWithParam<std::uint64_t> {};
+
+TEST_P(LoopCloserSeeds, ClosesALoopOfCorridors) {
+  auto path = loop_of_corridors(0.0004, GetParam());
+  const Pose2 end_off = between(path.truth.back(), path.graph.poses().back());
+  ASSERT_GT(std::hypot(end_off.x, end_off.y), 0.6) << "the steps alone drift";
+  SubmapCache submaps;
+  const double score = LoopCloser(submaps).close_all(path.frames, path.graph);
+  EXPECT_GT(score, 0);
+  EXPECT_GT(closures(path.graph), 10U);
+  const Pose2 off = between(path.truth.back(), path.graph.poses().back());
+  EXPECT_LT(std::hypot(off.x, off.y), 0.1);
+}
+
+INSTANTIATE_TEST_SUITE_P(Seeds, LoopCloserSeeds, testing::Values(1, 2, 3));
+
+TEST(LoopCloser, TakesBackAWrongClosure) {
+  auto path = loop_of_corridors(0.0002, 4);
+  path.graph.add({10, 150, {0, 0, 0}, Eigen::Vector3d(1e4, 1e4, 1e5).asDiagonal(), true, 1.0});
+  SubmapCache submaps;
+  (void)LoopCloser(submaps).close_all(path.frames, path.graph);
+  for (const Constraint& constraint : path.graph.constraints())
+    EXPECT_FALSE(constraint.is_loop_closure && constraint.from == 10 && constraint.to == 150);
+  EXPECT_LT(worst_error_m(path), 0.5);
+}
+
+TEST(LoopCloser, ClosesNothingWhereNothingWasSeenTwice) {
+  const auto route = planar_loop_route(0.3, 9.0);
+  auto path = drive(planar_loop(),
+                    {route.begin(), route.begin() + static_cast<std::ptrdiff_t>(route.size() / 2)}, 0.0, 5);
+  const auto before = path.graph.poses();
+  SubmapCache submaps;
+  const double score = LoopCloser(submaps).close_all(path.frames, path.graph);
+  EXPECT_EQ(closures(path.graph), 0U);
+  EXPECT_EQ(score, 0);
+  for (std::size_t i = 0; i < before.size(); ++i) EXPECT_NEAR(path.graph.poses()[i].x, before[i].x, 1e-6);
+}
+
+TEST(LoopCloser, TheRightGraphScoresHigher) {
+  auto right = loop_of_corridors(0.0, 6);
+  auto wrong = right;
+  right.graph.set_poses(right.truth);
+  SubmapCache submaps;
+  LoopCloser closer(submaps);
+  const double high = closer.score(right.frames, right.graph);
+  auto poses = wrong.truth;
+  for (std::size_t i = poses.size() / 2; i < poses.size(); ++i) poses[i].y += 1.0;
+  wrong.graph.set_poses(poses);
+  EXPECT_GT(high, closer.score(wrong.frames, wrong.graph) + 1);
+}
+
+TEST(LoopCloser, SamePathSameResult) {
+  auto first = loop_of_corridors(0.0004, 7);
+  auto second = first;
+  SubmapCache one;
+  SubmapCache other;
+  (void)LoopCloser(one).close_all(first.frames, first.graph);
+  (void)LoopCloser(other).close_all(second.frames, second.graph);
+  ASSERT_EQ(first.graph.constraints().size(), second.graph.constraints().size());
+  for (std::size_t i = 0; i < first.graph.poses().size(); ++i)
+    ASSERT_EQ(first.graph.poses()[i].x, second.graph.poses()[i].x) << i;
+}
+
+TEST(LoopCloser, AnEmptyPathIsClosed) {
+  PoseGraph graph;
+  SubmapCache submaps;
+  EXPECT_EQ(LoopCloser(submaps).close_all({}, graph), 0);
+}
+
+}  // namespace
+}  // namespace extperfc::mapping
