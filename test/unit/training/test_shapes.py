@@ -1,0 +1,213 @@
+#!/usr/bin/python3
+"""Tests of the default detector's samples, recipe, figures of merit and network."""
+import contextlib
+import hashlib
+import os
+import re
+import sys
+import tempfile
+import types
+import unittest
+from pathlib import Path
+
+import cv2
+import numpy as np
+
+ROOT = Path(__file__).resolve().parents[3]
+sys.path.insert(0, str(ROOT / 'src'))
+
+from extperfc.training.shapes import HEIGHT, WIDTH, evaluate, samples  # noqa: E402
+
+try:
+    import torch
+except ImportError:
+    torch = None
+
+MODEL = ROOT / 'models' / 'shapes'
+COLOURS = {'cone': (200, 60, 30), 'cube': (30, 200, 60), 'sphere': (60, 30, 200)}
+
+
+def note(name, box, difficult=0, visible=1.0):
+    """An object of an annotation file; box x0, y0, x1, y1 with x1, y1 behind the last pixel."""
+    x0, y0, x1, y1 = box
+    return (f'<object><name>{name}</name><difficult>{difficult}</difficult><visible>{visible}</visible><bndbox>'
+            f'<xmin>{x0 + 1}</xmin><ymin>{y0 + 1}</ymin><xmax>{x1}</xmax><ymax>{y1}</ymax></bndbox></object>')
+
+
+def draw_folder(folder, count, seed=0):
+    """Images with one coloured rectangle per class, as extperfc-render lays them out."""
+    rng = np.random.default_rng(seed)
+    for name in ('JPEGImages', 'Annotations'):
+        Path(folder, name).mkdir(parents=True, exist_ok=True)
+    Path(folder, 'render.txt').write_text('drawn\n')
+    for number in range(count):
+        image, notes = np.full((192, 256, 3), 120, np.uint8), ''
+        for column, (name, colour) in enumerate(COLOURS.items()):
+            x, y = 10 + 80 * column + int(rng.integers(20)), int(rng.integers(10, 120))
+            cv2.rectangle(image, (x, y), (x + 39, y + 49), colour[::-1], -1)
+            notes += note(name, (x, y, x + 40, y + 50))
+        cv2.imwrite(str(samples.image_file(folder, number)), image)
+        Path(folder, 'Annotations', f'{number + 1:06d}.xml').write_text(f'<annotation>{notes}</annotation>')
+
+
+class Samples(unittest.TestCase):
+    """Reading and augmentation."""
+
+    def setUp(self):
+        temporary = tempfile.TemporaryDirectory()
+        self.addCleanup(temporary.cleanup)
+        self.folder = temporary.name
+
+    def test_boxes_count_from_zero_and_difficult_is_ignored(self):
+        draw_folder(self.folder, 1)
+        text = note('cube', (3, 4, 20, 30)) + note('sphere', (1, 2, 9, 10), difficult=1)
+        Path(self.folder, 'Annotations', '000001.xml').write_text(f'<annotation>{text}</annotation>')
+        np.testing.assert_array_equal(samples.read_boxes(self.folder, 0), [[1, 3, 4, 20, 30], [-1, 1, 2, 9, 10]])
+
+    def test_a_sample_is_a_function_of_seed_and_index(self):
+        draw_folder(self.folder, 4)
+        first, second = (samples.Augmenter(self.folder, (128, 96), 5) for _ in range(2))
+        second.sample(0, 4, 0.5)  # what came before does not matter
+        for index in (3, 8):
+            for one, other in zip(first.sample(index, 4, 0.5), second.sample(index, 4, 0.5)):
+                np.testing.assert_array_equal(one, other)
+        self.assertFalse(np.array_equal(first.sample(3, 4, 0)[0], first.sample(4, 4, 0)[0]))
+
+    def test_boxes_stay_on_their_objects(self):
+        """Every rectangle has one colour of its own: its box must be full of it, whatever was done to the image."""
+        draw_folder(self.folder, 6)
+        augmenter = samples.Augmenter(self.folder, (256, 192), 1)
+        augmenter._colour = lambda rng, image: image  # the colours are what is looked at
+        augmenter._cover = lambda rng, image, boxes: image
+        seen = 0
+        for index in range(40):
+            image, boxes = augmenter.sample(index, 6, 0.4)
+            for label, x0, y0, x1, y1 in boxes[boxes[:, 0] >= 0]:
+                inside = image[int(y0 + 2):int(y1 - 2), int(x0 + 2):int(x1 - 2)].reshape(-1, 3).mean(0)
+                expected = list(COLOURS.values())[int(label)]
+                self.assertLess(np.abs(inside - expected).max(), 45, (index, label))
+                seen += 1
+        self.assertGreater(seen, 60)
+
+    def test_letterbox_keeps_the_aspect(self):
+        out = samples.letterbox(np.zeros((360, 640, 3), np.uint8), (WIDTH, HEIGHT))
+        self.assertEqual(out.shape, (HEIGHT, WIDTH, 3))
+        self.assertTrue((out[:36] == 114).all() and (out[-36:] == 114).all() and (out[36:252] == 0).all())
+
+    def test_a_missing_image_is_one_clear_error(self):
+        with self.assertRaisesRegex(SystemExit, '000001.xml does not exist: render'):
+            samples.load(self.folder, 0)
+
+
+class Figures(unittest.TestCase):
+    """Average precision, decoding, and what is found at a threshold."""
+
+    def test_average_precision_by_hand(self):
+        # Hits 1, 0, 1 of two objects: precision 1 up to recall 0.5 (51 of 101 points), then 2/3 (50 points).
+        value = evaluate.average_precision(np.array([.9, .8, .7]), np.array([1, 0, 1]), 2)
+        self.assertAlmostEqual(value, (51 + 50 * 2 / 3) / 101, places=9)
+
+    def test_ignored_do_not_count(self):
+        value = evaluate.average_precision(np.array([.9, .8]), np.array([-1, 1]), 1)
+        self.assertAlmostEqual(value, 1.0)
+
+    def test_second_detection_of_an_object_is_false(self):
+        found = np.array([[0, .9, 0, 0, 10, 10], [0, .8, 0, 0, 10, 9]], float)
+        result = evaluate.match(found, np.array([[0, 0, 10, 10.]]), np.zeros((0, 4)), 0.5)
+        self.assertEqual(list(result), [1, 0])
+
+    def test_decode_suppresses_within_a_class(self):
+        raw = np.zeros((7, 3))
+        raw[:4] = np.array([[50, 50, 20, 20], [51, 50, 20, 20], [50, 50, 20, 20]]).T
+        raw[4, :2], raw[5, 2] = (.9, .8), .7
+        self.assertEqual(evaluate.decode(raw, 0.5, 0.5)[:, 0].tolist(), [0, 1])
+
+    def test_found_and_false_at_a_threshold(self):
+        """Three clear objects, one hidden, one too narrow, one difficult; two right finds, one wrong class, one nowhere."""
+        with tempfile.TemporaryDirectory() as folder:
+            draw_folder(folder, 1)
+            boxes = [('cone', (0, 0, 40, 40)), ('cube', (50, 0, 90, 40)), ('sphere', (100, 0, 140, 40))]
+            text = ''.join(note(*entry) for entry in boxes) + note('cube', (150, 0, 190, 40), visible=0.4)
+            text += note('cone', (0, 100, 16, 140)) + note('cone', (60, 100, 99, 140), difficult=1)
+            Path(folder, 'Annotations', '000001.xml').write_text(f'<annotation>{text}</annotation>')
+            finds = np.array([[0, .9, 0, 0, 40, 40], [1, .8, 51, 0, 90, 41], [1, .7, 100, 0, 140, 40],
+                              [2, .6, 200, 100, 240, 140], [0, .6, 60, 100, 99, 140]])
+            counts = evaluate.found_and_false(lambda image, score: finds[finds[:, 1] >= score], folder, 0.5)
+        self.assertEqual(counts, {'objects': 3, 'found': 2, 'false': 2, 'images': 1})
+
+
+@unittest.skipIf(torch is None, 'PyTorch is not installed (apt install python3-torch python3-torchvision)')
+class Network(unittest.TestCase):
+    """The network, its loss and its training."""
+
+    def test_exported_boxes_are_those_of_the_loss(self):
+        from extperfc.training.shapes import network
+        torch.manual_seed(0)
+        net = network.ShapeNet().eval()
+        images = torch.rand(1, 3, HEIGHT, WIDTH)
+        centres, strides = network.cells()
+        with torch.no_grad():
+            scores, reach = net(images)
+            boxes = network.corners(reach, centres, strides)[0]
+            out = network.Exported(net).eval()(images)[0]
+        np.testing.assert_allclose(out[:2].t() - out[2:4].t() / 2, boxes[:, :2], atol=1e-3)
+        np.testing.assert_allclose(out[:2].t() + out[2:4].t() / 2, boxes[:, 2:], atol=1e-3)
+        np.testing.assert_allclose(out[4:], torch.sigmoid(scores[0]), atol=1e-6)
+
+    def test_loss_prefers_the_truth(self):
+        from extperfc.training.shapes import loss, network
+        centres, strides = network.cells()
+        truth, valid = torch.tensor([[[2., 100, 80, 164, 144]]]), torch.ones(1, 1, dtype=torch.bool)
+        gap = torch.cat([centres - truth[0, 0, 1:3], truth[0, 0, 3:] - centres], 1)
+        reach = torch.log((gap / strides[:, None]).clamp(min=.05)).t()[None]
+        logits = torch.full((1, 3, len(strides)), -6.0)
+        logits[0, 2, gap.min(1)[0] > 24] = 5.0
+        good = sum(loss.detection_loss(logits, reach, centres, strides, truth, valid))
+        bad = sum(loss.detection_loss(logits.roll(1, 1), reach + 1, centres, strides, truth, valid))
+        self.assertLess(float(good), 0.3 * float(bad))
+
+    def test_a_resumed_run_has_the_same_weights(self):
+        from extperfc.training.shapes.train import Recipe, Trainer
+        recipe = Recipe(images=4, first_images=4, steps=4, small_steps=2, small_size=(64, 64), size=(96, 64),
+                        decay_steps=2, warmup_steps=1, batch=2)
+        with tempfile.TemporaryDirectory() as folder:
+            draw_folder(folder, 4)
+
+            def run(name, steps):
+                options = types.SimpleNamespace(folder=folder, checkpoint=Path(folder, name), device='cpu', threads=1,
+                                                bfloat16=False, save_every=1)
+                trainer = Trainer(recipe, options)
+                stop = trainer.save
+
+                def save_and_stop():
+                    stop()
+                    if trainer.step == steps:
+                        raise KeyboardInterrupt
+                trainer.save = save_and_stop
+                try:
+                    with open(os.devnull, 'w') as sink, contextlib.redirect_stdout(sink):
+                        trainer.run()
+                except KeyboardInterrupt:
+                    pass
+                return trainer.net.state_dict()
+            whole = run('whole.pt', 99)
+            run('broken.pt', 1)
+            run('broken.pt', 3)
+            resumed = run('broken.pt', 99)
+        for name, value in whole.items():
+            self.assertTrue(torch.equal(value, resumed[name]), name)
+
+
+class Shipped(unittest.TestCase):
+    """The model in models/shapes."""
+
+    def test_sha256(self):
+        stated = re.search(r'^sha256: ([0-9a-f]{64})$', (MODEL / 'model.yaml').read_text(), re.M).group(1)
+        self.assertEqual(stated, hashlib.sha256((MODEL / 'shapes.onnx').read_bytes()).hexdigest())
+
+    def test_input_is_that_of_the_recipe(self):
+        self.assertIn(f'width: {WIDTH}, height: {HEIGHT}', (MODEL / 'model.yaml').read_text())
+
+
+if __name__ == '__main__':
+    unittest.main()
