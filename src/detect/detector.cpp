@@ -25,11 +25,20 @@ Detections place(const Detections& found, const Placement& placement, int width,
   return placed;
 }
 
+Detections of_classes(Detections candidates, const ClassFilter& classes) {
+  if (classes.allows_all()) return candidates;
+  candidates.erase(std::remove_if(candidates.begin(), candidates.end(),
+                                  [&](const Detection& d) { return !classes.allows(d.class_index); }),
+                   candidates.end());
+  return candidates;
+}
+
 }  // namespace
 
 Detector::Detector(ModelSpec spec, std::unique_ptr<InferenceBackend> backend)
     : spec_(std::move(spec)), backend_(std::move(backend)) {
   for (int slot = 0; slot < backend_->slots(); ++slot) preprocessors_.emplace_back(spec_.input);
+  selected_.assign(preprocessors_.size(), spec_);
 }
 
 Result<Detector> Detector::create(ModelSpec spec, const InferenceOptions& options) {
@@ -39,6 +48,10 @@ Result<Detector> Detector::create(ModelSpec spec, const InferenceOptions& option
 }
 
 Result<DetectorOutput> Detector::detect(const ImageView& image, int slot) {
+  return detect(image, {spec_.thresholds, {}}, slot);
+}
+
+Result<DetectorOutput> Detector::detect(const ImageView& image, const Selection& selection, int slot) {
   if (slot < 0 || slot >= slots())
     return fail(ErrorCode::kInvalidArgument,
                 "there is no slot " + std::to_string(slot) + ": the back end has " + std::to_string(slots()));
@@ -54,7 +67,10 @@ Result<DetectorOutput> Detector::detect(const ImageView& image, int slot) {
   output.times.inference_ms = watch.milliseconds();
 
   watch.restart();
-  const Detections found = suppress(decode(spec_, *tensors), spec_.thresholds);
+  auto& selected = selected_[static_cast<std::size_t>(slot)];
+  selected.thresholds = selection.thresholds;
+  const Detections found =
+      suppress(of_classes(decode(selected, *tensors), selection.classes), selection.thresholds);
   output.detections = place(found, *placement, image.width, image.height);
   output.times.decode_ms = watch.milliseconds();
   return output;

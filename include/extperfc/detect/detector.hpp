@@ -8,6 +8,7 @@
 #include "extperfc/detect/inference.hpp"
 #include "extperfc/detect/model_spec.hpp"
 #include "extperfc/detect/preprocess.hpp"
+#include "extperfc/world/class_filter.hpp"
 #include "extperfc/world/detection.hpp"
 #include "extperfc/world/image_view.hpp"
 
@@ -25,6 +26,12 @@ struct DetectorOutput {
   StageTimes times;
 };
 
+/// Which candidates of a network are detections.
+struct Selection {
+  Thresholds thresholds;
+  ClassFilter classes;
+};
+
 /// A model with its pre- and post-processing: image in, boxes out.
 class Detector {
  public:
@@ -33,6 +40,9 @@ class Detector {
 
   /// One image, `slot` in [0, slots()). Different slots may be used by different threads at the same time.
   [[nodiscard]] Result<DetectorOutput> detect(const ImageView& image, int slot = 0);
+  /// The same with other thresholds than the model's, and for some classes alone.
+  [[nodiscard]] Result<DetectorOutput> detect(const ImageView& image, const Selection& selection,
+                                              int slot = 0);
 
   [[nodiscard]] const ModelSpec& spec() const { return spec_; }
   [[nodiscard]] int slots() const { return backend_->slots(); }
@@ -47,6 +57,7 @@ class Detector {
   ModelSpec spec_;
   std::unique_ptr<InferenceBackend> backend_;
   std::vector<Preprocessor> preprocessors_;  // one per slot
+  std::vector<ModelSpec> selected_;          // one per slot: the model with the thresholds of its last call
 };
 
 }  // namespace extperfc::detect

@@ -41,10 +41,29 @@ struct TriangleMesh {
 using Geometry = std::variant<Box, Cylinder, Sphere, Cone, TriangleMesh>;
 
 /// Pattern that is multiplied with the colour; made by the program itself, from a seed.
-enum class Texture { kNone, kWood, kTiles, kPlaster, kCloth, kCarpet, kMarble, kChecker, kBooks };
+enum class Texture {
+  kNone,
+  kWood,
+  kTiles,
+  kPlaster,
+  kCloth,
+  kCarpet,
+  kMarble,
+  kChecker,
+  kStripes,   ///< two tones, along the texture's x
+  kDots,      ///< dark discs on a light ground
+  kPrint,     ///< a label: blocks, lines that look like writing, a disc
+  kPoster,    ///< patches of many colours, like a photograph from afar
+  kBlotches,  ///< soft spots
+  kBall,      ///< panels and seams of a ball
+  kPips,      ///< rounded square with the pips of a die
+  kGradient,  ///< light to dark and back: looks translucent
+  kBooks
+};
 
 /// Name of a texture as worlds write it: "none", "wood", "tiles", "plaster", "cloth", "carpet", "marble",
-/// "checker", "books".
+/// "checker", "stripes", "dots", "print", "poster", "blotches", "ball", "pips", "gradient",
+/// "books".
 [[nodiscard]] const char* to_string(Texture texture);
 /// The texture of that name, empty when there is none.
 [[nodiscard]] std::optional<Texture> texture_from(std::string_view name);

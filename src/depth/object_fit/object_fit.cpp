@@ -13,8 +13,6 @@
 namespace extperfc::depth {
 namespace {
 
-constexpr double kStandsOut = 4.0;     // standard deviations of the support's height that a pixel must exceed
-constexpr double kMinRise = 0.002;     // and that many metres
 constexpr double kRoughness = 0.0005;  // of an object's surface against the ideal shape [m]
 
 const char* name_of(FitShape shape) {
@@ -49,13 +47,11 @@ Result<Eigen::Vector3d> surface_point(const ImageView& depth, const CameraModel&
 std::vector<SurfaceSample> standing_out(const Points& points, const SupportPlane& support,
                                         const ObjectFitParams& params) {
   const Pose plane_T_camera = support.camera_T_plane.inverse();
-  const Eigen::Vector3d normal = support.camera_T_plane.linear().col(2);
   std::vector<SurfaceSample> samples;
   for (const Point& point : points.items) {
-    if (!point.in_box) continue;
+    if (!point.in_box || !rises(support, point)) continue;
     const Eigen::Vector3d position = plane_T_camera * point.position;
-    const double sigma = point.sigma_m * std::abs(normal.dot(point.position.normalized()));
-    if (position.z() < std::max(kMinRise, kStandsOut * sigma) || position.z() > params.max_size_m) continue;
+    if (position.z() > params.max_size_m) continue;
     samples.push_back({position, std::hypot(point.sigma_m, kRoughness)});
   }
   return samples;

@@ -2,9 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstddef>
-#include <cstdint>
-#include <cstring>
+
+#include "depth/depth_pixel.hpp"
 
 namespace extperfc::depth {
 namespace {
@@ -14,19 +13,6 @@ constexpr double kRounding = 0.001 / 3.4641016151377544;  // sigma of rounding t
 constexpr double kBoxGrowth =
     0.05;                       // detections are tight or a little too small: fraction of the box's sides
 constexpr double kReach = 2.0;  // of what belongs to the object's surroundings, in diagonals of the box
-
-/// Depth [m] of a pixel; 0 or not finite: no measurement.
-double depth_at(const ImageView& depth, int x, int y) {
-  const std::uint8_t* const row = depth.row(y);
-  if (depth.format == PixelFormat::kDepth16Mm) {
-    std::uint16_t mm = 0;
-    std::memcpy(&mm, row + static_cast<std::size_t>(x) * sizeof mm, sizeof mm);
-    return 0.001 * mm;
-  }
-  float metres = 0;
-  std::memcpy(&metres, row + static_cast<std::size_t>(x) * sizeof metres, sizeof metres);
-  return metres;
-}
 
 /// Pixels [begin, end) of one axis.
 struct Range {
@@ -48,6 +34,12 @@ bool inside(const Box2& box, int x, int y) {
 
 }  // namespace
 
+Point point_at(const CameraModel& camera, int x, int y, double z_m, const StereoNoiseModel& noise) {
+  const Eigen::Vector3d position = camera.back_project(x, y, z_m);
+  const double along_ray = position.norm() / z_m;
+  return {position, along_ray * std::hypot(noise.sigma(z_m), kRounding), false};
+}
+
 Points gather(const ImageView& depth, const CameraModel& camera, const Box2& box,
               const Eigen::Vector3d& anchor, const ObjectFitParams& params) {
   const double side = std::max(box.width(), box.height());
@@ -63,11 +55,10 @@ Points gather(const ImageView& depth, const CameraModel& camera, const Box2& box
     for (int x = columns.begin + step / 2; x < columns.end; x += step) {
       const double z = depth_at(depth, x, y);
       if (!(z >= params.min_depth_m && z <= params.max_depth_m)) continue;
-      const Eigen::Vector3d position = camera.back_project(x, y, z);
-      if ((position - anchor).norm() > reach) continue;
-      const double along_ray = position.norm() / z;
-      points.items.push_back(
-          {position, along_ray * std::hypot(params.noise.sigma(z), kRounding), inside(box, x, y)});
+      Point point = point_at(camera, x, y, z, params.noise);
+      if ((point.position - anchor).norm() > reach) continue;
+      point.in_box = inside(box, x, y);
+      points.items.push_back(point);
     }
   return points;
 }

@@ -15,6 +15,10 @@ struct Point {
   bool in_box{false};        ///< of the detection, which is a little wider here
 };
 
+/// The point of the pixel (x, y) with the depth `z_m`.
+[[nodiscard]] Point point_at(const CameraModel& camera, int x, int y, double z_m,
+                             const StereoNoiseModel& noise);
+
 struct Points {
   std::vector<Point> items;
   /// Independent measurements that a pixel counts for: neighbours share their errors. (0, 1]

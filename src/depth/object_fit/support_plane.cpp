@@ -126,4 +126,13 @@ std::optional<SupportPlane> find_support(const Points& points, const Eigen::Vect
   return support;
 }
 
+bool rises(const SupportPlane& support, const Point& point) {
+  constexpr double kStandsOut = 4.0;  // standard deviations of the height
+  constexpr double kMinRise = 0.002;  // [m]
+  const Eigen::Vector3d normal = support.camera_T_plane.linear().col(2);
+  const double height = normal.dot(point.position - support.camera_T_plane.translation());
+  const double sigma = point.sigma_m * std::abs(normal.dot(point.position.normalized()));
+  return height >= std::max(kMinRise, kStandsOut * sigma);
+}
+
 }  // namespace extperfc::depth

@@ -21,4 +21,7 @@ struct SupportPlane {
                                                        const Eigen::Vector3d& anchor,
                                                        const ObjectFitParams& params);
 
+/// True when a point lies higher over the support than noise explains, and by 2 mm at least.
+[[nodiscard]] bool rises(const SupportPlane& support, const Point& point);
+
 }  // namespace extperfc::depth

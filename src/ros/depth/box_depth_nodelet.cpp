@@ -17,21 +17,25 @@
 #include "extperfc/base/stamp_matcher.hpp"
 #include "extperfc/base/stopwatch.hpp"
 #include "extperfc/depth/locate_boxes.hpp"
+#include "extperfc/world/class_filter.hpp"
 
 #include "ros/convert/detections.hpp"
 #include "ros/convert/geometry.hpp"
 #include "ros/convert/image.hpp"
+#include "ros/depth/detect_and_locate_service.hpp"
+#include "ros/depth/object_clouds.hpp"
 #include "ros/health/reporter.hpp"
 #include "ros/health/stream_health.hpp"
 #include "ros/params/box_depth_params.hpp"
 #include "ros/params/detector_params.hpp"
+#include "ros/params/reconfigure.hpp"
 
 namespace extperfc::ros_depth {
 
 /// Computes a 3D position for every detected box from the depth image of the same stamp. Boxes without a
 /// valid depth are left out and counted in diagnostics.
 ///
-/// Subscribes (only while one of the outputs has subscribers):
+/// Subscribes (only while enabled and one of the outputs has subscribers, or while detect_once waits):
 ///   detections                               vision_msgs/Detection2DArray
 ///   camera/aligned_depth_to_color/image_raw  sensor_msgs/Image, 16UC1 [mm] or 32FC1 [m], aligned to colour
 ///   camera/color/camera_info                 sensor_msgs/CameraInfo of the colour camera
@@ -46,15 +50,30 @@ namespace extperfc::ros_depth {
 ///                          its covariance; bbox.size is 0
 ///   objects/markers        visualization_msgs/MarkerArray
 ///   diagnostics            diagnostic_msgs/DiagnosticArray
+///   ~parameter_descriptions, ~parameter_updates  dynamic_reconfigure/ConfigDescription and Config, latched
+/// Services:
+///   detect_once      extperfc/DetectOnce: boxes and positions in the given image with its depth, or in the
+///                    next image of the camera; also while continuous work is disabled here or in the detector
+///   object_cloud     extperfc/ObjectCloud: points of one of the latest objects, without background; with a
+///                    target_frame also without what the object stands on
+///   ~set_parameters  dynamic_reconfigure/Reconfigure: changes enabled, min_score, class_filter, estimator,
+///                    window_px, central_fraction, min_depth_m, max_depth_m and min_valid_px; wrong values are
+///                    refused with a message in the log and in diagnostics
+/// Calls:
+///   detector/detect_once  extperfc/DetectOnce: for boxes of detect_once
 /// Parameters: config/box_depth.yaml.
 /// Frames: needs optical frame -> target_frame at the image's stamp when target_frame is set.
 /// Diagnostics: rates, latency, how images arrive, boxes without depth, results without a matching image;
-///   ERROR while inputs do not fit together (sizes, encodings, stamps, transforms).
-/// Threads: callbacks only match stamps; one worker computes. The newest matched pair replaces a waiting one.
+///   WARN when a change of parameters was refused, ERROR while inputs do not fit together (sizes, encodings,
+///   stamps, transforms); says when it is disabled.
+/// Threads: callbacks only match stamps; one worker computes, one serves detect_once. The newest matched pair
+///   replaces a waiting one.
 class BoxDepthNodelet : public nodelet::Nodelet {
  public:
   ~BoxDepthNodelet() override {
     reporter_.reset();
+    reconfigure_.reset();
+    cloud_server_.shutdown();
     {
       const std::lock_guard lock(subscription_mutex_);
       closing_ = true;  // a listener that comes or goes now must not subscribe again
@@ -62,6 +81,7 @@ class BoxDepthNodelet : public nodelet::Nodelet {
     for (auto* subscriber :
          {&detections_subscriber_, &depth_subscriber_, &info_subscriber_, &names_subscriber_})
       subscriber->shutdown();
+    once_.reset();
     pairs_.close();
     if (worker_.joinable()) worker_.join();
   }
@@ -81,22 +101,39 @@ class BoxDepthNodelet : public nodelet::Nodelet {
     vision_msgs::Detection3DArray surface;  ///< in the same order
   };
 
+  /// What may change at run time.
+  struct Settings {
+    bool enabled{true};
+    double min_score{0};
+    std::string class_filter;
+    depth::BoxDepthParams estimate;
+  };
+
   void onInit() override;
   void advertise();
+  void offer_services();
+  Result<void> apply(const ros_params::BoxDepthNodeletParams& params);
+  Result<void> reconfigure();
+  [[nodiscard]] Settings settings();
+  bool serve_cloud(ObjectCloud::Request& request, ObjectCloud::Response& response);
   void update_subscription();
+  void subscribe_to_camera();
   void on_detections(const DetectionsEvent& event);
   void on_depth(const DepthEvent& event);
   void on_info(const InfoEvent& event);
   void on_names(const vision_msgs::VisionInfoConstPtr& message);
   void process(const Matcher::Pair& pair);
-  Result<Objects> locate_all(const Matcher::Pair& pair);
+  Result<Objects> locate_all(const Matcher::Pair& pair, const sensor_msgs::CameraInfoConstPtr& info);
+  Result<Detections> of_interest(const vision_msgs::Detection2DArray& message, const Settings& settings);
+  [[nodiscard]] sensor_msgs::CameraInfoConstPtr latest_info();
   [[nodiscard]] depth::ShapesToFit shapes_to_fit(const Eigen::Isometry3d& target_T_optical);
   [[nodiscard]] std::vector<std::string> class_names();
-  Result<CameraModel> camera_for(const ImageView& depth);
+  Result<CameraModel> camera_for(const ImageView& depth, const sensor_msgs::CameraInfoConstPtr& info);
   Result<Eigen::Isometry3d> transform_at(const std_msgs::Header& header);
   void report(diagnostic_updater::DiagnosticStatusWrapper& status);
+  [[nodiscard]] Matcher::Limits limits() const;
 
-  ros_params::BoxDepthNodeletParams params_;
+  ros_params::BoxDepthNodeletParams params_;  ///< of the start
   std::unique_ptr<tf2_ros::Buffer> tf_buffer_;
   std::unique_ptr<tf2_ros::TransformListener> tf_listener_;
   std::optional<ros_health::Reporter> reporter_;
@@ -116,6 +153,7 @@ class BoxDepthNodelet : public nodelet::Nodelet {
   ros::Subscriber names_subscriber_;
 
   std::mutex state_mutex_;  ///< guards what follows, never held over work or a publish
+  Settings settings_;
   std::optional<Matcher> matcher_;
   sensor_msgs::CameraInfoConstPtr info_;
   std::vector<std::string> class_names_;
@@ -125,6 +163,10 @@ class BoxDepthNodelet : public nodelet::Nodelet {
 
   LatestSlot<Matcher::Pair> pairs_;
   std::thread worker_;
+  std::optional<ObjectClouds> clouds_;
+  ros::ServiceServer cloud_server_;
+  std::optional<DetectAndLocateService> once_;
+  std::optional<ros_params::Reconfigure> reconfigure_;
 };
 
 void BoxDepthNodelet::onInit() {
@@ -134,21 +176,87 @@ void BoxDepthNodelet::onInit() {
     throw std::runtime_error(params.error().message);
   }
   params_ = *params;
-  Matcher::Limits limits;
-  limits.tolerance_ns = static_cast<std::int64_t>(1e9 * params_.stamp_tolerance_s);
-  limits.fast_kept = static_cast<std::size_t>(params_.depth_queue);
-  matcher_.emplace(limits);
+  if (auto applied = apply(params_); !applied) throw std::runtime_error(applied.error().message);
+  matcher_.emplace(limits());
+  clouds_.emplace(static_cast<std::size_t>(params_.cloud_history));
   if (!params_.target_frame.empty()) {
     tf_buffer_ = std::make_unique<tf2_ros::Buffer>();
     tf_listener_ = std::make_unique<tf2_ros::TransformListener>(*tf_buffer_);
   }
-  reporter_.emplace(getNodeHandle(), getPrivateNodeHandle(), getName());
-  reporter_->add("box_depth", [this](auto& status) { report(status); });
-  reporter_->start();
   worker_ = std::thread([this] {
     while (const auto pair = pairs_.take()) process(*pair);
   });
+  offer_services();
   advertise();
+  reporter_.emplace(getNodeHandle(), getPrivateNodeHandle(), getName());
+  reporter_->add("box_depth", [this](auto& status) { report(status); });
+  reporter_->start();
+}
+
+BoxDepthNodelet::Matcher::Limits BoxDepthNodelet::limits() const {
+  Matcher::Limits limits;
+  limits.tolerance_ns = static_cast<std::int64_t>(1e9 * params_.stamp_tolerance_s);
+  limits.fast_kept = static_cast<std::size_t>(params_.depth_queue);
+  return limits;
+}
+
+void BoxDepthNodelet::offer_services() {
+  cloud_server_ = getNodeHandle().advertiseService("object_cloud", &BoxDepthNodelet::serve_cloud, this);
+  once_.emplace(getNodeHandle(), limits(),
+                DetectAndLocateService::Callbacks{
+                    [this] { update_subscription(); },
+                    [this](const Matcher::Pair& pair, const sensor_msgs::CameraInfoConstPtr& info) {
+                      return locate_all(pair, info ? info : latest_info()).map([](Objects&& objects) {
+                        return std::move(objects.centers);
+                      });
+                    }});
+  reconfigure_.emplace(
+      getPrivateNodeHandle(), params_.read,
+      std::vector<ros_params::DynamicParam>{
+          {"enabled", "compute continuously while there are subscribers", {}},
+          {"min_score", "boxes with a lower score are left out", {}},
+          {"class_filter", "names or indices of classes, between commas; empty: all", {}},
+          {"estimator", "of the depth of a box", {"nearest_mode", "median", "trimmed_mean", "mean"}},
+          {"window_px", "side of the window of mean, median and trimmed_mean [px]", {}},
+          {"central_fraction", "part of the box that nearest_mode looks at", {}},
+          {"min_depth_m", "nearer values are ignored [m]", {}},
+          {"max_depth_m", "farther values are ignored [m]", {}},
+          {"min_valid_px", "with fewer valid pixels there is no estimate", {}}},
+      [this] { return reconfigure(); });
+}
+
+/// Takes over what may change at run time. The names of a class filter can be checked only when the detector
+/// has published them.
+Result<void> BoxDepthNodelet::apply(const ros_params::BoxDepthNodeletParams& params) {
+  if (const auto names = class_names(); !names.empty())
+    if (auto classes = ClassFilter::make(params.class_filter, names); !classes)
+      return tl::unexpected(classes.error());
+  const std::lock_guard lock(state_mutex_);
+  settings_ = {params.enabled, params.min_score, params.class_filter, params.estimate};
+  return {};
+}
+
+Result<void> BoxDepthNodelet::reconfigure() {
+  const auto params = ros_params::load_box_depth_params(getPrivateNodeHandle());
+  if (!params) return tl::unexpected(params.error());
+  if (auto applied = apply(*params); !applied) return applied;
+  update_subscription();
+  return {};
+}
+
+BoxDepthNodelet::Settings BoxDepthNodelet::settings() {
+  const std::lock_guard lock(state_mutex_);
+  return settings_;
+}
+
+bool BoxDepthNodelet::serve_cloud(ObjectCloud::Request& request, ObjectCloud::Response& response) {
+  auto cloud = clouds_->cloud_of(request);
+  response.success = cloud.has_value();
+  if (cloud)
+    response.cloud = std::move(*cloud);
+  else
+    response.message = cloud.error().message;
+  return true;
 }
 
 void BoxDepthNodelet::advertise() {
@@ -164,22 +272,26 @@ void BoxDepthNodelet::advertise() {
 void BoxDepthNodelet::update_subscription() {
   const std::lock_guard lock(subscription_mutex_);
   if (closing_) return;
-  const bool wanted = objects_publisher_.getNumSubscribers() > 0 ||
-                      surface_publisher_.getNumSubscribers() > 0 ||
-                      markers_publisher_.getNumSubscribers() > 0;
-  for (auto* input : {&detections_health_, &depth_health_, &info_health_}) input->listening(wanted);
-  if (!wanted) {
-    for (auto* subscriber :
-         {&detections_subscriber_, &depth_subscriber_, &info_subscriber_, &names_subscriber_})
+  const bool streams = settings().enabled && (objects_publisher_.getNumSubscribers() > 0 ||
+                                              surface_publisher_.getNumSubscribers() > 0 ||
+                                              markers_publisher_.getNumSubscribers() > 0);
+  for (auto* input : {&detections_health_, &depth_health_, &info_health_}) input->listening(streams);
+  if (!streams) detections_subscriber_.shutdown();
+  if (!streams && !once_->is_waiting())
+    for (auto* subscriber : {&depth_subscriber_, &info_subscriber_, &names_subscriber_})
       subscriber->shutdown();
-    return;
-  }
-  if (detections_subscriber_) return;
+  else if (!depth_subscriber_)
+    subscribe_to_camera();
+  if (streams && !detections_subscriber_)
+    detections_subscriber_ =
+        getNodeHandle().subscribe(kDetectionsTopic, 5, &BoxDepthNodelet::on_detections, this);
+}
+
+void BoxDepthNodelet::subscribe_to_camera() {
   auto& nh = getNodeHandle();
   names_subscriber_ = nh.subscribe("vision_info", 1, &BoxDepthNodelet::on_names, this);
   info_subscriber_ = nh.subscribe(kInfoTopic, 1, &BoxDepthNodelet::on_info, this);
   depth_subscriber_ = nh.subscribe(kDepthTopic, 5, &BoxDepthNodelet::on_depth, this);
-  detections_subscriber_ = nh.subscribe(kDetectionsTopic, 5, &BoxDepthNodelet::on_detections, this);
 }
 
 void BoxDepthNodelet::on_detections(const DetectionsEvent& event) {
@@ -196,6 +308,7 @@ void BoxDepthNodelet::on_detections(const DetectionsEvent& event) {
 void BoxDepthNodelet::on_depth(const DepthEvent& event) {
   const auto& message = event.getConstMessage();
   depth_health_.received(message->header.stamp, message->data.data(), ros_health::came_by_pointer(event));
+  once_->on_depth(message);
   std::optional<Matcher::Pair> pair;
   {
     const std::lock_guard lock(state_mutex_);
@@ -207,8 +320,11 @@ void BoxDepthNodelet::on_depth(const DepthEvent& event) {
 void BoxDepthNodelet::on_info(const InfoEvent& event) {
   const auto& message = event.getConstMessage();
   info_health_.received(message->header.stamp, message.get(), ros_health::came_by_pointer(event));
-  const std::lock_guard lock(state_mutex_);
-  info_ = message;
+  {
+    const std::lock_guard lock(state_mutex_);
+    info_ = message;
+  }
+  once_->on_info();
 }
 
 void BoxDepthNodelet::on_names(const vision_msgs::VisionInfoConstPtr& message) {
@@ -219,7 +335,7 @@ void BoxDepthNodelet::on_names(const vision_msgs::VisionInfoConstPtr& message) {
 
 void BoxDepthNodelet::process(const Matcher::Pair& pair) {
   const Stopwatch watch;
-  auto objects = locate_all(pair);
+  auto objects = locate_all(pair, latest_info());
   if (!objects) {
     if (work_health_.failed(objects.error().message)) NODELET_ERROR("%s", objects.error().message.c_str());
     return;
@@ -234,19 +350,23 @@ void BoxDepthNodelet::process(const Matcher::Pair& pair) {
         ros_convert::to_markers(*message, class_names(), params_.marker_lifetime_s)));
 }
 
-Result<BoxDepthNodelet::Objects> BoxDepthNodelet::locate_all(const Matcher::Pair& pair) {
+Result<BoxDepthNodelet::Objects> BoxDepthNodelet::locate_all(const Matcher::Pair& pair,
+                                                             const sensor_msgs::CameraInfoConstPtr& info) {
   const auto& [detections, depth_message] = pair;
   const auto depth = ros_convert::share_image(depth_message);
   if (!depth) return tl::unexpected(Error{depth.error().code, "depth: " + depth.error().message});
   if (!is_depth(depth->view.format))
     return fail(ErrorCode::kUnsupported, "depth: encoding '" + depth_message->encoding +
                                              "' is not depth; use 16UC1 [mm] or 32FC1 [m]");
-  const auto camera = camera_for(depth->view);
+  const auto camera = camera_for(depth->view, info);
   if (!camera) return tl::unexpected(camera.error());
   const auto target_T_optical = transform_at(depth_message->header);
   if (!target_T_optical) return tl::unexpected(target_T_optical.error());
-  const auto located = depth::locate_boxes(ros_convert::from_message(*detections), depth->view, *camera,
-                                           params_.estimate, shapes_to_fit(*target_T_optical));
+  const auto now = settings();
+  const auto boxes = of_interest(*detections, now);
+  if (!boxes) return tl::unexpected(boxes.error());
+  const auto located =
+      depth::locate_boxes(*boxes, depth->view, *camera, now.estimate, shapes_to_fit(*target_T_optical));
   {
     const std::lock_guard lock(state_mutex_);
     without_depth_ += static_cast<std::uint64_t>(located.without_depth);
@@ -256,14 +376,30 @@ Result<BoxDepthNodelet::Objects> BoxDepthNodelet::locate_all(const Matcher::Pair
   auto header = detections->header;
   if (!params_.target_frame.empty()) header.frame_id = params_.target_frame;
   objects.centers.header = objects.surface.header = header;
+  LocatedImage image{header, depth_message, *camera, *target_T_optical, !params_.target_frame.empty(),
+                     {},     now.estimate};
   for (const auto& [detection, object, fit] : located.boxes) {
+    image.boxes.push_back(detection.box);
     objects.surface.detections.push_back(
         ros_convert::to_surface_message(detection, object, *target_T_optical, header));
     objects.centers.detections.push_back(
         fit ? ros_convert::to_message(detection, *fit, *target_T_optical, header)
             : ros_convert::to_message(detection, object, *target_T_optical, header));
   }
+  clouds_->remember(std::move(image));
   return objects;
+}
+
+/// The boxes with the scores and classes that the parameters ask for.
+Result<Detections> BoxDepthNodelet::of_interest(const vision_msgs::Detection2DArray& message,
+                                                const Settings& settings) {
+  const auto classes = ClassFilter::make(settings.class_filter, class_names());
+  if (!classes) return tl::unexpected(classes.error());
+  Detections boxes;
+  for (const auto& detection : ros_convert::from_message(message))
+    if (detection.score >= settings.min_score && classes->allows(detection.class_index))
+      boxes.push_back(detection);
+  return boxes;
 }
 
 depth::ShapesToFit BoxDepthNodelet::shapes_to_fit(const Eigen::Isometry3d& target_T_optical) {
@@ -282,12 +418,13 @@ std::vector<std::string> BoxDepthNodelet::class_names() {
   return class_names_;
 }
 
-Result<CameraModel> BoxDepthNodelet::camera_for(const ImageView& depth) {
-  sensor_msgs::CameraInfoConstPtr info;
-  {
-    const std::lock_guard lock(state_mutex_);
-    info = info_;
-  }
+sensor_msgs::CameraInfoConstPtr BoxDepthNodelet::latest_info() {
+  const std::lock_guard lock(state_mutex_);
+  return info_;
+}
+
+Result<CameraModel> BoxDepthNodelet::camera_for(const ImageView& depth,
+                                                const sensor_msgs::CameraInfoConstPtr& info) {
   if (!info)
     return fail(ErrorCode::kNotFound, "no camera info on " + getNodeHandle().resolveName(kInfoTopic) +
                                           " yet: positions need intrinsics");
@@ -313,14 +450,20 @@ Result<Eigen::Isometry3d> BoxDepthNodelet::transform_at(const std_msgs::Header& 
 }
 
 void BoxDepthNodelet::report(diagnostic_updater::DiagnosticStatusWrapper& status) {
-  status.summary(diagnostic_msgs::DiagnosticStatus::OK, "running");
-  status.add("estimator", depth::to_string(params_.estimate.estimator));
+  const auto now = settings();
+  status.summary(diagnostic_msgs::DiagnosticStatus::OK,
+                 now.enabled ? "running" : "disabled: parameter enabled is false");
+  status.add("enabled", now.enabled);
+  status.add("estimator", depth::to_string(now.estimate.estimator));
   status.add("dropped", pairs_.dropped());
   auto& nh = getNodeHandle();
   detections_health_.report(status, nh.resolveName(kDetectionsTopic), params_.timeout_s);
   depth_health_.report(status, nh.resolveName(kDepthTopic), params_.timeout_s);
   info_health_.report(status, nh.resolveName(kInfoTopic), params_.timeout_s);
   work_health_.report(status);
+  if (const auto refused = reconfigure_->last_refusal(); !refused.empty())
+    status.mergeSummary(diagnostic_msgs::DiagnosticStatus::WARN,
+                        "refused a change of parameters: " + refused);
   const std::lock_guard lock(state_mutex_);
   status.add("boxes without depth", without_depth_);
   if (params_.fit_objects) status.add("shapes that do not fit", not_fitted_);

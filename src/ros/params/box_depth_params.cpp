@@ -10,6 +10,9 @@ Result<BoxDepthNodeletParams> load_box_depth_params(const ros::NodeHandle& priva
   std::string estimator = depth::to_string(estimate.estimator);
 
   ParamReader reader(private_handle);
+  reader.read("enabled", params.enabled);
+  reader.read("min_score", params.min_score, {0.0, 1.0});
+  reader.read("class_filter", params.class_filter);
   reader.read("estimator", estimator);
   reader.read("window_px", estimate.window_px, {1, 1000});
   reader.read("central_fraction", estimate.central_fraction, {0.01, 1.0});
@@ -30,6 +33,8 @@ Result<BoxDepthNodeletParams> load_box_depth_params(const ros::NodeHandle& priva
   reader.read("marker_lifetime_s", params.marker_lifetime_s, {0.0, 60.0});
   reader.read("timeout_s", params.timeout_s, {0.1, 3600.0});
   reader.read("depth_queue", params.depth_queue, {1, 300});
+  reader.read("cloud_history", params.cloud_history, {1, 100});
+  params.read = reader.params();
 
   if (auto known = depth::estimator_from_name(estimator)) {
     estimate.estimator = *known;

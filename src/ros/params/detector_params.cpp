@@ -38,13 +38,18 @@ Result<DetectorParams> load_detector_params(const ros::NodeHandle& private_handl
   reader.read("precision", precision);
   reader.read("mode", mode);
   reader.read("cache_dir", cache_dir);
+  reader.read("enabled", params.enabled);
   reader.read("score_threshold", params.score_threshold, {-1.0, 1.0});
+  reader.read("nms_iou", params.nms_iou, {-1.0, 1.0});
+  reader.read("max_detections", params.max_detections, {0, 10000});
+  reader.read("class_filter", params.class_filter);
   reader.read("image_transport", params.image_transport);
   reader.read("timeout_s", params.timeout_s, {0.1, 3600.0});
   accept_or_complain(reader, detect::precision_from_name(precision), params.inference.precision);
   accept_or_complain(reader, detect::mode_from_name(mode), params.inference.mode);
   params.model = model;
   params.inference.cache_dir = cache_dir;
+  params.read = reader.params();
 
   if (auto finished = reader.finish(); !finished) return tl::unexpected(finished.error());
   return params;

@@ -37,6 +37,11 @@ void ParamReader::wrong_type(const std::string& key, const char* wanted) {
 }
 
 void ParamReader::read(const std::string& key, std::string& value) {
+  read_text(key, value);
+  params_.push_back({key, value, "", ""});
+}
+
+void ParamReader::read_text(const std::string& key, std::string& value) {
   const auto* found = find(key);
   if (!found) return;
   if (found->getType() != XmlRpc::XmlRpcValue::TypeString) return wrong_type(key, "a text");
@@ -44,6 +49,11 @@ void ParamReader::read(const std::string& key, std::string& value) {
 }
 
 void ParamReader::read(const std::string& key, bool& value) {
+  read_flag(key, value);
+  params_.push_back({key, value, false, true});
+}
+
+void ParamReader::read_flag(const std::string& key, bool& value) {
   const auto* found = find(key);
   if (!found) return;
   if (found->getType() != XmlRpc::XmlRpcValue::TypeBoolean) return wrong_type(key, "true or false");
@@ -73,10 +83,12 @@ void ParamReader::read_number(const std::string& key, T& value, Range<T> range) 
 
 void ParamReader::read(const std::string& key, int& value, Range<int> range) {
   read_number(key, value, range);
+  params_.push_back({key, value, range.low, range.high});
 }
 
 void ParamReader::read(const std::string& key, double& value, Range<double> range) {
   read_number(key, value, range);
+  params_.push_back({key, value, range.low, range.high});
 }
 
 void ParamReader::require(const std::string& key, std::string& value, const std::string& remedy) {

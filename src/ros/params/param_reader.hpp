@@ -18,6 +18,13 @@ struct Range {
   T high;
 };
 
+/// A parameter that was read, for those who describe it to a user.
+struct ReadParam {
+  std::string name;
+  XmlRpc::XmlRpcValue value;      ///< in force: the given one, or the default
+  XmlRpc::XmlRpcValue low, high;  ///< range of a number; both values of a bool; empty texts
+};
+
 /// Reads the parameters of one private namespace and collects everything that is wrong with them, so that a
 /// user sees all errors at once: wrong types, values out of range, unknown keys.
 class ParamReader {
@@ -39,12 +46,17 @@ class ParamReader {
   /// Adds an error found by the caller, e.g. of two values that do not fit each other.
   void complain(const std::string& message) { errors_.push_back(message); }
 
+  /// What read() was asked for so far, in this order.
+  [[nodiscard]] const std::vector<ReadParam>& params() const { return params_; }
+
   /// Success, or one error whose text has a line per problem. Call once, last.
   [[nodiscard]] Result<void> finish();
 
  private:
   const XmlRpc::XmlRpcValue* find(const std::string& key);
   void wrong_type(const std::string& key, const char* wanted);
+  void read_text(const std::string& key, std::string& value);
+  void read_flag(const std::string& key, bool& value);
   template <typename T>
   void read_number(const std::string& key, T& value, Range<T> range);
 
@@ -52,6 +64,7 @@ class ParamReader {
   std::map<std::string, XmlRpc::XmlRpcValue> given_;
   std::vector<std::string> known_{"diagnostic_period", "diagnostic_updater"};  // the updater's own
   std::vector<std::string> errors_;
+  std::vector<ReadParam> params_;
 };
 
 }  // namespace extperfc::ros_params

@@ -8,15 +8,23 @@ namespace extperfc {
 
 namespace {
 
-constexpr std::array<std::pair<Texture, const char*>, 9> kTextureNames{{{Texture::kNone, "none"},
-                                                                        {Texture::kWood, "wood"},
-                                                                        {Texture::kTiles, "tiles"},
-                                                                        {Texture::kPlaster, "plaster"},
-                                                                        {Texture::kCloth, "cloth"},
-                                                                        {Texture::kCarpet, "carpet"},
-                                                                        {Texture::kMarble, "marble"},
-                                                                        {Texture::kChecker, "checker"},
-                                                                        {Texture::kBooks, "books"}}};
+constexpr std::array<std::pair<Texture, const char*>, 17> kTextureNames{{{Texture::kNone, "none"},
+                                                                         {Texture::kWood, "wood"},
+                                                                         {Texture::kTiles, "tiles"},
+                                                                         {Texture::kPlaster, "plaster"},
+                                                                         {Texture::kCloth, "cloth"},
+                                                                         {Texture::kCarpet, "carpet"},
+                                                                         {Texture::kMarble, "marble"},
+                                                                         {Texture::kChecker, "checker"},
+                                                                         {Texture::kStripes, "stripes"},
+                                                                         {Texture::kDots, "dots"},
+                                                                         {Texture::kPrint, "print"},
+                                                                         {Texture::kPoster, "poster"},
+                                                                         {Texture::kBlotches, "blotches"},
+                                                                         {Texture::kBall, "ball"},
+                                                                         {Texture::kPips, "pips"},
+                                                                         {Texture::kGradient, "gradient"},
+                                                                         {Texture::kBooks, "books"}}};
 
 }  // namespace
 
