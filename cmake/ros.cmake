@@ -2,21 +2,22 @@ include(cmake/interfaces.cmake)
 
 # ROS 1. Its headers are SYSTEM headers, so their warnings are not ours.
 find_package(catkin REQUIRED COMPONENTS
-  actionlib baxter_core_msgs control_msgs cv_bridge diagnostic_msgs diagnostic_updater geometry_msgs image_transport
+  actionlib baxter_core_msgs control_msgs cv_bridge diagnostic_msgs diagnostic_updater dynamic_reconfigure geometry_msgs image_transport
   message_filters message_generation nav_msgs nodelet pluginlib roscpp rosgraph_msgs roslib sensor_msgs shape_msgs std_msgs std_srvs
   tf2 tf2_eigen tf2_ros trajectory_msgs vision_msgs visualization_msgs)
 
 catkin_python_setup()
-add_message_files(FILES ArmCode.msg ArmRequest.msg SceneObject.msg ToolConstraint.msg ToolGoal.msg)
+add_message_files(FILES ArmCode.msg ArmRequest.msg SceneObject.msg ToolConstraint.msg ToolGoal.msg Track.msg
+  TrackArray.msg)
 add_service_files(FILES
-  ApplyScene.srv CheckArmState.srv GetScene.srv LoadSession.srv MoveBody.srv SaveMap.srv SetFault.srv
+  ApplyScene.srv CheckArmState.srv DetectOnce.srv GetScene.srv LoadSession.srv MoveBody.srv ObjectCloud.srv SaveMap.srv SetFault.srv
   SetRealTimeFactor.srv SolveArmIk.srv StepSimulation.srv)
 add_action_files(FILES MoveArm.action Pick.action Place.action Plan.action)
-generate_messages(DEPENDENCIES actionlib_msgs geometry_msgs sensor_msgs shape_msgs std_msgs trajectory_msgs)
+generate_messages(DEPENDENCIES actionlib_msgs geometry_msgs sensor_msgs shape_msgs std_msgs trajectory_msgs vision_msgs)
 
 catkin_package(
   INCLUDE_DIRS include
-  LIBRARIES extperfc_base extperfc_world extperfc_detect extperfc_depth extperfc_sources extperfc_scan
+  LIBRARIES extperfc_base extperfc_world extperfc_detect extperfc_depth extperfc_track extperfc_sources extperfc_scan
     extperfc_robot_model extperfc_simulate_worlds extperfc_simulate_render extperfc_simulate_bodies
     extperfc_simulate_control extperfc_simulate_trajectory extperfc_translate_schema extperfc_translate_plan
     extperfc_translate_rules extperfc_translate_peer extperfc_translate_bridge extperfc_mapping extperfc_localize

@@ -16,7 +16,7 @@ import nodelet_pages  # noqa: E402
 LOADERS = {
     "arm_params": ("arm",), "box_depth_params": ("box_depth",), "cloud_to_scan_params": ("cloud_to_scan",),
     "detector_params": ("detector",), "localizer_params": ("localizer", "initial_pose"), "mapper_params": ("mapper",),
-    "robot_interface_params": ("robot_interface",), "simulator_params": ("simulator",), "source_params": ("source",),
+    "robot_interface_params": ("robot_interface",), "simulator_params": ("simulator",), "source_params": ("source",), "tracker_params": ("tracker",),
     "translator_params": ("translator",),
 }
 READ = re.compile(r'\b(?:read|require|read_\w+)(?:<[^>]*>)?\(\s*(?:\w+,\s*)*(?:std::string\()?"(\w+)"(?P<prefix>\)\s*\+)?')

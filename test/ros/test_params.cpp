@@ -14,6 +14,7 @@
 #include "ros/params/detector_params.hpp"
 #include "ros/params/param_reader.hpp"
 #include "ros/params/source_params.hpp"
+#include "ros/params/tracker_params.hpp"
 #include "test/ros/support/recording.hpp"
 #include "test/support/temporary_folder.hpp"
 
@@ -196,7 +197,11 @@ TEST_F(ParamsTest, ShippedDetectorConfigurationHasTheDefaults) {
   EXPECT_EQ(shipped->inference.threads, defaults->inference.threads);
   EXPECT_EQ(shipped->inference.precision, defaults->inference.precision);
   EXPECT_EQ(shipped->inference.mode, defaults->inference.mode);
+  EXPECT_EQ(shipped->enabled, defaults->enabled);
   EXPECT_EQ(shipped->score_threshold, defaults->score_threshold);
+  EXPECT_EQ(shipped->nms_iou, defaults->nms_iou);
+  EXPECT_EQ(shipped->max_detections, defaults->max_detections);
+  EXPECT_EQ(shipped->class_filter, defaults->class_filter);
   EXPECT_EQ(shipped->timeout_s, defaults->timeout_s);
 }
 
@@ -211,6 +216,10 @@ TEST_F(ParamsTest, ShippedBoxDepthConfigurationHasTheDefaults) {
   EXPECT_EQ(shipped->estimate.min_depth_m, defaults->estimate.min_depth_m);
   EXPECT_EQ(shipped->estimate.max_depth_m, defaults->estimate.max_depth_m);
   EXPECT_EQ(shipped->estimate.min_valid_px, defaults->estimate.min_valid_px);
+  EXPECT_EQ(shipped->enabled, defaults->enabled);
+  EXPECT_EQ(shipped->min_score, defaults->min_score);
+  EXPECT_EQ(shipped->class_filter, defaults->class_filter);
+  EXPECT_EQ(shipped->cloud_history, defaults->cloud_history);
   EXPECT_EQ(shipped->stamp_tolerance_s, defaults->stamp_tolerance_s);
   EXPECT_EQ(shipped->transform_timeout_s, defaults->transform_timeout_s);
   EXPECT_EQ(shipped->depth_queue, defaults->depth_queue);
@@ -245,6 +254,42 @@ TEST_F(ParamsTest, ShapesThatCannotBeAreReported) {
   expect("/nodelet_under_test/shapes/dice: ");
   set("shapes", std::string("cube"));
   expect("/nodelet_under_test/shapes must be a group of labels and names, e.g. {label: cone}");
+}
+
+TEST_F(ParamsTest, ShippedTrackerConfigurationHasTheDefaults) {
+  const auto defaults = load_tracker_params(handle());
+  set_from_file("tracker.yaml");
+  const auto shipped = load_tracker_params(handle());
+  ASSERT_TRUE(defaults && shipped) << shipped.error().message;
+  const auto numbers = [](const TrackerNodeletParams& p) {
+    const auto& t = p.tracker;
+    return std::vector<double>{t.acceleration_m_s2,
+                               t.speed_m_s,
+                               t.min_sigma_m,
+                               t.gate,
+                               t.class_cost,
+                               static_cast<double>(t.confirm_hits),
+                               t.max_missed_s,
+                               t.max_missed_new_s,
+                               p.transform_timeout_s,
+                               static_cast<double>(t.max_tracks),
+                               p.timeout_s};
+  };
+  EXPECT_EQ(numbers(*shipped), numbers(*defaults));
+  EXPECT_EQ(shipped->publish_tentative, defaults->publish_tentative);
+}
+
+TEST_F(ParamsTest, WhatIsReadIsDescribed) {
+  set("score_threshold", 0.25);
+  const auto params = load_detector_params(handle());
+  ASSERT_TRUE(params);
+  const auto found = std::find_if(params->read.begin(), params->read.end(),
+                                  [](const ReadParam& p) { return p.name == "score_threshold"; });
+  ASSERT_NE(found, params->read.end());
+  auto copy = *found;
+  EXPECT_EQ(static_cast<double>(copy.value), 0.25);
+  EXPECT_EQ(static_cast<double>(copy.low), -1.0);
+  EXPECT_EQ(static_cast<double>(copy.high), 1.0);
 }
 
 TEST_F(ParamsTest, ShippedSourceConfigurationHasTheDefaults) {

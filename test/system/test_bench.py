@@ -78,6 +78,17 @@ class Bench(unittest.TestCase):
         rows = self.bench("transport", "--pairs", "30")
         self.assertTrue(any("TCP" in (row["peer_name"] or "") or "TCP" in row["case"] for row in rows), rows)
 
+    def test_networks(self):
+        try:
+            import torch  # noqa: F401
+        except ImportError:
+            self.skipTest("no PyTorch: tools/setup --tests installs what training needs")
+        rows = self.bench("networks", "--quick", "--network", "squeezenet_ssd_lite")
+        frames = {row["case"]: row["ours"] for row in rows if row["metric"] == "frames"}
+        self.assertIn("SqueezeNet-SSD-Lite, opencv CPU, f32", frames)
+        self.assertEqual([None], [value for case, value in frames.items() if "NCS2" in case])
+        self.assertTrue(all(value > 0 for case, value in frames.items() if "NCS2" not in case), frames)
+
     def test_detect(self):
         rows = self.bench("detect", "--frames", "10", "--threads", "1")
         self.assertTrue(any(row["goal"] is not None for row in rows))

@@ -50,11 +50,10 @@ class Demo(unittest.TestCase):
         self.assertTrue(0.01 < math.dist(center, surface) < 0.12, row)
         self.assertLess(float(row["sigma_m"]), 0.1, "nothing of the extent is in the error of the surface")
 
-    def test_plays_generated_images_once(self):
+    def test_plays_a_rendered_recording_once(self):
         with tempfile.TemporaryDirectory() as folder:
             images, out = pathlib.Path(folder) / "images", pathlib.Path(folder) / "out"
-            subprocess.run(["/usr/bin/python3", REPO / "tools" / "generate_images", "--out", images, "--frames", "30",
-                            "--seed", "7"], check=True, stdout=subprocess.DEVNULL)
+            subprocess.run([REPO / "tools" / "extperfc-render", images, "--sequence", "--count", "30", "--seed", "7"], check=True, stdout=subprocess.DEVNULL)
             done = demo("--source", images, "--out", out)
             self.assertEqual(0, done.returncode, done.stdout + done.stderr)
             frames = int(re.search(r"^(\d+) frames, (\d+) objects", done.stdout, re.M).group(1))

@@ -68,7 +68,7 @@ class ModelTool(unittest.TestCase):
 
     def test_runs_on_an_image(self):
         with tempfile.TemporaryDirectory() as folder:
-            subprocess.run([REPO / "tools" / "generate_images", "--out", folder, "--frames", "2", "--seed", "11"],
+            subprocess.run([REPO / "tools" / "extperfc-render", folder, "--sequence", "--count", "2", "--seed", "11"],
                            check=True, stdout=subprocess.DEVNULL)
             annotated = pathlib.Path(folder) / "out.png"
             done = tool("run", SHAPES, pathlib.Path(folder) / "rgb" / "000001.png", "--out", annotated)

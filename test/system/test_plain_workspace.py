@@ -156,7 +156,7 @@ class WholeBuild(unittest.TestCase):
 
     def check_installed(self, workspace):
         tools = workspace.root / "install/share/extperfc/tools"
-        for tool in ("extperfc-map", "extperfc-model", "extperfc-translate", "arm_markers", "generate_images"):
+        for tool in ("extperfc-map", "extperfc-model", "extperfc-translate", "arm_markers", "train_shapes"):
             workspace.run(str(tools / tool), "--help")
         for package in INTERFACES:
             workspace.in_space("install", f"/usr/bin/python3 -c 'import {package}.msg'")

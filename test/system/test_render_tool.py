@@ -88,6 +88,38 @@ class RenderTool(unittest.TestCase):
         self.assertEqual(first, second)
         self.assertNotEqual(first["JPEGImages/000001.jpg"], other["JPEGImages/000001.jpg"])
 
+    def test_varied_scenes_differ_from_ordinary_ones(self):
+        ordinary = files_of(self.images("ordinary", "--count", 6, "--seed", 3))
+        varied = files_of(self.images("varied", "--count", 6, "--seed", 3, "--scenes", "varied"))
+        mixed = files_of(self.images("mixed", "--count", 6, "--seed", 3, "--scenes", "mixed"))
+        self.assertIn(b"random varied", varied["render.txt"])
+        self.assertNotEqual(ordinary["JPEGImages/000001.jpg"], varied["JPEGImages/000001.jpg"])
+        self.assertEqual(ordinary["JPEGImages/000001.jpg"], mixed["JPEGImages/000001.jpg"], "the first world is ordinary")
+        self.assertEqual(varied["JPEGImages/000005.jpg"], mixed["JPEGImages/000005.jpg"], "the second one is varied")
+        sizes = {len(data) for name, data in varied.items() if name.startswith("JPEGImages")}
+        self.assertGreater(len(sizes), 3)
+
+    def test_a_recording_of_a_moving_camera(self):
+        out = self.folder / "recording"
+        done = render(out, "--sequence", *SMALL, "--count", 5, "--seed", 2)
+        self.assertEqual(0, done.returncode, done.stderr)
+        lines = (out / "associations.txt").read_text().splitlines()
+        self.assertEqual(5, len(lines))
+        for line in lines:
+            stamp, image, other, depth = line.split()
+            self.assertEqual(stamp, other)
+            self.assertTrue((out / image).exists() and (out / depth).exists(), line)
+        poses = [list(map(float, line.split())) for line in (out / "groundtruth.txt").read_text().splitlines()[1:]]
+        self.assertEqual(5, len(poses))
+        for _, _, _, _, *quaternion in poses:
+            self.assertAlmostEqual(1.0, sum(q * q for q in quaternion), places=4)
+        step = [sum((b - a) ** 2 for a, b in zip(one[1:4], other[1:4])) ** 0.5 for one, other in zip(poses, poses[1:])]
+        self.assertTrue(all(0.05 < s < 0.5 for s in step), step)
+        self.assertIn("image_width: 160", (out / "camera_info.yaml").read_text())
+        again = render(out, "--sequence", *SMALL)
+        self.assertEqual(1, again.returncode)
+        self.assertIn("not an empty folder", again.stderr)
+
     def test_world_of_a_file(self):
         out = self.images("lab", "--count", 3, "--world", REPO / "config" / "worlds" / "lab.yaml", "--plain")
         self.assertEqual(3, len(list((out / "JPEGImages").iterdir())))
@@ -129,7 +161,8 @@ class RenderTool(unittest.TestCase):
     def test_errors_name_what_is_wrong(self):
         for arguments, text in ((["--count", "0", "x"], "--count must be a number in [1, 999999]"),
                                 (["--size", "640", "x"], "--size must be like 640x480"),
-                                (["--colour", "x"], "unknown option --colour"), ([], "give a folder"),
+                                (["--colour", "x"], "unknown option --colour"),
+                                (["--scenes", "odd", "x"], "--scenes must be ordinary, varied or mixed"), ([], "give a folder"),
                                 (["x", "--seed"], "--seed needs a value")):
             done = render(*arguments)
             self.assertEqual(2, done.returncode, arguments)

@@ -9,6 +9,7 @@ packages that differ from the distribution's, DIR/include the headers of the typ
 """
 
 import argparse
+import importlib.util
 import pathlib
 import runpy
 import shutil
@@ -54,9 +55,9 @@ def expand_action(file):
 
 
 def is_ours(package, tree):
-    """True when the distribution lacks the package or has another version of one of its definitions."""
+    """True when the distribution lacks the package or its Python classes, or has another version of a definition."""
     installed = system_package(package)
-    if installed is None:
+    if installed is None or importlib.util.find_spec(package) is None:
         return True
     ours = [file for file in (tree / package).glob("*/*") if file.suffix in (".msg", ".srv")]
     return any(not (installed / file.relative_to(tree / package)).exists()

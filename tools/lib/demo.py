@@ -57,7 +57,7 @@ def add_simulation(group):
 def add_recording(group):
     group.add_argument("--source", type=pathlib.Path, metavar="PATH",
                        help="folder of aligned colour and depth images (TUM associations.txt, or equal names in\n"
-                            "rgb/ and depth/), or an MRPT .rawlog file; tools/generate_images makes a folder")
+                            "rgb/ and depth/), or an MRPT .rawlog file; tools/extperfc-render --sequence makes a folder")
     group.add_argument("--rate", type=float, default=10.0, metavar="HZ", help="frames per second; default: 10")
     group.add_argument("--frame", metavar="FRAME",
                        help="tf frame of x y z; default: map where the recording knows its camera's poses\n"

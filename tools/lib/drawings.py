@@ -90,6 +90,7 @@ BOXES = {
     "base": ("mobile base, IMU", ("BaseInterface",), "drivers"),
     "detector": ("extperfc/detector", ("DetectorNodelet",), "nodes"),
     "box_depth": ("extperfc/box_depth", ("BoxDepthNodelet",), "nodes"),
+    "tracker": ("extperfc/tracker", ("TrackerNodelet",), "nodes"),
     "cloud_to_scan": ("extperfc/cloud_to_scan", ("CloudToScanNodelet",), "nodes"),
     "mapper": ("extperfc/mapper", ("MapperNodelet",), "nodes"),
     "localizer": ("extperfc/localizer", ("LocalizerNode",), "nodes"),

@@ -7,6 +7,7 @@ import time
 import numpy
 
 import grasp_scene as scene
+from extperfc.robot_description import quaternion_of_rotation
 
 PARKING = {"cube": (-1.5, 1.5), "sphere": (-1.2, 1.5), "cone": (-0.9, 1.5)}  # on the side table
 PARKING_TOP_M = 0.7
@@ -108,8 +109,18 @@ class GraspRobot:
     # The simulator.
 
     def move_body(self, name, position, yaw=0.0):
+        self._move_body(name, self.pose(position, yaw))
+
+    def move_body_to(self, name, map_T_body):
+        """The same to a 4 x 4."""
+        pose = self.pose(map_T_body[:3, 3])
+        o = pose.orientation
+        o.x, o.y, o.z, o.w = quaternion_of_rotation(map_T_body[:3, :3])
+        self._move_body(name, pose)
+
+    def _move_body(self, name, pose):
         import extperfc.srv
-        request = extperfc.srv.MoveBodyRequest(name=name, pose=self.pose(position, yaw))
+        request = extperfc.srv.MoveBodyRequest(name=name, pose=pose)
         answer = self.rospy.ServiceProxy("sim/move_body", extperfc.srv.MoveBody)(request)
         if not answer.success:
             raise Stalled(f"sim/move_body {name}: {answer.message}")

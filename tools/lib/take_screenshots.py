@@ -220,6 +220,18 @@ def office(folder, session):
         save(screen(), "simulation_office.png")
 
 
+def label(folder, _):
+    """labelling_window.png, labelling_proposals.png, labelling_keys.png, labelling_statistics.png: extperfc-label with rendered
+    images, some of which are labelled."""
+    subprocess.run([REPO / "tools" / "extperfc-render", folder / "voc", "--count", "24", "--seed", "11"], check=True,
+                   stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
+    for number in (8, 13, 16, 20, 21, 23, 24):
+        (folder / "voc" / "Annotations" / f"{number:06d}.xml").unlink()
+    subprocess.run([sys.executable, REPO / "tools" / "lib" / "label_screenshots.py", folder / "voc", folder], check=True)
+    for name in ("window", "proposals", "keys", "statistics"):
+        save(cv2.imread(str(folder / f"labelling_{name}.png")), f"labelling_{name}.png")
+
+
 def save(image, name):
     """As a PNG of 256 colours, which is a third of the size."""
     file = IMAGES / name
@@ -227,7 +239,7 @@ def save(image, name):
     subprocess.run(["convert", str(file), "-colors", "256", f"PNG8:{file}"], check=True)
 
 
-IMAGES_BY_NAME = {"demo": demo, "grasp": grasp, "lab": lab, "office": office}
+IMAGES_BY_NAME = {"demo": demo, "grasp": grasp, "lab": lab, "office": office, "label": label}
 
 
 def main():

@@ -28,10 +28,12 @@ LONG_FILE_LIMIT_S = 7200
 # them measures time or needs a whole processor. All others run alone.
 BESIDE_OTHERS = {
     "ros/box_depth", "ros/detector", "ros/localizer", "ros/mapper", "ros/params", "ros/robot_interface", "ros/rosbag",
-    "ros/sources", "ros/start_up", "ros/translator_node", "ros/translator_params",
-    "system/arm_markers", "system/arm_moves", "system/arm_objects", "system/detection_launch", "system/examples",
+    "ros/sources", "ros/start_up", "ros/tracker", "ros/translator_node", "ros/translator_params",
+    "system/align_depth", "system/arm_markers", "system/arm_moves", "system/arm_objects", "system/cameras_launch",
+    "system/detection_launch", "system/examples", "system/label_tool",
     "system/localization_bag", "system/localization_restart", "system/map_tool", "system/mapping_bag", "system/model_tool",
-    "system/plain_workspace", "system/render_tool", "system/translate_tool", "system/translator_calls",
+    "system/network_folders", "system/plain_workspace", "system/record_tool", "system/render_tool",
+    "system/training", "system/training_kills", "system/translate_tool", "system/translator_calls",
     "system/translator_connections", "system/translator_oracle", "system/translator_rospy"}
 
 # Whole tests that only `tools/test --all`, or their name, runs; and what the normal tier has of them.

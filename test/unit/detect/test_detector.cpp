@@ -58,6 +58,40 @@ TEST(Detector, BoxesLieInTheImageBestFirst) {
   EXPECT_GT(output->times.inference_ms, 0);
 }
 
+TEST(Detector, ASelectionReplacesTheModelsThresholds) {
+  auto detector = Detector::create(tiny_spec(), {});
+  ASSERT_TRUE(detector) << detector.error().message;
+  const cv::Mat image(200, 90, CV_8UC3, cv::Scalar(10, 200, 90));
+  const auto all = detector->detect(view(image));
+  ASSERT_TRUE(all);
+  ASSERT_GT(all->detections.size(), 1U);
+  Selection selection{detector->spec().thresholds, {}};
+
+  selection.thresholds.max_detections = 1;
+  const auto best = detector->detect(view(image), selection);
+  ASSERT_TRUE(best);
+  ASSERT_EQ(best->detections.size(), 1U);
+  EXPECT_EQ(best->detections[0].score, all->detections[0].score);
+
+  selection.thresholds = detector->spec().thresholds;
+  selection.classes = *ClassFilter::make("cube", detector->spec().classes);
+  const auto cubes = detector->detect(view(image), selection);
+  ASSERT_TRUE(cubes);
+  const auto is_cube = [](const Detection& d) { return d.class_index == 1; };
+  EXPECT_EQ(static_cast<std::ptrdiff_t>(cubes->detections.size()),
+            std::count_if(all->detections.begin(), all->detections.end(), is_cube));
+  EXPECT_TRUE(std::all_of(cubes->detections.begin(), cubes->detections.end(), is_cube));
+
+  selection.classes = {};
+  selection.thresholds.score = 1.0F;
+  const auto none = detector->detect(view(image), selection);
+  ASSERT_TRUE(none);
+  EXPECT_TRUE(none->detections.empty());
+  const auto again = detector->detect(view(image));
+  ASSERT_TRUE(again);
+  EXPECT_EQ(again->detections.size(), all->detections.size()) << "a selection is of one call";
+}
+
 TEST(Detector, BadImagesAndSlotsAreErrors) {
   auto detector = Detector::create(tiny_spec(), {});
   ASSERT_TRUE(detector) << detector.error().message;
