@@ -92,6 +92,7 @@ std::vector<std::size_t> LoopCloser::references(std::size_t query, const std::ve
   }
   std::sort(found.begin(), found.end());
   std::vector<std::size_t> references;
+  references.reserve(found.size());
   for (const auto& [away, i] : found) references.push_back(i);
   return references;
 }

@@ -198,7 +198,7 @@ void DetectorNodelet::advertise() {
 
   transport_ = std::make_unique<image_transport::ImageTransport>(nh);
   once_.emplace(getPrivateNodeHandle(), DetectOnceService::Callbacks{[this] { update_subscription(); },
-                                                                     [this](Job job) { jobs_.put(job); }});
+                                                                     [this](Job job) { jobs_.put(std::move(job)); }});
   {
     const std::lock_guard lock(
         subscription_mutex_);  // the callbacks below must not run before all of this is set
@@ -257,13 +257,13 @@ std::optional<DetectorNodelet::Ticketed> DetectorNodelet::next_job() {
 }
 
 void DetectorNodelet::process(const Ticketed& next, int slot) {
-  const auto& [job, ticket] = next;
+  const Job& job = next.job;
   const Stopwatch watch;
   const auto image = ros_convert::share_image(job.message);
   auto output = image ? detector_->detect(image->view, selection(), slot) : tl::unexpected(image.error());
   const double work_ms = watch.milliseconds();
   if (job.mailbox) job.mailbox->put({job.message->header, output});
-  order_.finish(ticket, [&] {
+  order_.finish(next.ticket, [&] {
     if (!job.publish) return;
     if (output) {
       publish(job.message->header, *image, *output, work_ms);

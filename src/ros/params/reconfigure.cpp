@@ -62,9 +62,11 @@ dynamic_reconfigure::Config to_message(const std::map<std::string, XmlRpcValue>&
 std::string edit_method(const std::vector<std::string>& choices) {
   if (choices.empty()) return {};
   std::string entries;
-  for (const auto& choice : choices)
-    entries += (entries.empty() ? "" : ", ") +
-               ("{'name': '" + choice + "', 'type': 'str', 'value': '" + choice + "', 'description': ''}");
+  for (const auto& choice : choices) {
+    if (!entries.empty()) entries += ", ";
+    entries.append("{'name': '").append(choice).append("', 'type': 'str', 'value': '");
+    entries.append(choice).append("', 'description': ''}");
+  }
   return "{'enum_description': '', 'enum': [" + entries + "]}";
 }
 
@@ -113,7 +115,7 @@ bool Reconfigure::serve(dynamic_reconfigure::Reconfigure::Request& request,
 Result<Reconfigure::Values> Reconfigure::wanted(const dynamic_reconfigure::Config& config) const {
   Values values = values_;
   std::string problem;
-  const auto take = [&](const std::string& name, XmlRpcValue value) {
+  const auto take = [&](const std::string& name, const XmlRpcValue& value) {
     const auto known = values.find(name);
     if (known == values.end()) {
       std::vector<std::string> names;
@@ -122,7 +124,7 @@ Result<Reconfigure::Values> Reconfigure::wanted(const dynamic_reconfigure::Confi
     } else if (known->second.getType() != value.getType()) {
       problem = in_quotes(name) + " is of type " + type_name(known->second) + ", not " + type_name(value);
     } else {
-      known->second = std::move(value);
+      known->second = value;
     }
   };
   for (const auto& entry : config.bools) take(entry.name, XmlRpcValue(entry.value != 0));

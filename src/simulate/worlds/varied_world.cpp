@@ -165,7 +165,7 @@ LightSpec odd_light(Rng& rng, const WorldSpec& world) {
 /// A table top, or a part of the floor before the robot.
 TableTop random_ground(RandomScene& scene) {
   Rng& rng = scene.rng();
-  const TableTop table = put_table(scene);
+  TableTop table = put_table(scene);
   if (rng.chance(0.8)) return table;
   const double front = table.world_T_surface.translation().x() + table.half_m.x() + 0.7;
   return {upright(std::min(front, scene.world().max_m.x() - 0.7), rng.uniform(-0.4, 0.4), 0, 0), {0.6, 0.8}};
