@@ -3,7 +3,7 @@ include(cmake/interfaces.cmake)
 # ROS 1. Its headers are SYSTEM headers, so their warnings are not ours.
 find_package(catkin REQUIRED COMPONENTS
   actionlib baxter_core_msgs control_msgs cv_bridge diagnostic_msgs diagnostic_updater dynamic_reconfigure geometry_msgs image_transport
-  message_filters message_generation nav_msgs nodelet pluginlib roscpp rosgraph_msgs roslib sensor_msgs shape_msgs std_msgs std_srvs
+  map_msgs message_filters message_generation move_base_msgs nav_msgs nodelet pluginlib roscpp rosgraph_msgs roslib sensor_msgs shape_msgs std_msgs std_srvs
   tf2 tf2_eigen tf2_ros trajectory_msgs vision_msgs visualization_msgs)
 
 catkin_python_setup()
