@@ -31,14 +31,16 @@ CellBox CellBox::grown(int cells) const {
 }
 
 Cell CostGrid::cell_around(const Eigen::Vector2d& point_m) const {
-  const Eigen::Vector2d cells = (point_m - origin_m) / resolution_m;
-  return {static_cast<int>(std::floor(cells.x())), static_cast<int>(std::floor(cells.y()))};
+  const Eigen::Vector2d in_cells = (point_m - origin_m) / resolution_m;
+  return {static_cast<int>(std::floor(in_cells.x())), static_cast<int>(std::floor(in_cells.y()))};
 }
 
 std::optional<Cell> CostGrid::cell_of(const Eigen::Vector2d& point_m) const {
-  const Eigen::Vector2d cells = (point_m - origin_m) / resolution_m;
-  if (!(cells.x() >= 0 && cells.y() >= 0 && cells.x() < width && cells.y() < height)) return std::nullopt;
-  return Cell{static_cast<int>(cells.x()), static_cast<int>(cells.y())};
+  const Eigen::Vector2d in_cells = (point_m - origin_m) / resolution_m;
+  // Written so that NaN is outside.
+  if (!(in_cells.x() >= 0 && in_cells.y() >= 0 && in_cells.x() < width && in_cells.y() < height))
+    return std::nullopt;
+  return Cell{static_cast<int>(in_cells.x()), static_cast<int>(in_cells.y())};
 }
 
 CostGrid make_cost_grid(int width, int height, double resolution_m, const Eigen::Vector2d& origin_m,
