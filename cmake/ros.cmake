@@ -8,11 +8,11 @@ find_package(catkin REQUIRED COMPONENTS
 
 catkin_python_setup()
 add_message_files(FILES ArmCode.msg ArmRequest.msg SceneObject.msg ToolConstraint.msg ToolGoal.msg Track.msg
-  TrackArray.msg)
+  NavCode.msg NavigationStatus.msg TrackArray.msg)
 add_service_files(FILES
   ApplyScene.srv CheckArmState.srv DetectOnce.srv GetScene.srv LoadSession.srv MoveBody.srv ObjectCloud.srv SaveMap.srv SetFault.srv
   SetRealTimeFactor.srv SolveArmIk.srv StepSimulation.srv)
-add_action_files(FILES MoveArm.action Pick.action Place.action Plan.action)
+add_action_files(FILES FollowWaypoints.action MoveArm.action Pick.action Place.action Plan.action)
 generate_messages(DEPENDENCIES actionlib_msgs geometry_msgs sensor_msgs shape_msgs std_msgs trajectory_msgs vision_msgs)
 
 catkin_package(
