@@ -34,6 +34,17 @@ struct CellBox {
   [[nodiscard]] CellBox grown(int cells) const;
 };
 
+/// costmap_2d's costs around lethal cells, by the distance d between the middles of two cells: kLethalCost at
+/// 0, kInscribedCost up to inscribed_radius_m, 252 exp(-cost_scaling_factor (d - inscribed_radius_m)) up to
+/// radius_m, 0 beyond.
+struct Inflation {
+  double inscribed_radius_m{0};    ///< [0, radius_m]
+  double radius_m{0};              ///< 0: costs do not spread
+  double cost_scaling_factor{10};  ///< [1/m], >= 0
+
+  [[nodiscard]] Cost cost_at(double distance_m) const;
+};
+
 /// Square cells along the axes of a frame (map or odom), row by row from the lower left corner.
 struct CostGrid {
   int width{0};                                       ///< cells
@@ -41,6 +52,9 @@ struct CostGrid {
   double resolution_m{0.05};                          ///< side of a cell [m]
   Eigen::Vector2d origin_m{Eigen::Vector2d::Zero()};  ///< lower left corner of cell (0, 0) [m]
   std::vector<Cost> cells;                            ///< width * height
+  /// Around every lethal cell costs are at least these; contact() concludes from the cost of one cell.
+  Inflation inflation{};
+  bool may_hold_unknown{true};  ///< false: surely no cell is of kUnknownCost
 
   [[nodiscard]] bool empty() const { return cells.empty(); }
   [[nodiscard]] CellBox box() const { return {{0, 0}, {width, height}}; }

@@ -13,6 +13,14 @@ constexpr int kMaxSide = 30000;
 
 }  // namespace
 
+Cost Inflation::cost_at(double distance_m) const {
+  if (distance_m <= 0) return kLethalCost;
+  if (distance_m > radius_m) return kFreeCost;
+  if (distance_m <= inscribed_radius_m) return kInscribedCost;
+  constexpr double kMaxCost = kInscribedCost - 1;
+  return static_cast<Cost>(kMaxCost * std::exp(-cost_scaling_factor * (distance_m - inscribed_radius_m)));
+}
+
 CellBox CellBox::joined(const CellBox& other) const {
   if (other.empty()) return *this;
   if (empty()) return other;
@@ -50,7 +58,7 @@ CostGrid make_cost_grid(int width, int height, double resolution_m, const Eigen:
   demand(std::isfinite(resolution_m) && resolution_m > 0, "resolution of a cost grid must be above 0");
   demand(origin_m.allFinite(), "origin of a cost grid must be finite");
   const auto count = static_cast<std::size_t>(width) * static_cast<std::size_t>(height);
-  return {width, height, resolution_m, origin_m, std::vector<Cost>(count, cost)};
+  return {width, height, resolution_m, origin_m, std::vector<Cost>(count, cost), {}, cost == kUnknownCost};
 }
 
 }  // namespace extperfc::navigate
