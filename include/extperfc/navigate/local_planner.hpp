@@ -61,19 +61,24 @@ class LocalPlanner {
 struct MppiParams {
   VelocityLimits limits;
   BaseKind base{BaseKind::kHolonomic};
-  int samples{400};            ///< trajectories per cycle, [10, 10000]
-  double horizon_s{2.0};       ///< [0.5, 10]
-  double step_s{0.1};          ///< of a trajectory, [0.02, 0.5]
-  double temperature{0.3};     ///< of the weights, > 0
-  double sigma_vx_m_s{0.25};   ///< of the sampled velocities, > 0
-  double sigma_vy_m_s{0.2};    ///< the same
-  double sigma_wz_rad_s{0.5};  ///< the same
-  double path_weight{10};      ///< distance from the path, >= 0
-  double heading_weight{2};    ///< difference from the path's heading, >= 0
-  double progress_weight{5};   ///< distance that is left along the path, >= 0
-  double obstacle_weight{3};   ///< costs of cells, >= 0
-  double people_weight{5};     ///< predicted people, >= 0
-  double smooth_weight{0.5};   ///< change of velocity, >= 0
+  int samples{400};               ///< trajectories per cycle, [10, 10000]
+  double horizon_s{2.0};          ///< [0.5, 10]
+  double step_s{0.1};             ///< of a trajectory, [0.02, 0.5]
+  double temperature{0.3};        ///< of the weights, > 0
+  double sigma_vx_m_s{0.25};      ///< of the sampled velocities, > 0
+  double sigma_vy_m_s{0.2};       ///< the same
+  double sigma_wz_rad_s{0.5};     ///< the same
+  double path_weight{10};         ///< distance from the path, >= 0
+  double heading_weight{2};       ///< difference from the path's heading, >= 0
+  double progress_weight{5};      ///< distance that is left along the path, >= 0
+  double obstacle_weight{3};      ///< costs of cells, >= 0
+  double people_weight{5};        ///< predicted people, >= 0
+  double smooth_weight{0.5};      ///< change of velocity, >= 0
+  double max_shift_m{0.5};        ///< sideways from the path, around what the map does not show, [0, 2]
+  double narrow_speed_m_s{0.25};  ///< where the footprint nearly touches, [0.02, 5]
+  double wide_clearance_m{0.3};   ///< full speed from this clearance of the footprint on, [0.01, 1]
+  double reaction_s{0.15};        ///< from a command to the base's motion, for braking, [0, 2]
+  double blocked_after_s{1.5};    ///< kBlocked after so long without a motion, [0.1, 60]
   std::uint64_t seed{1};
 };
 

@@ -1,0 +1,70 @@
+#include "navigate/local/command_check.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+namespace extperfc::navigate::local {
+
+namespace {
+
+constexpr double kStep_s = 0.05;
+constexpr double kMaxTime_s = 5;
+constexpr double kPersonMargin_m = 0.1;
+constexpr double kStands_m_s = 0.02;
+
+double speed_of(const Twist2& twist) {
+  return std::hypot(twist.vx, twist.vy);
+}
+
+bool at_rest(const Twist2& twist) {
+  return speed_of(twist) < 1e-3 && std::abs(twist.wz) < 1e-3;
+}
+
+}  // namespace
+
+double distance_m(const Footprint& footprint, const Eigen::Vector2d& point_m) {
+  const auto& corners_m = footprint.corners_m();
+  bool inside = false;
+  double nearest2 = std::numeric_limits<double>::infinity();
+  for (std::size_t i = 0, j = corners_m.size() - 1; i < corners_m.size(); j = i++) {
+    const Eigen::Vector2d& a = corners_m[j];
+    const Eigen::Vector2d& b = corners_m[i];
+    const Eigen::Vector2d edge = b - a;
+    const double part = std::clamp((point_m - a).dot(edge) / edge.squaredNorm(), 0.0, 1.0);
+    nearest2 = std::min(nearest2, (point_m - a - part * edge).squaredNorm());
+    if ((a.y() > point_m.y()) == (b.y() > point_m.y())) continue;
+    const double crossing = a.x() + (point_m.y() - a.y()) / edge.y() * edge.x();
+    if (point_m.x() < crossing) inside = !inside;
+  }
+  return inside ? 0 : std::sqrt(nearest2);
+}
+
+bool CommandCheck::people_free(const Pose2& pose, double time_s, double speed_m_s) const {
+  if (speed_m_s < kStands_m_s) return true;  // who walks into a robot that stands is not hit by it
+  return std::all_of(state_.people.begin(), state_.people.end(), [&](const MovingObstacle& person) {
+    const Eigen::Vector2d at = person.position_m + time_s * person.velocity_m_s;
+    const Pose2 in_base = between(pose, {at.x(), at.y(), 0});
+    return distance_m(footprint_, {in_base.x, in_base.y}) > person.radius_m + kPersonMargin_m;
+  });
+}
+
+bool CommandCheck::free(const Twist2& current, const Twist2& command, double dt_s) const {
+  Pose2 pose = state_.pose;
+  Twist2 now = current;
+  const double reacts_until_s = dt_s + rules_.reaction_s;
+  for (double time_s = 0; time_s < kMaxTime_s;) {
+    const bool brakes = time_s >= reacts_until_s - 1e-9;
+    const double step_s = brakes ? kStep_s : std::min(kStep_s, reacts_until_s - time_s);
+    now = limited_change(brakes ? Twist2{} : command, now, rules_.limits, step_s);
+    if (brakes && at_rest(now)) return true;
+    const Pose2 next = advance(pose, now, step_s);
+    if (contact_along(costs_, footprint_, pose, next) != Contact::kFree) return false;
+    time_s += step_s;
+    pose = next;
+    if (!people_free(pose, time_s, speed_of(now))) return false;
+  }
+  return true;
+}
+
+}  // namespace extperfc::navigate::local
