@@ -27,8 +27,8 @@ inline Path straight(const Pose2& from, const Pose2& to) {
 class FakeLocalPlanner : public LocalPlanner {
  public:
   struct Control {
-    std::optional<NavError> error;         ///< every command fails
-    std::optional<Twist2> velocity;        ///< instead of the right one
+    std::optional<NavError> error;   ///< every command fails
+    std::optional<Twist2> velocity;  ///< instead of the right one
     int paths{0};
     Path path;
   };
@@ -64,8 +64,7 @@ class FakeLocalPlanner : public LocalPlanner {
 class FakeRobot {
  public:
   explicit FakeRobot(NavigatorParams params = {})
-      : params_(std::move(params)),
-        navigator(params_, std::make_unique<FakeLocalPlanner>(control)) {
+      : params_(std::move(params)), navigator(params_, std::make_unique<FakeLocalPlanner>(control)) {
     input.costs = &costs;
     input.footprint = &footprint;
   }

@@ -106,8 +106,8 @@ TEST(Navigator, APlanOfAnOlderGoalIsIgnored) {
 }
 
 TEST(Navigator, InvalidGoalsEndAtOnce) {
-  for (const auto& goals :
-       {std::vector<Pose2>{}, std::vector<Pose2>{{std::nan(""), 0, 0}}, std::vector<Pose2>{{0, 0, 0}, {0, INFINITY, 0}}}) {
+  for (const auto& goals : {std::vector<Pose2>{}, std::vector<Pose2>{{std::nan(""), 0, 0}},
+                            std::vector<Pose2>{{0, 0, 0}, {0, INFINITY, 0}}}) {
     FakeRobot robot;
     (void)robot.navigator.start({1, goals, false});
     (void)robot.cycle();

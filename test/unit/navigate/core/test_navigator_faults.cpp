@@ -119,7 +119,8 @@ TEST(NavigatorFaults, AnEmptyOrWildPathIsNoPath) {
     robot.drive_to({2, 0, 0});
     double until_s = robot.now_s + 100;
     while (robot.ends.empty() && robot.now_s < until_s)
-      if (const auto output = robot.cycle(); output.plan) robot.navigator.set_plan({output.plan->id, path, false});
+      if (const auto output = robot.cycle(); output.plan)
+        robot.navigator.set_plan({output.plan->id, path, false});
     ASSERT_FALSE(robot.ends.empty());
     EXPECT_EQ(robot.ends[0].error.code, NavCode::kNoPath);
   }
@@ -127,10 +128,13 @@ TEST(NavigatorFaults, AnEmptyOrWildPathIsNoPath) {
 
 /// Something happens to the robot.
 void shake(FakeRobot& robot, Rng& rng) {
-  const NavError errors[] = {{NavCode::kBlocked, "b"}, {NavCode::kNoPath, "n"}, {NavCode::kStartBlocked, "s"},
-                             {NavCode::kGoalBlocked, "g"}, {NavCode::kPlanTimeout, "t"}};
-  const NavError faults[] = {{NavCode::kNoScan, "scan"}, {NavCode::kNoOdometry, "odometry"},
-                             {NavCode::kLocalizationLost, "lost"}};
+  const NavError errors[] = {{NavCode::kBlocked, "b"},
+                             {NavCode::kNoPath, "n"},
+                             {NavCode::kStartBlocked, "s"},
+                             {NavCode::kGoalBlocked, "g"},
+                             {NavCode::kPlanTimeout, "t"}};
+  const NavError faults[] = {
+      {NavCode::kNoScan, "scan"}, {NavCode::kNoOdometry, "odometry"}, {NavCode::kLocalizationLost, "lost"}};
   switch (rng.integer(0, 9)) {
     case 0:
       robot.control->error = errors[rng.integer(0, 4)];
@@ -173,7 +177,8 @@ TEST(NavigatorFaults, WhateverHappensItEndsStandsWhenBlindAndObeysItsLimits) {
     SCOPED_TRACE("seed " + std::to_string(seed));
     Rng rng(seed);
     FakeRobot robot;
-    (void)robot.navigator.start({seed, {{3, rng.uniform(-3, 3), 0}, {-3, rng.uniform(-3, 3), 1}}, rng.chance(0.5)});
+    (void)robot.navigator.start(
+        {seed, {{3, rng.uniform(-3, 3), 0}, {-3, rng.uniform(-3, 3), 1}}, rng.chance(0.5)});
     double elapsed_s = 0;
     while (robot.ends.empty() && elapsed_s < 3600) {
       if (elapsed_s < 100 && rng.chance(0.02)) shake(robot, rng);
