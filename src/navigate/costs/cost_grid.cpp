@@ -15,8 +15,9 @@ constexpr int kMaxSide = 30000;
 
 Cost Inflation::cost_at(double distance_m) const {
   if (distance_m <= 0) return kLethalCost;
-  if (distance_m > radius_m) return kFreeCost;
-  if (distance_m <= inscribed_radius_m) return kInscribedCost;
+  constexpr double kRounding = 1e-9;  // [m]: 11 cells of 0.05 m are within 0.55 m
+  if (distance_m > radius_m + kRounding) return kFreeCost;
+  if (distance_m <= inscribed_radius_m + kRounding) return kInscribedCost;
   constexpr double kMaxCost = kInscribedCost - 1;
   return static_cast<Cost>(kMaxCost * std::exp(-cost_scaling_factor * (distance_m - inscribed_radius_m)));
 }
