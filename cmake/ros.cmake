@@ -12,7 +12,7 @@ add_message_files(FILES ArmCode.msg ArmRequest.msg SceneObject.msg ToolConstrain
 add_service_files(FILES
   ApplyScene.srv CheckArmState.srv DetectOnce.srv GetScene.srv LoadSession.srv MoveBody.srv ObjectCloud.srv SaveMap.srv SetFault.srv
   SetRealTimeFactor.srv SolveArmIk.srv StepSimulation.srv)
-add_action_files(FILES FollowWaypoints.action MoveArm.action Pick.action Place.action Plan.action)
+add_action_files(FILES Explore.action FollowWaypoints.action MoveArm.action Pick.action Place.action Plan.action)
 generate_messages(DEPENDENCIES actionlib_msgs geometry_msgs sensor_msgs shape_msgs std_msgs trajectory_msgs vision_msgs)
 
 catkin_package(
