@@ -22,6 +22,9 @@ struct StaticParams {
 /// std::invalid_argument for a map without cells, or larger than a CostGrid may be.
 [[nodiscard]] CostGrid grid_around(const OccupancyGrid& map, Cost cost);
 
+/// The map as costs, in grid_around(). Throws as that does.
+[[nodiscard]] CostGrid costs_of(const OccupancyGrid& map, const StaticParams& params = {});
+
 /// A map as nav_msgs/OccupancyGrid has it. A cell takes the worst of the map's cells whose middle it holds,
 /// and of the one that holds its own middle (free, costs, unknown, lethal in this order): no obstacle of the
 /// map is lost for another resolution or rotation. Outside the map it writes nothing. The first layer.

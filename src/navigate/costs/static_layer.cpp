@@ -17,7 +17,7 @@ namespace {
 
 constexpr std::size_t kMaxSide = 1U << 28U;  // [cells]
 
-CostOfValue costs_of(const StaticParams& params) {
+CostOfValue costs_of_values(const StaticParams& params) {
   constexpr int kMaxScaled = kInscribedCost - 1;
   CostOfValue costs{};
   for (int bits = 0; bits < 256; ++bits) {
@@ -59,6 +59,12 @@ CostGrid grid_around(const OccupancyGrid& map, Cost cost) {
                         r * Eigen::Vector2d(bounds.columns.low, bounds.rows.low), cost);
 }
 
+CostGrid costs_of(const OccupancyGrid& map, const StaticParams& params) {
+  CostGrid grid = grid_around(map, kUnknownCost);
+  draw_map(map, {}, costs_of_values(params), grid, grid.box());
+  return grid;
+}
+
 StaticLayer::StaticLayer(const StaticParams& params) : params_(params) {
   demand(params.lethal_percent >= 1 && params.lethal_percent <= 100, "lethal_percent must be 1 to 100");
 }
@@ -97,7 +103,7 @@ void StaticLayer::draw(const CellBox& box) {
   if (box.empty()) return;
   for (int row = box.min.row; row < box.max.row; ++row)
     std::fill_n(&costs_.at({box.min.column, row}), box.max.column - box.min.column, kOutsideMap);
-  draw_map(map_, grid_T_map_, costs_of(params_), costs_, box);
+  draw_map(map_, grid_T_map_, costs_of_values(params_), costs_, box);
   changed_ = changed_.joined(box);
 }
 
