@@ -43,6 +43,9 @@ constexpr double kRest_m_s = 0.05;     // measured speed at rest: odometry is no
 constexpr double kRest_rad_s = 0.1;    // the same
 constexpr double kNoise_m_s = 0.05;    // of measured velocities
 constexpr double kDoubtFactor = 0.35;  // of the speed limits where the footprint seems to touch
+constexpr double kDoubtAfter_s = 0.25;
+constexpr std::size_t kMaxDoubt = 3;
+constexpr double kDoubtLength_m = 1.2;
 constexpr double kEscape_m_s = 0.12;
 constexpr double kEscape_rad_s = 0.25;
 constexpr int kShownCandidates = 20;
@@ -119,6 +122,7 @@ class MppiPlanner : public LocalPlanner {
     approach_ = GoalApproach(params_.limits, params_.base);
     last_.reset();
     idle_s_ = 0;
+    doubt_ = 0;
   }
 
   NavResult<LocalCommand> command(const CostGrid& costs, const Footprint& footprint, const LocalState& state,
@@ -138,6 +142,7 @@ class MppiPlanner : public LocalPlanner {
 
   [[nodiscard]] std::optional<NavError> refusal(const CostGrid& costs, const LocalState& state,
                                                 double dt_s) const;
+  [[nodiscard]] std::size_t doubt(const LocalState& state);
   [[nodiscard]] Twist2 current_velocity(const LocalState& state, double dt_s) const;
   [[nodiscard]] std::optional<Twist2> admitted(const Cycle& cycle, const Twist2& wanted) const;
   [[nodiscard]] std::optional<LocalCommand> drive_to_goal(const Cycle& cycle);
@@ -163,6 +168,8 @@ class MppiPlanner : public LocalPlanner {
   SpeedRules rules_;
   std::optional<Twist2> last_;  ///< command
   double idle_s_{0};            ///< without a command that moves
+  std::size_t doubt_{0};        ///< index of the footprint that gaps are tried with
+  Pose2 doubted_at_;
 };
 
 std::optional<NavError> MppiPlanner::refusal(const CostGrid& costs, const LocalState& state,
@@ -197,8 +204,9 @@ NavResult<LocalCommand> MppiPlanner::command(const CostGrid& costs, const Footpr
                                              const LocalState& state, double dt_s, bool with_candidates) {
   if (auto error = refusal(costs, state, dt_s)) return tl::unexpected<NavError>(std::move(*error));
   footprints_.set(footprint);
-  const std::size_t depth = footprints_.depth(costs, state.pose);
-  const bool deep = depth > ShrunkFootprints::kExplained;
+  const std::size_t touching = footprints_.depth(costs, state.pose);
+  const bool deep = touching > ShrunkFootprints::kExplained;
+  const std::size_t depth = std::max(touching, doubt(state));
   const double factor = depth > 0 ? std::min(kDoubtFactor, state.speed_factor) : state.speed_factor;
   const Cycle cycle{
       costs,          footprints_.at(deep ? 0 : depth), state, current_velocity(state, dt_s), dt_s, factor,
@@ -207,6 +215,18 @@ NavResult<LocalCommand> MppiPlanner::command(const CostGrid& costs, const Footpr
   if (deep && !approach_.settled()) return finished(cycle, escape(cycle));
   if (auto at_goal = drive_to_goal(cycle)) return finished(cycle, std::move(*at_goal));
   return finished(cycle, follow_path(cycle));
+}
+
+/// A gap that cells and noise make too narrow is tried with smaller and smaller footprints, slowly: when the base has
+/// stood before it for a while, until it has left it behind.
+std::size_t MppiPlanner::doubt(const LocalState& state) {
+  if (idle_s_ > kDoubtAfter_s * static_cast<double>(doubt_ + 1) && doubt_ < kMaxDoubt) {
+    ++doubt_;
+    doubted_at_ = state.pose;
+  }
+  const Pose2 moved = between(doubted_at_, state.pose);
+  if (std::hypot(moved.x, moved.y) > kDoubtLength_m) doubt_ = 0;
+  return doubt_;
 }
 
 /// The command that `wanted` leads to within the limits, if the base can brake from it without a contact.
