@@ -33,7 +33,7 @@ class WithFolder(unittest.TestCase):
 class Folders(WithFolder):
     def test_shipped_model(self):
         spec = model_folder.load(REPO / "models" / "shapes")
-        self.assertEqual(("yolo_v8", 384, 288, ("cone", "cube", "sphere"), True, False),
+        self.assertEqual(("yolo_v8", 512, 384, ("cone", "cube", "sphere"), True, False),
                          (spec.layout, spec.width, spec.height, spec.classes, spec.is_letterbox, spec.is_bgr))
         numpy.testing.assert_allclose(spec.scale, 1 / 255, rtol=1e-5)
 

@@ -1,5 +1,6 @@
 """How well a model folder's network finds rendered objects, run by OpenCV's DNN module as the robot would. Needs no torch."""
 import json
+import re
 import time
 import xml.etree.ElementTree as ElementTree
 from pathlib import Path
@@ -15,11 +16,18 @@ RECALLS = np.linspace(0, 1, 101)
 CLEAR_VISIBLE, CLEAR_WIDTH = 0.5, 16  # an object that has to be found: fraction seen, width in the image [px]
 
 
+def input_size(path):
+    """Width and height that the model.yaml beside a network names; without one, those of a new export."""
+    notes = Path(path).with_name('model.yaml')
+    named = re.search(r'width: (\d+), height: (\d+)', notes.read_text()) if notes.exists() else None
+    return (int(named[1]), int(named[2])) if named else (WIDTH, HEIGHT)
+
+
 class Detector:
     """Runs a shapes network on RGB images (H, W, 3) uint8."""
 
-    def __init__(self, path, size=(WIDTH, HEIGHT)):
-        self.net, self.size = cv2.dnn.readNetFromONNX(str(path)), size
+    def __init__(self, path, size=None):
+        self.net, self.size = cv2.dnn.readNetFromONNX(str(path)), size or input_size(path)
 
     def __call__(self, image, score=0.35, nms_iou=0.5):
         """Detections (N, 6): class, score, x0, y0, x1, y1 in pixels of the image, best first."""

@@ -24,10 +24,16 @@ license: BSD-3-Clause
 '''
 
 
-def write_onnx(checkpoint, path):
-    """Exports the averaged weights and checks OpenCV's answer against PyTorch's; returns the largest difference."""
+def read_weights(path):
+    """The averaged weights of a checkpoint, or those of the weights.pt of a model folder."""
+    state = torch.load(path, map_location='cpu')
+    return {name: value.float() if value.is_floating_point() else value for name, value in state.get('average', state).items()}
+
+
+def write_onnx(weights, path):
+    """Exports a network with these weights and checks OpenCV's answer against PyTorch's; returns the largest difference."""
     net = network.ShapeNet()
-    net.load_state_dict(torch.load(checkpoint, map_location='cpu')['average'])
+    net.load_state_dict(weights)
     whole = network.Exported(net).eval()
     example = torch.rand(1, 3, HEIGHT, WIDTH, generator=torch.Generator().manual_seed(0))
     with torch.no_grad():
@@ -43,9 +49,8 @@ def write_onnx(checkpoint, path):
     return difference
 
 
-def write_weights(checkpoint, path):
-    """The averaged weights alone, as half precision numbers: a start for further training."""
-    weights = torch.load(checkpoint, map_location='cpu')['average']
+def write_weights(weights, path):
+    """The weights alone, as half precision numbers: a start for further training."""
     torch.save({name: value.half() if value.is_floating_point() else value for name, value in weights.items()}, path)
 
 
@@ -60,20 +65,23 @@ def manifest(recipe, folder):
             'images': len(images), 'images_sha256': digest.hexdigest()}
 
 
-def export(checkpoint, model_folder, train_folder, val_folder):
+def export(trained, model_folder, train_folder, val_folder):
     """Writes shapes.onnx, model.yaml with the threshold of the best F1 on the images of `val_folder`, weights.pt and
-    manifest.json.
+    manifest.json. `trained` is a checkpoint, or the weights.pt of the model folder, which then keeps its manifest.
     """
     model_folder = Path(model_folder)
     model_folder.mkdir(parents=True, exist_ok=True)
     path = model_folder / 'shapes.onnx'
-    difference = write_onnx(checkpoint, path)
+    weights = read_weights(trained)
+    difference = write_onnx(weights, path)
+    (model_folder / 'model.yaml').unlink(missing_ok=True)  # that of an earlier network, perhaps of another size
     table, threshold, _ = evaluate.evaluate(path, val_folder)
     text = MODEL_YAML.format(sha256=hashlib.sha256(path.read_bytes()).hexdigest(), width=WIDTH, height=HEIGHT,
                              scale=repr(1 / 255), score=threshold['score'])
     (model_folder / 'model.yaml').write_text(text)
-    write_weights(checkpoint, model_folder / 'weights.pt')
-    recipe = torch.load(checkpoint, map_location='cpu')['recipe']
-    (model_folder / 'manifest.json').write_text(json.dumps(manifest(recipe, train_folder), indent=1) + '\n')
+    recipe = torch.load(trained, map_location='cpu').get('recipe')
+    if recipe is not None:
+        write_weights(weights, model_folder / 'weights.pt')
+        (model_folder / 'manifest.json').write_text(json.dumps(manifest(recipe, train_folder), indent=1) + '\n')
     print(f'{path}: {path.stat().st_size / 1e6:.2f} MB, OpenCV differs from PyTorch by {difference:.1e}, '
           f'val AP50 {table["mean"]["ap50"]:.3f}, score threshold {threshold["score"]:.2f}')
