@@ -26,12 +26,13 @@ double falling(double error, double acceleration, double slowest) {
 
 }  // namespace
 
-void GoalApproach::set_goal(const Pose2& goal, const GoalTolerance& tolerance) {
+bool GoalApproach::set_goal(const Pose2& goal, const GoalTolerance& tolerance) {
   const Pose2 change = between(goal_, goal);
-  if (std::hypot(change.x, change.y) > kSameGoal_m || std::abs(change.yaw) > kSameGoal_rad)
-    phase_ = Phase::kApproach;
+  const bool same = std::hypot(change.x, change.y) < kSameGoal_m && std::abs(change.yaw) < kSameGoal_rad;
+  if (!same) phase_ = Phase::kApproach;
   goal_ = goal;
   tolerance_ = tolerance;
+  return same;
 }
 
 bool GoalApproach::near(const Pose2& pose, double remaining_m) const {

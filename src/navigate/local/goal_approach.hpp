@@ -11,8 +11,9 @@ class GoalApproach {
  public:
   GoalApproach(const VelocityLimits& limits, BaseKind base) : limits_(limits), base_(base) {}
 
-  /// A goal that is the same within a small motion keeps the state; another one begins anew.
-  void set_goal(const Pose2& goal, const GoalTolerance& tolerance);
+  /// A goal that is the same within a small motion keeps the state; another one begins anew, and false is
+  /// returned.
+  bool set_goal(const Pose2& goal, const GoalTolerance& tolerance);
   [[nodiscard]] bool near(const Pose2& pose, double remaining_m) const;
   [[nodiscard]] Twist2 velocity(const Pose2& pose);
   [[nodiscard]] bool within(const Pose2& pose) const;

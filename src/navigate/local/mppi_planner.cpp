@@ -44,7 +44,7 @@ constexpr double kRest_rad_s = 0.1;    // the same
 constexpr double kNoise_m_s = 0.05;    // of measured velocities
 constexpr double kDoubtFactor = 0.35;  // of the speed limits where the footprint seems to touch
 constexpr double kDoubtAfter_s = 0.25;
-constexpr std::size_t kMaxDoubt = 3;
+constexpr std::size_t kMaxDoubt = 2;
 constexpr double kDoubtLength_m = 1.2;
 constexpr double kEscape_m_s = 0.12;
 constexpr double kEscape_rad_s = 0.25;
@@ -111,8 +111,7 @@ class MppiPlanner : public LocalPlanner {
 
   void set_path(const Path& path, const GoalTolerance& tolerance) override {
     window_.set(path, params_.base);
-    approach_.set_goal(path.poses.back(), tolerance);
-    shift_.clear();
+    if (!approach_.set_goal(path.poses.back(), tolerance)) shift_.clear();
   }
 
   void reset() override {
@@ -133,6 +132,7 @@ class MppiPlanner : public LocalPlanner {
   struct Cycle {
     const CostGrid& costs;
     const Footprint& footprint;  ///< perhaps a shrunk one
+    std::size_t depth;           ///< its index
     const LocalState& state;
     Twist2 current;
     double dt_s;
@@ -208,17 +208,17 @@ NavResult<LocalCommand> MppiPlanner::command(const CostGrid& costs, const Footpr
   const bool deep = touching > ShrunkFootprints::kExplained;
   const std::size_t depth = std::max(touching, doubt(state));
   const double factor = depth > 0 ? std::min(kDoubtFactor, state.speed_factor) : state.speed_factor;
-  const Cycle cycle{
-      costs,          footprints_.at(deep ? 0 : depth), state, current_velocity(state, dt_s), dt_s, factor,
-      with_candidates};
+  const std::size_t index = deep ? 0 : depth;
+  const Cycle cycle{costs,  footprints_.at(index), index, state, current_velocity(state, dt_s), dt_s,
+                    factor, with_candidates};
   window_.locate(state.pose);
   if (deep && !approach_.settled()) return finished(cycle, escape(cycle));
   if (auto at_goal = drive_to_goal(cycle)) return finished(cycle, std::move(*at_goal));
   return finished(cycle, follow_path(cycle));
 }
 
-/// A gap that cells and noise make too narrow is tried with smaller and smaller footprints, slowly: when the base has
-/// stood before it for a while, until it has left it behind.
+/// A gap that cells and noise make too narrow is tried with smaller and smaller footprints, slowly: when the
+/// base has stood before it for a while, until it has left it behind.
 std::size_t MppiPlanner::doubt(const LocalState& state) {
   if (idle_s_ > kDoubtAfter_s * static_cast<double>(doubt_ + 1) && doubt_ < kMaxDoubt) {
     ++doubt_;
@@ -241,8 +241,8 @@ std::optional<Twist2> MppiPlanner::admitted(const Cycle& cycle, const Twist2& wa
 std::optional<LocalCommand> MppiPlanner::drive_to_goal(const Cycle& cycle) {
   const Pose2& pose = cycle.state.pose;
   if (!approach_.near(pose, window_.remaining_m())) return std::nullopt;
-  if (!approach_.within(pose) &&
-      contact_along(cycle.costs, cycle.footprint, pose, approach_.goal()) != Contact::kFree)
+  const Footprint& tried = footprints_.at(std::max(cycle.depth, kMaxDoubt));
+  if (!approach_.within(pose) && contact_along(cycle.costs, tried, pose, approach_.goal()) != Contact::kFree)
     return std::nullopt;
   const Twist2 wanted = approach_.velocity(pose);
   for (const double factor : {1.0, 0.5, 0.25}) {
@@ -290,7 +290,7 @@ void MppiPlanner::prepare_stations(const Cycle& cycle) {
   drop_stations_outside(cycle);
   const bool whole = stations_.size() == all;
   const auto blocked = shift_.apply({field_, outline_, cycle.footprint, pose}, params_.max_shift_m,
-                                    window_.travelled_m(), stations_);
+                                    window_.remaining_m(), stations_);
   rules_ = {params_.limits, cycle.speed_factor, params_.narrow_speed_m_s, params_.wide_clearance_m,
             (ends && whole) || blocked.has_value()};
   local::fill_speed_profile(rules_, field_, outline_, stations_);

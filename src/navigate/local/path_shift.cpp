@@ -16,6 +16,8 @@ constexpr float kShiftWeight = 1.0F;  // per m^2
 constexpr float kClearanceWeight = 0.15F;
 constexpr float kKeepWeight = 0.5F;    // per m^2: stays where it was
 constexpr float kSlopeWeight = 0.25F;  // per (m/m)^2
+constexpr float kEnd_m = 0.6F;         // of the path, where the goal's own position counts
+constexpr float kEndWeight = 30;       // per m^2
 constexpr float kBlocked = std::numeric_limits<float>::infinity();
 
 struct Normal {
@@ -32,7 +34,7 @@ Normal normal_of(const Station& at) {
 
 }  // namespace
 
-float PathShift::node_cost(const Surroundings& around, const Station& at, float shift_m) const {
+float PathShift::node_cost(const Surroundings& around, const Station& at, float shift_m, double remaining_m) {
   const Normal normal = normal_of(at);
   const float x = at.x + shift_m * normal.x;
   const float y = at.y + shift_m * normal.y;
@@ -44,12 +46,13 @@ float PathShift::node_cost(const Surroundings& around, const Station& at, float 
     if (contact(around.field.window(), around.footprint, pose) != Contact::kFree) return kBlocked;
   }
   const float lack = std::max(0.0F, kEnough_m - clearance_m) / kEnough_m;
-  return kShiftWeight * shift_m * shift_m + kClearanceWeight * lack * lack;
+  const float end = std::max(0.0F, 1 - static_cast<float>(remaining_m) / kEnd_m);
+  return (kShiftWeight + kEndWeight * end) * shift_m * shift_m + kClearanceWeight * lack * lack;
 }
 
-float PathShift::last_shift(double at_m) const {
+float PathShift::last_shift(double remaining_m) const {
   if (last_.empty()) return 0;
-  const double layer = (at_m - last_at_m_) / (kStride * kStationStep_m);
+  const double layer = (last_remaining_m_ - remaining_m) / (kStride * kStationStep_m);
   const auto i = static_cast<std::ptrdiff_t>(std::lround(layer));
   if (i < 0) return last_.front();
   return last_[std::min(static_cast<std::size_t>(i), last_.size() - 1)];
@@ -59,13 +62,13 @@ bool PathShift::all_clear(const Surroundings& around, const std::vector<Station>
   const auto shifted = [](float shift) { return std::abs(shift) > 1e-3F; };
   if (std::any_of(last_.begin(), last_.end(), shifted)) return false;
   for (std::size_t i = 0; i < stations.size(); i += kStride)
-    if (node_cost(around, stations[i], 0) > 0) return false;
-  return node_cost(around, stations.back(), 0) <= 0;
+    if (node_cost(around, stations[i], 0, kEnd_m) > 0) return false;
+  return node_cost(around, stations.back(), 0, kEnd_m) <= 0;
 }
 
 /// Number of layers that can be reached.
 std::size_t PathShift::solve(const Surroundings& around, const std::vector<Station>& stations, int half,
-                             double travelled_m) {
+                             double remaining_m) {
   const auto states = static_cast<std::size_t>(2 * half + 1);
   const std::size_t layers = (stations.size() + kStride - 1) / kStride;
   constexpr auto kStep_m = static_cast<float>(kShiftStep_m);
@@ -74,7 +77,7 @@ std::size_t PathShift::solve(const Surroundings& around, const std::vector<Stati
   from_.assign(layers * states, 0);
   for (std::size_t layer = 0; layer < layers; ++layer) {
     const Station& at = stations[layer * kStride];
-    const float kept = last_shift(travelled_m + at.s);
+    const float kept = last_shift(remaining_m - at.s);
     bool reached = false;
     for (int state = 0; state < static_cast<int>(states); ++state) {
       float best = layer == 0 ? 0 : kBlocked;
@@ -94,7 +97,8 @@ std::size_t PathShift::solve(const Surroundings& around, const std::vector<Stati
       const float shift_m = static_cast<float>(state - half) * kStep_m;
       const float change = shift_m - kept;
       const std::size_t node = layer * states + static_cast<std::size_t>(state);
-      costs_[node] = best + node_cost(around, at, shift_m) + kKeepWeight * change * change;
+      costs_[node] =
+          best + node_cost(around, at, shift_m, remaining_m - at.s) + kKeepWeight * change * change;
       from_[node] = from;
       reached = reached || costs_[node] < kBlocked;
     }
@@ -114,9 +118,9 @@ void PathShift::trace(std::size_t layers, int half) {
   }
 }
 
-void PathShift::move(std::vector<Station>& stations, double travelled_m) {
+void PathShift::move(std::vector<Station>& stations, double remaining_m) {
   last_ = shifts_;
-  last_at_m_ = travelled_m;
+  last_remaining_m_ = remaining_m;
   for (std::size_t i = 0; i < stations.size(); ++i) {
     const std::size_t layer = std::min(i / kStride, shifts_.size() - 1);
     const std::size_t next = std::min(layer + 1, shifts_.size() - 1);
@@ -129,7 +133,7 @@ void PathShift::move(std::vector<Station>& stations, double travelled_m) {
   differentiate(stations);
 }
 
-std::optional<float> PathShift::apply(const Surroundings& around, double max_shift_m, double travelled_m,
+std::optional<float> PathShift::apply(const Surroundings& around, double max_shift_m, double remaining_m,
                                       std::vector<Station>& stations) {
   if (all_clear(around, stations)) {
     last_.clear();
@@ -137,7 +141,7 @@ std::optional<float> PathShift::apply(const Surroundings& around, double max_shi
   }
   const int half = static_cast<int>(max_shift_m / kShiftStep_m);
   const std::size_t all = (stations.size() + kStride - 1) / kStride;
-  const std::size_t layers = solve(around, stations, half, travelled_m);
+  const std::size_t layers = solve(around, stations, half, remaining_m);
   const bool blocked = layers < all;
   if (layers == 0) {
     last_.clear();
@@ -146,7 +150,7 @@ std::optional<float> PathShift::apply(const Surroundings& around, double max_shi
   }
   trace(layers, half);
   if (blocked) stations.resize(std::max<std::size_t>(2, (layers - 1) * kStride + 1));
-  move(stations, travelled_m);
+  move(stations, remaining_m);
   return blocked ? std::optional<float>(stations.back().s) : std::nullopt;
 }
 

@@ -32,18 +32,19 @@ class PathShift {
 
  private:
   [[nodiscard]] bool all_clear(const Surroundings& around, const std::vector<Station>& stations) const;
-  [[nodiscard]] float node_cost(const Surroundings& around, const Station& at, float shift_m) const;
-  [[nodiscard]] float last_shift(double at_m) const;
+  [[nodiscard]] static float node_cost(const Surroundings& around, const Station& at, float shift_m,
+                                       double remaining_m);
+  [[nodiscard]] float last_shift(double remaining_m) const;
   std::size_t solve(const Surroundings& around, const std::vector<Station>& stations, int half,
-                    double travelled_m);
+                    double remaining_m);
   void trace(std::size_t layers, int half);
-  void move(std::vector<Station>& stations, double travelled_m);
+  void move(std::vector<Station>& stations, double remaining_m);
 
-  std::vector<float> costs_;   ///< of states, layer by layer
-  std::vector<int> from_;      ///< best state of the layer before
-  std::vector<float> shifts_;  ///< of layers [m]
-  std::vector<float> last_;    ///< shifts of the last call [m]
-  double last_at_m_{0};        ///< travelled length of the first of them
+  std::vector<float> costs_;    ///< of states, layer by layer
+  std::vector<int> from_;       ///< best state of the layer before
+  std::vector<float> shifts_;   ///< of layers [m]
+  std::vector<float> last_;     ///< shifts of the last call [m]
+  double last_remaining_m_{0};  ///< of the first of them
 };
 
 }  // namespace extperfc::navigate::local

@@ -1,0 +1,168 @@
+#include "extperfc/navigate/moving_objects.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+#include <iterator>
+#include <optional>
+#include <utility>
+
+#include "extperfc/base/demand.hpp"
+#include "extperfc/base/math.hpp"
+
+namespace extperfc::navigate {
+
+namespace {
+
+constexpr std::int8_t kObstacle = 65;  // per cent, as map_server's threshold
+
+/// The smallest circle's stand-in: about the middle of the box around the points.
+struct Extent {
+  Eigen::Vector2d middle_m{0, 0};
+  double radius_m{0};
+};
+
+Extent extent_of(const std::vector<Eigen::Vector2d>& points_m) {
+  Eigen::Vector2d low = points_m.front();
+  Eigen::Vector2d high = points_m.front();
+  for (const Eigen::Vector2d& point : points_m) {
+    low = low.cwiseMin(point);
+    high = high.cwiseMax(point);
+  }
+  Extent extent{(low + high) / 2, 0};
+  for (const Eigen::Vector2d& point : points_m)
+    extent.radius_m = std::max(extent.radius_m, (point - extent.middle_m).norm());
+  return extent;
+}
+
+std::optional<double> range_of(const LaserScan& scan, std::size_t ray, double max_range_m) {
+  const double range_m = scan.ranges[ray];
+  const bool counts = std::isfinite(range_m) && range_m >= scan.range_min && range_m <= scan.range_max;
+  if (!counts || range_m > max_range_m) return std::nullopt;
+  return range_m;
+}
+
+}  // namespace
+
+struct MovingObjectDetector::Cluster {
+  std::vector<Eigen::Vector2d> points_m;
+  int explained{0};
+  std::size_t first_ray{0};
+  std::size_t last_ray{0};
+};
+
+MovingObjectDetector::MovingObjectDetector(const MovingObjectParams& params) : params_(params) {
+  demand(params.gap_m > 0 && params.gap_m <= 1, "gap_m must be above 0 and at most 1");
+  demand(params.join_m >= 0 && params.join_m <= 2, "join_m must be from 0 to 2");
+  demand(params.max_radius_m <= 2, "max_radius_m must be at most 2");
+  demand(params.min_radius_m > 0 && params.min_radius_m <= params.max_radius_m,
+         "min_radius_m must be above 0 and at most max_radius_m");
+  demand(params.map_margin_m >= 0 && params.map_margin_m <= 2, "map_margin_m must be from 0 to 2");
+  demand(params.max_explained >= 0 && params.max_explained <= 1, "max_explained must be from 0 to 1");
+  demand(params.min_returns >= 1, "min_returns must be 1 or more");
+  demand(params.max_range_m > 0, "max_range_m must be above 0");
+}
+
+void MovingObjectDetector::set_map(const OccupancyGrid& map) {
+  near_obstacles_ = map;
+  std::fill(near_obstacles_.cells.begin(), near_obstacles_.cells.end(), OccupancyGrid::kFree);
+  const auto reach = static_cast<std::int64_t>(params_.map_margin_m / map.resolution_m);
+  const auto width = static_cast<std::int64_t>(map.width);
+  const auto height = static_cast<std::int64_t>(map.height);
+  for (std::int64_t row = 0; row < height; ++row)
+    for (std::int64_t column = 0; column < width; ++column) {
+      if (map.cells[static_cast<std::size_t>(row * width + column)] < kObstacle) continue;
+      for (std::int64_t r = std::max<std::int64_t>(0, row - reach); r <= std::min(height - 1, row + reach);
+           ++r) {
+        const auto half =
+            static_cast<std::int64_t>(std::sqrt(static_cast<double>(reach * reach - (r - row) * (r - row))));
+        const std::int64_t left = std::max<std::int64_t>(0, column - half);
+        const std::int64_t right = std::min(width - 1, column + half);
+        const auto begin = near_obstacles_.cells.begin() + r * width;
+        std::fill(begin + left, begin + right + 1, OccupancyGrid::kOccupied);
+      }
+    }
+}
+
+bool MovingObjectDetector::explained(const Eigen::Vector2d& point_m) const {
+  if (near_obstacles_.empty()) return false;
+  const auto cell = near_obstacles_.cell_of(point_m.x(), point_m.y());
+  return cell && near_obstacles_.at(cell->column, cell->row) == OccupancyGrid::kOccupied;
+}
+
+std::vector<MovingObjectDetector::Cluster> MovingObjectDetector::clusters(const LaserScan& scan,
+                                                                          const Pose2& map_T_base) const {
+  std::vector<Cluster> result;
+  const Pose2 map_T_sensor = compose(map_T_base, scan.base_T_sensor);
+  const double between_rays = 2 * std::abs(scan.angle_increment);
+  double before_m = 0;
+  for (std::size_t ray = 0; ray < scan.ranges.size(); ++ray) {
+    const auto range_m = range_of(scan, ray, params_.max_range_m);
+    if (!range_m) continue;
+    const double angle = map_T_sensor.yaw + scan.angle_min + static_cast<double>(ray) * scan.angle_increment;
+    const Eigen::Vector2d point(map_T_sensor.x + *range_m * std::cos(angle),
+                                map_T_sensor.y + *range_m * std::sin(angle));
+    const double gap_m = std::max(params_.gap_m, between_rays * std::min(*range_m, before_m));
+    const bool same = !result.empty() && ray <= result.back().last_ray + 2 &&
+                      (point - result.back().points_m.back()).norm() <= gap_m;
+    if (!same) result.push_back({{}, 0, ray, ray});
+    Cluster& cluster = result.back();
+    cluster.points_m.push_back(point);
+    cluster.last_ray = ray;
+    if (explained(point)) ++cluster.explained;
+    before_m = *range_m;
+  }
+  // A sweep of a full revolution begins where it ends.
+  const double sweep = std::abs(scan.angle_increment) * static_cast<double>(scan.ranges.size());
+  const bool closed = result.size() > 1 && sweep > kTwoPi - between_rays && result.front().first_ray < 2 &&
+                      result.back().last_ray + 2 >= scan.ranges.size();
+  if (closed && (result.front().points_m.front() - result.back().points_m.back()).norm() <= params_.gap_m) {
+    Cluster& first = result.front();
+    Cluster& last = result.back();
+    first.points_m.insert(first.points_m.end(), last.points_m.begin(), last.points_m.end());
+    first.explained += last.explained;
+    result.pop_back();
+  }
+  return result;
+}
+
+/// Two legs are one person: the nearest clusters of a person's size are joined while their union has that
+/// size.
+void MovingObjectDetector::join(std::vector<Cluster>& clusters) const {
+  for (std::size_t i = 0; i < clusters.size(); ++i)
+    for (std::size_t j = i + 1; j < clusters.size();) {
+      std::vector<Eigen::Vector2d> both = clusters[i].points_m;
+      both.insert(both.end(), clusters[j].points_m.begin(), clusters[j].points_m.end());
+      const double apart_m =
+          (extent_of(clusters[i].points_m).middle_m - extent_of(clusters[j].points_m).middle_m).norm();
+      if (apart_m > params_.join_m || extent_of(both).radius_m > params_.max_radius_m) {
+        ++j;
+        continue;
+      }
+      clusters[i].points_m = std::move(both);
+      clusters.erase(clusters.begin() + static_cast<std::ptrdiff_t>(j));
+    }
+}
+
+std::vector<MovingCandidate> MovingObjectDetector::detect(const LaserScan& scan,
+                                                          const Pose2& map_T_base) const {
+  std::vector<Cluster> found = clusters(scan, map_T_base);
+  const auto is_other = [this](const Cluster& cluster) {
+    const auto returns = static_cast<double>(cluster.points_m.size());
+    return cluster.explained > params_.max_explained * returns ||
+           extent_of(cluster.points_m).radius_m > params_.max_radius_m;
+  };
+  found.erase(std::remove_if(found.begin(), found.end(), is_other), found.end());
+  join(found);
+  std::vector<MovingCandidate> candidates;
+  candidates.reserve(found.size());
+  for (const Cluster& cluster : found) {
+    const auto returns = static_cast<int>(cluster.points_m.size());
+    if (returns < params_.min_returns) continue;
+    const Extent extent = extent_of(cluster.points_m);
+    candidates.push_back({extent.middle_m, std::max(params_.min_radius_m, extent.radius_m), returns});
+  }
+  return candidates;
+}
+
+}  // namespace extperfc::navigate
