@@ -1,0 +1,61 @@
+#pragma once
+
+#include <optional>
+#include <vector>
+
+#include "extperfc/navigate/cost_grid.hpp"
+#include "extperfc/navigate/footprint.hpp"
+#include "extperfc/navigate/velocity.hpp"
+#include "extperfc/world/pose.hpp"
+
+#include "navigate/global/plan_clock.hpp"
+#include "navigate/global/traversal.hpp"
+
+namespace extperfc::navigate {
+
+/// Checks a path with the true footprint, and replaces what touches by a local search over x, y and yaw in a
+/// corridor around it. Everything must live as long as the refiner.
+class FootprintRefiner {
+ public:
+  FootprintRefiner(const CostGrid& costs, const Footprint& footprint, const Traversal& traversal,
+                   BaseKind base, const PlanClock& clock)
+      : costs_(costs), footprint_(footprint), traversal_(traversal), base_(base), clock_(clock) {}
+
+  enum class Status { kFree, kBlocked, kInterrupted };
+  struct Refined {
+    Status status{Status::kFree};
+    std::vector<Pose2> poses;      ///< kFree: at most 0.1 m and 0.2 rad apart, no contact on and between them
+    std::optional<Pose2> where{};  ///< kBlocked: how far the footprint comes
+  };
+
+  /// The first and the last pose stay. Precondition: both are free.
+  [[nodiscard]] Refined refine(std::vector<Pose2> poses) const;
+
+  /// No contact; unknown space counts as none where the traversal admits it.
+  [[nodiscard]] bool is_free(const Pose2& pose) const;
+  [[nodiscard]] bool is_free_along(const Pose2& from, const Pose2& to) const;
+
+ private:
+  /// The same for the poses that densify() puts between the two.
+  [[nodiscard]] bool passes(const Pose2& from, const Pose2& to) const;
+
+  struct Span {  ///< of poses, both included
+    std::size_t first;
+    std::size_t last;
+  };
+  [[nodiscard]] std::optional<Span> last_contact(const std::vector<Pose2>& poses, std::size_t end) const;
+  [[nodiscard]] Span widened(const std::vector<Pose2>& poses, const Span& span, double margin_m) const;
+  [[nodiscard]] double aligned_yaw(const std::vector<Pose2>& poses, const Span& span) const;
+  /// Replaces the span in `poses`.
+  [[nodiscard]] Status replace(std::vector<Pose2>& poses, const Span& span, Pose2& where) const;
+
+  [[nodiscard]] std::vector<Pose2> straightened(const std::vector<Pose2>& poses) const;
+
+  const CostGrid& costs_;
+  const Footprint& footprint_;
+  const Traversal& traversal_;
+  BaseKind base_;
+  const PlanClock& clock_;
+};
+
+}  // namespace extperfc::navigate
