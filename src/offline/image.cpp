@@ -2,11 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
-#include <string>
 
-#include <png.h>
-
-#include "extperfc/base/atomic_file.hpp"
+#include "extperfc/world/png_file.hpp"
 
 namespace extperfc::offline {
 
@@ -52,17 +49,7 @@ void Image::rectangle(long x0, long y0, long x1, long y1, Color color) {
 }
 
 Result<void> write_png(const Image& image, const std::filesystem::path& file) {
-  png_image png{};
-  png.version = PNG_IMAGE_VERSION;
-  png.width = static_cast<png_uint_32>(image.width());
-  png.height = static_cast<png_uint_32>(image.height());
-  png.format = PNG_FORMAT_RGB;
-  png_alloc_size_t bytes = PNG_IMAGE_PNG_SIZE_MAX(png);
-  std::string packed(bytes, '\0');
-  if (png_image_write_to_memory(&png, packed.data(), &bytes, 0, image.rgb().data(), 0, nullptr) == 0)
-    return fail(ErrorCode::kFailed, "cannot encode the image " + file.string() + ": " + png.message);
-  return write_file_atomically(
-      file, [&](std::ostream& out) { out.write(packed.data(), static_cast<std::streamsize>(bytes)); });
+  return extperfc::write_png({image.width(), image.height(), PngLayout::kRgb, image.rgb().data()}, file);
 }
 
 }  // namespace extperfc::offline

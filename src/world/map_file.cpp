@@ -9,9 +9,11 @@
 #include <yaml-cpp/yaml.h>
 
 #include "extperfc/base/atomic_file.hpp"
+#include "extperfc/world/png_file.hpp"
 #include "extperfc/world/yaml_map.hpp"
 
 #include "world/pgm.hpp"
+#include "world/png.hpp"
 
 namespace extperfc {
 
@@ -26,7 +28,7 @@ constexpr std::uint8_t kGreyUnknown = 205;
 
 constexpr Span kResolution{1e-6, 1e6};  // [m]
 
-enum class MapMode { kTrinary, kScale, kRaw };
+const std::vector<std::string> kModes{"trinary", "scale", "raw"};  // in the order of MapMode
 
 /// What stands in the YAML file.
 struct MapDescription {
@@ -58,24 +60,44 @@ Result<void> validate(const OccupancyGrid& map) {
   return {};
 }
 
-std::array<std::uint8_t, 256> grey_values(const MapThresholds& thresholds) {
-  std::array<std::uint8_t, 256> grey{};
+/// Grey values of a map's cells by their bits.
+using GreyValues = std::array<std::uint8_t, 256>;
+
+std::uint8_t trinary_grey(int percent, const MapThresholds& thresholds) {
   constexpr double kTiny = 1e-9;  // 65 of 100 is 0.65 despite rounding
+  const double probability = percent / 100.0;
+  if (percent >= 0 && probability <= thresholds.free + kTiny) return kGreyFree;
+  if (percent >= 0 && probability >= thresholds.occupied - kTiny) return kGreyOccupied;
+  return kGreyUnknown;
+}
+
+/// The grey value in the middle of those that are read as `percent`; 99 does not exist and becomes 98.
+std::uint8_t scaled_grey(int percent, const MapThresholds& thresholds) {
+  if (percent < 0) return kGreyUnknown;
+  if (percent == OccupancyGrid::kFree) return kGreyFree;
+  if (percent >= OccupancyGrid::kOccupied) return kGreyOccupied;
+  const double ratio = (std::min(percent, 98) - 0.5) / 98;
+  const double probability = thresholds.free + ratio * (thresholds.occupied - thresholds.free);
+  return static_cast<std::uint8_t>(std::lround(255 * (1 - probability)));
+}
+
+GreyValues grey_values(const MapThresholds& thresholds, MapMode mode) {
+  constexpr std::uint8_t kRawUnknown = 255;
+  GreyValues grey{};
   for (int value = 0; value < 256; ++value) {
-    const auto cell = static_cast<std::int8_t>(value);
-    const double probability = cell / 100.0;
+    const int percent = value < 128 ? value : value - 256;
+    const bool is_known = percent >= 0 && percent <= OccupancyGrid::kOccupied;
     auto& pixel = grey[static_cast<std::size_t>(value)];
-    pixel = kGreyUnknown;
-    if (cell >= 0 && probability <= thresholds.free + kTiny) pixel = kGreyFree;
-    if (cell >= 0 && probability >= thresholds.occupied - kTiny) pixel = kGreyOccupied;
+    if (mode == MapMode::kTrinary) pixel = trinary_grey(percent, thresholds);
+    if (mode == MapMode::kScale) pixel = scaled_grey(percent, thresholds);
+    if (mode == MapMode::kRaw) pixel = is_known ? static_cast<std::uint8_t>(percent) : kRawUnknown;
   }
   return grey;
 }
 
-void write_pgm(std::ostream& out, const OccupancyGrid& map, const MapThresholds& thresholds) {
+void write_pgm(std::ostream& out, const OccupancyGrid& map, const GreyValues& grey) {
   out << "P5\n# CREATOR: extperfc " << std::fixed << std::setprecision(3) << map.resolution_m << " m/pix\n"
       << map.width << ' ' << map.height << "\n255\n";
-  const auto grey = grey_values(thresholds);
   std::string row(map.width, '\0');
   for (std::size_t y = map.height; y-- > 0;) {
     const auto* cells = &map.cells[y * map.width];
@@ -86,14 +108,43 @@ void write_pgm(std::ostream& out, const OccupancyGrid& map, const MapThresholds&
   }
 }
 
+Result<void> write_png_map(const OccupancyGrid& map, const GreyValues& grey, bool with_alpha,
+                           const fs::path& file) {
+  constexpr std::uint8_t kOpaque = 255;
+  std::vector<std::uint8_t> bytes;
+  bytes.reserve(map.cells.size() * (with_alpha ? 2 : 1));
+  for (std::size_t y = map.height; y-- > 0;) {
+    for (std::size_t x = 0; x < map.width; ++x) {
+      const std::int8_t cell = map.at(x, y);
+      bytes.push_back(grey[static_cast<std::uint8_t>(cell)]);
+      if (with_alpha) bytes.push_back(cell < 0 ? 0 : kOpaque);
+    }
+  }
+  const auto layout = with_alpha ? PngLayout::kGreyAlpha : PngLayout::kGrey;
+  return write_png({map.width, map.height, layout, bytes.data()}, file);
+}
+
+Result<void> write_image(const OccupancyGrid& map, const MapThresholds& thresholds, const MapFormat& format,
+                         const fs::path& file) {
+  const GreyValues grey = grey_values(thresholds, format.mode);
+  const bool scaled = format.mode == MapMode::kScale;
+  if (format.image == MapImage::kPng) return write_png_map(map, grey, scaled, file);
+  if (scaled && std::any_of(map.cells.begin(), map.cells.end(), [](std::int8_t cell) { return cell < 0; }))
+    return fail(ErrorCode::kInvalidArgument,
+                "cannot save " + file.string() + ": mode scale with unknown cells needs PNG");
+  return write_file_atomically(file, [&](std::ostream& out) { write_pgm(out, map, grey); });
+}
+
 void write_yaml(std::ostream& out, const OccupancyGrid& map, const std::string& image,
-                const MapThresholds& thresholds) {
+                const MapThresholds& thresholds, MapMode mode) {
   YAML::Emitter name;  // quotes what YAML would read otherwise
   name << image;
   out << "image: " << name.c_str() << '\n'
       << std::setprecision(12) << "resolution: " << map.resolution_m << "\norigin: [" << map.origin.x << ", "
       << map.origin.y << ", " << map.origin.yaw << "]\nnegate: 0\noccupied_thresh: " << thresholds.occupied
-      << "\nfree_thresh: " << thresholds.free << "\n\n";
+      << "\nfree_thresh: " << thresholds.free << '\n';
+  if (mode != MapMode::kTrinary) out << "mode: " << kModes[static_cast<std::size_t>(mode)] << '\n';
+  out << '\n';
 }
 
 Result<MapDescription> describe(const fs::path& file) {
@@ -113,7 +164,7 @@ Result<MapDescription> describe(const fs::path& file) {
   map.origin = {origin[0], origin[1], origin[2]};
   map.negate = keys.flag("negate");
   map.thresholds = {keys.number("occupied_thresh", kFinite), keys.number("free_thresh", kFinite)};
-  map.mode = static_cast<MapMode>(keys.choice("mode", {"trinary", "scale", "raw"}));
+  map.mode = static_cast<MapMode>(keys.choice("mode", kModes));
   if (const auto valid = validate(map.thresholds); problems.empty() && !valid)
     keys.problem("free_thresh", valid.error().message);
   if (!problems.empty()) return tl::unexpected(problems.to_error());
@@ -136,25 +187,26 @@ std::int8_t cell_of_grey(double grey, const MapDescription& map) {
 
 }  // namespace
 
-Result<void> save_map(const OccupancyGrid& map, const fs::path& stem, const MapThresholds& thresholds) {
+Result<void> save_map(const OccupancyGrid& map, const fs::path& stem, const MapThresholds& thresholds,
+                      const MapFormat& format) {
   for (const auto& valid : {validate(map), validate(thresholds)})
     if (!valid)
       return fail(valid.error().code, "cannot save " + stem.string() + ": " + valid.error().message);
   if (!stem.has_filename())
     return fail(ErrorCode::kInvalidArgument,
                 "cannot save a map as '" + stem.string() + "': give a file's name without its suffix");
-  const fs::path image = stem.string() + ".pgm";
-  auto written = write_file_atomically(image, [&](std::ostream& out) { write_pgm(out, map, thresholds); });
+  const fs::path image = stem.string() + (format.image == MapImage::kPng ? ".png" : ".pgm");
+  auto written = write_image(map, thresholds, format, image);
   if (!written) return written;
   return write_file_atomically(stem.string() + ".yaml", [&](std::ostream& out) {
-    write_yaml(out, map, image.filename().string(), thresholds);
+    write_yaml(out, map, image.filename().string(), thresholds, format.mode);
   });
 }
 
 Result<OccupancyGrid> load_map(const fs::path& yaml) {
   const auto description = describe(yaml);
   if (!description) return tl::unexpected(description.error());
-  const auto image = read_pgm(description->image);
+  const auto image = is_png(description->image) ? read_png(description->image) : read_pgm(description->image);
   if (!image) return tl::unexpected(image.error());
   OccupancyGrid map;
   map.width = image->width;
@@ -167,7 +219,8 @@ Result<OccupancyGrid> load_map(const fs::path& yaml) {
   map.cells.resize(map.width * map.height);
   for (std::size_t y = 0; y < map.height; ++y)
     for (std::size_t x = 0; x < map.width; ++x)
-      map.cells[(map.height - 1 - y) * map.width + x] = meaning[image->at(x, y)];
+      map.cells[(map.height - 1 - y) * map.width + x] =
+          image->is_transparent(x, y) ? OccupancyGrid::kUnknown : meaning[image->at(x, y)];
   return map;
 }
 

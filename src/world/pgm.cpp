@@ -109,8 +109,8 @@ Result<GreyImage> read_pgm(const fs::path& file) {
   const int second = in.get();
   if (first != 'P' || (second != '5' && second != '2'))
     return fail(ErrorCode::kUnsupported,
-                file.string() + " is not a PGM image; convert it, for example: convert " +
-                    file.filename().string() + " -colorspace Gray " + file.stem().string() + ".pgm");
+                file.string() + " is neither a PGM nor a PNG image; convert it, for example: convert " +
+                    file.filename().string() + " -colorspace Gray " + file.stem().string() + ".png");
   GreyImage image;
   auto read = read_header(in, image);
   if (read) read = read_pixels(in, file_bytes, second == '5', image);

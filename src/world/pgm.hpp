@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <filesystem>
 #include <string>
+#include <vector>
 
 #include "extperfc/base/error.hpp"
 
@@ -14,13 +15,17 @@ constexpr std::size_t kMaxMapCells = std::size_t{1} << 28;
 
 /// A grey image, top row first.
 struct GreyImage {
-  std::size_t width{0};   ///< pixels
-  std::size_t height{0};  ///< pixels
-  unsigned largest{255};  ///< the value of white, [1, 65535]
-  std::string bytes;      ///< one byte a pixel, two (high byte first) where `largest` is above 255
+  std::size_t width{0};             ///< pixels
+  std::size_t height{0};            ///< pixels
+  unsigned largest{255};            ///< the value of white, [1, 65535]
+  std::string bytes;                ///< one byte a pixel, two (high byte first) where `largest` is above 255
+  std::vector<bool> transparent{};  ///< of each pixel; empty: none is
 
   /// In [0, largest].
   [[nodiscard]] unsigned at(std::size_t x, std::size_t y) const;
+  [[nodiscard]] bool is_transparent(std::size_t x, std::size_t y) const {
+    return !transparent.empty() && transparent[y * width + x];
+  }
 };
 
 /// Reads a PGM image, binary (P5) or text (P2). Errors name the file and what is wrong: no such file,

@@ -40,7 +40,7 @@ OWNERS = {
     r"urdf": {"world"},
     r"pcl/": {"scan"},
     r"boost/iostreams": {"sources"},
-    r"png\.h": {"offline"},
+    r"png\.h": {"world"},
 }
 
 

@@ -8,6 +8,7 @@
 
 #include "extperfc/base/rng.hpp"
 #include "extperfc/world/map_file.hpp"
+#include "extperfc/world/png_file.hpp"
 
 #include "test/support/temporary_folder.hpp"
 
@@ -194,8 +195,9 @@ TEST(MapFile, ImagesAreChecked) {
   expect_contains(complaint(folder, kDescription, "P2 3 2 255\n1 2 3 4 5"), "breaks off");
   expect_contains(complaint(folder, kDescription, "P2 3 2 255\n1 2 3 4 5 256"), "pixel 5");
   expect_contains(complaint(folder, kDescription, "P2 3 2 255\n1 2 x 4 5 6 7"), "pixel 2");
-  expect_contains(complaint(folder, kDescription, "\x89PNG\r\n"), "is not a PGM image; convert it");
-  expect_contains(complaint(folder, kDescription, ""), "is not a PGM image");
+  expect_contains(complaint(folder, kDescription, "\x89PNG\r\n"),
+                  "is neither a PGM nor a PNG image; convert it");
+  expect_contains(complaint(folder, kDescription, ""), "is neither a PGM nor a PNG image");
 }
 
 TEST(MapFile, HugeImagesTakeNoMemory) {
@@ -245,6 +247,88 @@ TEST(MapFile, BrokenPrefixesNeverCrash) {
     folder.write("m.yaml", yaml.substr(0, n));
     EXPECT_FALSE(load_map(folder.path() / "m.yaml")) << n;
   }
+}
+
+OccupancyGrid random_percentages(Rng& rng) {
+  OccupancyGrid map;
+  map.width = static_cast<std::size_t>(rng.integer(1, 70));
+  map.height = static_cast<std::size_t>(rng.integer(1, 70));
+  for (std::size_t i = 0; i < map.width * map.height; ++i) {
+    const int percent = rng.integer(-1, 100);
+    map.cells.push_back(static_cast<std::int8_t>(percent == 99 ? 98 : percent));  // 99 has no grey value
+  }
+  return map;
+}
+
+TEST(MapFile, EveryModeAndImageComesBack) {
+  const TemporaryFolder folder;
+  Rng rng(6);
+  for (const MapFormat format :
+       {MapFormat{MapImage::kPng, MapMode::kScale}, MapFormat{MapImage::kPng, MapMode::kRaw},
+        MapFormat{MapImage::kPgm, MapMode::kRaw}}) {
+    for (int trial = 0; trial < 20; ++trial) {
+      const OccupancyGrid map = random_percentages(rng);
+      ASSERT_TRUE(save_map(map, folder.path() / "m", {}, format));
+      const auto read = load_map(folder.path() / "m.yaml");
+      ASSERT_TRUE(read) << read.error().message;
+      EXPECT_EQ(read->cells, map.cells);
+    }
+  }
+  OccupancyGrid map{4, 1, 0.05, {}, {0, 30, 100, -1}};
+  ASSERT_TRUE(save_map(map, folder.path() / "m", {}, {MapImage::kPng, MapMode::kTrinary}));
+  EXPECT_EQ(load_map(folder.path() / "m.yaml")->cells, (std::vector<std::int8_t>{0, -1, 100, -1}));
+  const MapFormat scaled{MapImage::kPgm, MapMode::kScale};
+  const auto refused = save_map(map, folder.path() / "m", {}, scaled);
+  ASSERT_FALSE(refused);
+  expect_contains(refused.error().message, "needs PNG");
+  map.cells[3] = 7;
+  ASSERT_TRUE(save_map(map, folder.path() / "m", {}, scaled));
+  EXPECT_EQ(load_map(folder.path() / "m.yaml")->cells, map.cells);
+}
+
+TEST(MapFile, ColoursCountByTheirMean) {
+  const TemporaryFolder folder;
+  const std::array<std::uint8_t, 12> rgb{254, 254, 254, 0, 0, 0, 205, 205, 205, 255, 0, 51};  // the last: 102
+  ASSERT_TRUE(write_png({4, 1, PngLayout::kRgb, rgb.data()}, folder.path() / "m.png"));
+  const std::string yaml = replaced(kDescription, "m.pgm", "m.png");
+  EXPECT_EQ(load_map(folder.write("m.yaml", yaml))->cells, (std::vector<std::int8_t>{0, 100, -1, -1}));
+  EXPECT_EQ(load_map(folder.write("m.yaml", yaml + "mode: scale\n"))->cells[3],
+            static_cast<std::int8_t>(1 + 98 * (0.6 - 0.196) / (0.65 - 0.196)));
+}
+
+TEST(MapFile, TransparentPixelsAreUnknown) {
+  const TemporaryFolder folder;
+  const std::array<std::uint8_t, 8> pixels{0, 255, 0, 0, 254, 1, 254, 0};
+  ASSERT_TRUE(write_png({2, 2, PngLayout::kGreyAlpha, pixels.data()}, folder.path() / "m.png"));
+  for (const char* mode : {"trinary", "scale"}) {
+    const auto yaml =
+        folder.write("m.yaml", replaced(kDescription, "m.pgm", "m.png") + "mode: " + mode + "\n");
+    EXPECT_EQ(load_map(yaml)->cells, (std::vector<std::int8_t>{0, -1, 100, -1})) << mode;
+  }
+}
+
+TEST(MapFile, BrokenPngsNeverCrash) {
+  const TemporaryFolder folder;
+  Rng rng(7);
+  ASSERT_TRUE(save_map(random_percentages(rng), folder.path() / "m", {}, {MapImage::kPng, MapMode::kRaw}));
+  const std::string png = content(folder.path() / "m.png");
+  for (std::size_t n = 0; n + 12 < png.size(); ++n) {  // without the last chunk it is whole all the same
+    folder.write("m.png", png.substr(0, n));
+    EXPECT_FALSE(load_map(folder.path() / "m.yaml")) << n;
+  }
+  for (int trial = 0; trial < 300; ++trial) {
+    std::string damaged = png;
+    const int at = rng.integer(0, static_cast<int>(png.size()) - 1);
+    damaged[static_cast<std::size_t>(at)] = static_cast<char>(rng.integer(0, 255));
+    folder.write("m.png", damaged);
+    (void)load_map(folder.path() / "m.yaml");
+  }
+  // 16384 x 16384 pixels are announced.
+  std::string huge = png;
+  huge.replace(16, 8, std::string("\x00\x00\x40\x00\x00\x00\x40\x00", 8));
+  folder.write("m.png", huge);
+  EXPECT_FALSE(load_map(folder.path() / "m.yaml"));
+  EXPECT_FALSE(write_png({0, 1, PngLayout::kGrey, nullptr}, folder.path() / "none.png"));
 }
 
 }  // namespace
