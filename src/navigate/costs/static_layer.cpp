@@ -21,7 +21,7 @@ CostOfValue costs_of_values(const StaticParams& params) {
   constexpr int kMaxScaled = kInscribedCost - 1;
   CostOfValue costs{};
   for (int bits = 0; bits < 256; ++bits) {
-    const int percent = static_cast<std::int8_t>(bits);
+    const int percent = bits < 128 ? bits : bits - 256;
     Cost& cost = costs[static_cast<std::size_t>(bits)];
     if (percent < 0)
       cost = params.unknown_is_free ? kFreeCost : kUnknownCost;

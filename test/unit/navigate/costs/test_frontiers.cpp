@@ -7,6 +7,7 @@
 
 #include "extperfc/base/math.hpp"
 #include "extperfc/base/rng.hpp"
+#include "extperfc/navigate/exploration.hpp"
 #include "extperfc/navigate/frontiers.hpp"
 #include "extperfc/navigate/static_layer.hpp"
 
@@ -247,6 +248,47 @@ TEST(Frontiers, RefusesWhatCannotBe) {
   EXPECT_EQ(find(grid, {{2, 2, 0}, {{0, std::nan("")}}}).error().code, NavCode::kInvalidRequest);
   EXPECT_EQ(find(grid, {{2, 2, 0}}, {0}).error().code, NavCode::kInvalidRequest);
   EXPECT_EQ(find({}, {{2, 2, 0}}).error().code, NavCode::kNoMap);
+}
+
+TEST(Exploration, EndsAlthoughAFrontierStays) {
+  // Behind the frontier nothing is ever seen, as behind glass.
+  const CostGrid grid = corridor();
+  Exploration exploration(chassis(), {}, {});
+  Pose2 pose{2, 2, 0};
+  int goals = 0;
+  for (;; ++goals) {
+    ASSERT_LT(goals, 20);
+    const auto next = exploration.next(grid, pose);
+    ASSERT_TRUE(next);
+    if (!*next) break;
+    pose = (*next)->goal;
+    exploration.reached();
+  }
+  EXPECT_GE(goals, 1);
+  EXPECT_EQ(exploration.goals_reached(), static_cast<std::size_t>(goals));
+}
+
+TEST(Exploration, FailedGoalsAreLeftOut) {
+  const CostGrid grid = corridor();
+  Exploration exploration(chassis(), {}, {});
+  ASSERT_TRUE(*exploration.next(grid, {2, 2, 0}));
+  EXPECT_EQ(exploration.frontiers_left(), 1U);
+  exploration.failed();
+  EXPECT_FALSE(*exploration.next(grid, {2, 2, 0}));
+  EXPECT_EQ(exploration.blacklisted(), 1U);
+  EXPECT_EQ(exploration.goals_failed(), 1U);
+}
+
+TEST(Exploration, GoalIsOutdatedOnceItsFrontierIsKnown) {
+  CostGrid grid = corridor();
+  Exploration exploration(chassis(), {}, {});
+  EXPECT_FALSE(exploration.is_outdated(grid));
+  ASSERT_TRUE(*exploration.next(grid, {2, 2, 0}));
+  EXPECT_FALSE(exploration.is_outdated(grid));
+  fill(grid, 6, 0.2, 8, 2, kFreeCost);  // half of it
+  EXPECT_FALSE(exploration.is_outdated(grid));
+  fill(grid, 6, 0.2, 8, 3.8, kFreeCost);
+  EXPECT_TRUE(exploration.is_outdated(grid));
 }
 
 TEST(Frontiers, OfAMapAsTheMapperPublishesIt) {

@@ -9,6 +9,7 @@
 #include "extperfc/navigate/zone_layer.hpp"
 #include "extperfc/world/map_file.hpp"
 
+#include "test/support/temporary_folder.hpp"
 #include "test/unit/navigate/costs/polygon_oracle.hpp"
 
 namespace extperfc::navigate {
@@ -20,9 +21,8 @@ using Eigen::Vector2d;
 const std::vector<Vector2d> kL{{0, 0}, {2, 0}, {2, 1}, {1, 1}, {1, 2}, {0, 2}};
 
 fs::path folder() {
-  const fs::path path = fs::path(testing::TempDir()) / "extperfc_zones";
-  fs::create_directories(path);
-  return path;
+  static const TemporaryFolder temporary;
+  return temporary.path();
 }
 
 Result<Zones> zones_of(const std::string& text) {
