@@ -23,7 +23,8 @@ catkin_package(
     extperfc_translate_rules extperfc_translate_peer extperfc_translate_bridge extperfc_mapping extperfc_localize
     extperfc_sources_scan extperfc_offline extperfc_arm_kinematics extperfc_arm_collision
     extperfc_arm_planning extperfc_arm_trajectory extperfc_arm_constrained extperfc_arm_cartesian
-    extperfc_arm_grasping extperfc_arm_perception extperfc_arm_motion
+    extperfc_arm_grasping extperfc_arm_perception extperfc_arm_motion extperfc_navigate_costs extperfc_navigate_global
+    extperfc_navigate_local extperfc_navigate
   CATKIN_DEPENDS roscpp nodelet message_runtime sensor_msgs vision_msgs)
 
 add_library(extperfc_catkin INTERFACE)

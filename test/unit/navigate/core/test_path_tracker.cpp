@@ -53,7 +53,7 @@ TEST(PathTracker, FindsWhatBlocksAhead) {
   tracker.set(straight({0, 0, 0}, {3, 0, 0}));
   const auto blocked = tracker.blocked(robot.costs, robot.footprint, {}, 10);
   ASSERT_TRUE(blocked);
-  EXPECT_NEAR(blocked->x, 1.5, 0.1);
+  EXPECT_NEAR(blocked->x, 1.55, 0.1);
   EXPECT_FALSE(tracker.blocked(robot.costs, robot.footprint, {}, 1.0)) << "beyond what is asked for";
   EXPECT_FALSE(tracker.blocked(robot.costs, robot.footprint, {0, 2, 0}, 10)) << "in another frame";
   tracker.update({2.9, 0, 0});

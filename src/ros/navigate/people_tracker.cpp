@@ -1,0 +1,102 @@
+#include "ros/navigate/people_tracker.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace extperfc::ros_navigate {
+
+namespace {
+
+constexpr double kWalksMS = 0.25;  // slower ones are furniture: part of the cost maps
+constexpr double kFastestMS = 2.5;
+constexpr double kPositionSigmaM = 0.06;
+constexpr double kOldS = 1.0;
+
+navigate::MovingObjectParams detector_params(const ros_params::PeopleParams& params) {
+  navigate::MovingObjectParams made;
+  made.max_range_m = params.max_range_m;
+  return made;
+}
+
+track::TrackerParams tracker_params() {
+  track::TrackerParams params;
+  params.acceleration_m_s2 = 1.0;
+  params.speed_m_s = 0.8;
+  params.confirm_hits = 4;
+  params.max_missed_s = 0.6;
+  return params;
+}
+
+}  // namespace
+
+std::vector<Eigen::Vector2d> points_of(const LaserScan& scan) {
+  std::vector<Eigen::Vector2d> points;
+  points.reserve(scan.ranges.size());
+  for (std::size_t i = 0; i < scan.ranges.size(); ++i) {
+    const double range = scan.ranges[i];
+    if (!(range >= scan.range_min && range <= scan.range_max)) continue;
+    const double angle = scan.angle_min + static_cast<double>(i) * scan.angle_increment;
+    const Pose2 end = compose(scan.base_T_sensor, {range * std::cos(angle), range * std::sin(angle), 0});
+    points.emplace_back(end.x, end.y);
+  }
+  return points;
+}
+
+PeopleTracker::PeopleTracker(const ros_params::PeopleParams& params)
+    : params_(params), detector_(detector_params(params)), tracker_(tracker_params()) {}
+
+void PeopleTracker::set_map(const OccupancyGrid& map) {
+  if (!params_.enabled) return;
+  const std::lock_guard lock(mutex_);
+  detector_.set_map(map);
+}
+
+void PeopleTracker::forget() {
+  const std::lock_guard lock(mutex_);
+  tracker_ = track::Tracker(tracker_params());
+  people_.clear();
+}
+
+void PeopleTracker::update(const PlacedScan& placed) {
+  if (!params_.enabled) return;
+  const std::lock_guard lock(mutex_);
+  const auto candidates = detector_.detect(placed.scan, compose(placed.map_T_odom, placed.odom_T_base));
+  const Pose2 odom_T_map = inverse(placed.map_T_odom);
+  std::vector<track::Observation> observations;
+  observations.reserve(candidates.size());
+  for (const auto& candidate : candidates) {
+    const Pose2 place = compose(odom_T_map, {candidate.centre_m.x(), candidate.centre_m.y(), 0});
+    track::Observation one;
+    one.score = 1;
+    one.position_m = {place.x, place.y, 0};
+    one.covariance_m2 = kPositionSigmaM * kPositionSigmaM * Eigen::Matrix3d::Identity();
+    observations.push_back(one);
+  }
+  (void)tracker_.update(placed.scan.stamp_s, observations);
+  stamp_s_ = placed.scan.stamp_s;
+  people_.clear();
+  for (const auto& track : tracker_.tracks()) {
+    const double speed = track.point.velocity_m_s().head<2>().norm();
+    if (!track.confirmed || speed < kWalksMS || speed > kFastestMS) continue;
+    Person person;
+    person.state.position_m = track.point.position_m().head<2>();
+    person.state.velocity_m_s = track.point.velocity_m_s().head<2>();
+    if (track.observation) person.state.radius_m = std::max(0.25, candidates[*track.observation].radius_m);
+    people_.push_back(person);
+  }
+}
+
+std::vector<navigate::MovingObstacle> PeopleTracker::people(double now_s) const {
+  const std::lock_guard lock(mutex_);
+  std::vector<navigate::MovingObstacle> people;
+  const double age_s = now_s - stamp_s_;
+  if (std::abs(age_s) > kOldS) return people;
+  people.reserve(people_.size());
+  for (const auto& person : people_) {
+    people.push_back(person.state);
+    people.back().position_m += age_s * person.state.velocity_m_s;
+  }
+  return people;
+}
+
+}  // namespace extperfc::ros_navigate

@@ -1,0 +1,111 @@
+#include "ros/navigate/plan_worker.hpp"
+
+#include <algorithm>
+#include <exception>
+#include <utility>
+
+#include "extperfc/base/stopwatch.hpp"
+
+namespace extperfc::ros_navigate {
+
+namespace {
+
+using navigate::Contact;
+using navigate::CostGrid;
+using navigate::NavCode;
+
+constexpr navigate::Cost kAvoidedCost = 252;  // the highest that is not blocked
+constexpr double kNearM = 0.3;                // the robot stands here already
+
+/// A copy with high costs where plans shall not go unless there is nothing else.
+std::shared_ptr<const CostGrid> with_avoided(const std::shared_ptr<const CostGrid>& costs,
+                                             const std::vector<navigate::AvoidedPlace>& places) {
+  if (places.empty()) return costs;
+  auto changed = std::make_shared<CostGrid>(*costs);
+  for (const auto& place : places) {
+    const auto low = changed->cell_around(place.middle_m - Eigen::Vector2d::Constant(place.radius_m));
+    const auto high = changed->cell_around(place.middle_m + Eigen::Vector2d::Constant(place.radius_m));
+    const auto box = navigate::CellBox{low, {high.column + 1, high.row + 1}}.clipped(changed->box());
+    for (int row = box.min.row; row < box.max.row; ++row)
+      for (int column = box.min.column; column < box.max.column; ++column) {
+        auto& cost = changed->at({column, row});
+        if (cost < kAvoidedCost &&
+            (changed->middle_of({column, row}) - place.middle_m).norm() <= place.radius_m)
+          cost = kAvoidedCost;
+      }
+  }
+  return changed;
+}
+
+bool touches(const CostGrid& costs, const navigate::Footprint& footprint, const navigate::Path& path) {
+  if (path.poses.empty()) return false;
+  const auto& here = path.poses.front();
+  return std::any_of(path.poses.begin(), path.poses.end(), [&](const Pose2& pose) {
+    return std::hypot(pose.x - here.x, pose.y - here.y) > kNearM &&
+           contact(costs, footprint, pose) == Contact::kObstacle;
+  });
+}
+
+}  // namespace
+
+PlanWorker::PlanWorker(std::shared_ptr<navigate::GlobalPlanner> planner, Look look, OnAnswer on_answer)
+    : look_(std::move(look)), on_answer_(std::move(on_answer)), planner_(std::move(planner)) {
+  worker_ = std::thread([this] {
+    while (auto wish = waiting_.take()) on_answer_(answer(*wish));
+  });
+}
+
+PlanWorker::~PlanWorker() {
+  cancel_ = true;
+  waiting_.close();
+  if (worker_.joinable()) worker_.join();
+}
+
+void PlanWorker::ask(navigate::PlanWish wish) {
+  cancel_ = true;
+  (void)waiting_.put(std::move(wish));
+}
+
+void PlanWorker::set_planner(std::shared_ptr<navigate::GlobalPlanner> planner) {
+  const std::lock_guard lock(planner_mutex_);
+  planner_ = std::move(planner);
+}
+
+navigate::PlanAnswer PlanWorker::answer(const navigate::PlanWish& wish) {
+  cancel_ = false;
+  const Stopwatch watch;
+  navigate::PlanAnswer made;
+  made.id = wish.id;
+  const auto scene = look_();
+  if (!scene.costs) {
+    made.path = navigate::nav_fail(NavCode::kNoMap, "no map to plan in");
+    return made;
+  }
+  made.current_blocked = touches(*scene.costs, *scene.footprint, wish.current);
+  auto request = wish.request;
+  request.cancel = &cancel_;
+  made.path = plan({with_avoided(scene.costs, wish.avoid), scene.footprint}, request);
+  if (made.path)
+    health_.done(watch.milliseconds(), watch.milliseconds());
+  else
+    (void)health_.failed(made.path.error().message);
+  return made;
+}
+
+navigate::NavResult<navigate::Path> PlanWorker::plan_now(const navigate::PlanRequest& request) {
+  const auto scene = look_();
+  if (!scene.costs) return navigate::nav_fail(NavCode::kNoMap, "no map to plan in");
+  return plan(scene, request);
+}
+
+navigate::NavResult<navigate::Path> PlanWorker::plan(const Scene& scene, navigate::PlanRequest request) {
+  const std::lock_guard lock(planner_mutex_);
+  try {
+    return planner_->plan(*scene.costs, *scene.footprint, request);
+  } catch (const std::exception& error) {
+    return navigate::nav_fail(NavCode::kInvalidRequest,
+                              std::string("the global planner failed: ") + error.what());
+  }
+}
+
+}  // namespace extperfc::ros_navigate

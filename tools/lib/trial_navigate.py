@@ -1,0 +1,308 @@
+"""Sends the simulated robot to random goals, with localizer and navigator running, and compares with the truth: how many
+goals it reached, how often its true footprint touched the true map or a person, how fast and how far it drove.
+
+A contact is counted when the middle of an occupied cell of the true map (cells of 1 cm by default) comes under the
+chassis without padding. People walk on without looking; a contact counts as caused by the robot while it moves.
+"""
+
+import argparse
+import json
+import math
+import os
+import pathlib
+import random
+import re
+import sys
+
+import cv2
+import numpy
+import yaml
+
+from driven_contacts import CHASSIS, TrueMap, reachable
+from nav_robot import NavRobot, random_goal
+from pose_errors import Pose
+from ros_session import RosSession
+from sim_robot import Stalled
+
+REPO = pathlib.Path(__file__).resolve().parents[2]
+WS = pathlib.Path(os.environ.get("EXTPERFC_WS", REPO / ".ws"))
+GOAL_CLEARANCE_M = 0.65  # of goals: the robot may stand there in any direction
+PASSAGE_M = 0.44         # of the robot's middle to what stands around, on the way
+COLUMNS = ("goal", "result", "end", "time", "planned", "driven", "ratio", "speed", "touched", "people")
+
+
+def parse_arguments(argv):
+    parser = argparse.ArgumentParser(prog="tools/trial_navigate", description=__doc__,
+                                     formatter_class=argparse.RawTextHelpFormatter)
+    parser.add_argument("--goals", type=int, default=10, metavar="N", help="default: 10")
+    parser.add_argument("--world", default="office", metavar="NAME",
+                        help="of config/worlds, random_floor, or a file; default: office")
+    parser.add_argument("--seed", type=int, default=1, metavar="N",
+                        help="of the goals, the simulator's noise and random worlds; default: 1")
+    parser.add_argument("--speed", type=float, default=1.0, metavar="FACTOR",
+                        help="simulated seconds per second; default: 1")
+    parser.add_argument("--people", action="store_true", help="with the world's people; without: they are left out")
+    parser.add_argument("--base", choices=("holonomic", "differential"), default="holonomic", help="default: holonomic")
+    parser.add_argument("--close-door", action="store_true",
+                        help="a carton closes a door on the way, once for each goal whose path leads through one")
+    parser.add_argument("--limit", type=float, default=300.0, metavar="S", help="simulated seconds for a goal; default: 300")
+    parser.add_argument("--fine", type=float, default=0.01, metavar="M", help="cells of the true map; default: 0.01")
+    parser.add_argument("--param", action="append", default=[], metavar="KEY=VALUE",
+                        help="parameter of the navigator in place of that of config/navigator.yaml; repeatable")
+    parser.add_argument("--json", type=pathlib.Path, metavar="FILE", help="write the results there")
+    parser.add_argument("--out", type=pathlib.Path, default=WS / "navigate", metavar="FOLDER",
+                        help="where the log, the parameters and the images of the paths go; default: .ws/navigate")
+    options = parser.parse_args(argv)
+    for text in options.param:
+        if not re.fullmatch(r"\w+=.+", text):
+            parser.error(f"--param must be KEY=VALUE, not {text}")
+    if options.goals < 1 or options.speed <= 0 or options.limit <= 0 or not 0.005 <= options.fine <= 0.1:
+        parser.error("--goals, --speed and --limit must be positive, --fine within [0.005, 0.1]")
+    return options
+
+
+def write_params(options):
+    """The navigator's configuration with the user's parameters."""
+    params = yaml.safe_load((REPO / "config" / "navigator.yaml").read_text())
+    params["holonomic_robot"] = options.base == "holonomic"
+    for text in options.param:
+        key, value = text.split("=", 1)
+        params[key] = yaml.safe_load(value)
+    file = options.out / "navigator.yaml"
+    file.write_text(yaml.safe_dump(params))
+    return file
+
+
+def world_of(options):
+    """The world, without its people unless they are wanted."""
+    file = pathlib.Path(options.world)
+    if not file.suffix:
+        file = REPO / "config" / "worlds" / (options.world + ".yaml")
+    if not file.exists():
+        return options.world  # a random one, made by the simulator
+    text = file.read_text()
+    if not options.people:
+        text = re.sub(r"^people:.*\n(?:[ \t#].*\n|\n)*", "", text, flags=re.M)
+    copy = options.out / file.name
+    copy.write_text(text)
+    return copy.resolve()
+
+
+def sim_config(resolution_m, options):
+    params = yaml.safe_load((REPO / "config" / "simulator.yaml").read_text())
+    params.setdefault("truth", {})["map_resolution_m"] = resolution_m
+    file = options.out / f"simulator_{resolution_m:g}.yaml"
+    file.write_text(yaml.safe_dump(params))
+    return file
+
+
+def fine_map(options, world):
+    """The true map with small cells: of a simulator that runs for this alone, in a process with its own master."""
+    file = options.out / f"map_{pathlib.Path(str(world)).stem}_{options.seed}_{options.fine:g}.npz"
+    if not file.exists():
+        import subprocess
+        command = [sys.executable, __file__, "--save-map", file, world, str(options.seed),
+                   sim_config(options.fine, options), options.out / "map.log"]
+        subprocess.run([str(part) for part in command], check=True, timeout=300)
+    with numpy.load(file) as stored:
+        return TrueMap(stored["cells"], float(stored["resolution"]), float(stored["x0"]), float(stored["y0"]))
+
+
+def save_map(file, world, seed, config, log):
+    import rospy
+    from demo import wait_for_master
+    from nav_msgs.msg import OccupancyGrid
+    with RosSession(log) as session:
+        session.launch("extperfc", "sim.launch", rviz="false", world=world, seed=seed, config=config, camera="false",
+                       lidar="false", scan="false", paused="true")
+        wait_for_master(session)
+        rospy.init_node("save_map", disable_signals=True)
+        message = None
+        while message is None:
+            if not session.alive():
+                raise SystemExit("error: the simulator does not start; see " + str(log))
+            try:
+                message = rospy.wait_for_message("sim/truth/map", OccupancyGrid, timeout=1)
+            except rospy.ROSException:
+                pass
+        info = message.info
+        cells = numpy.array(message.data, numpy.int8).reshape(info.height, info.width)
+        numpy.savez_compressed(file, cells=cells, resolution=round(info.resolution, 6), x0=info.origin.position.x,
+                               y0=info.origin.position.y)
+        rospy.signal_shutdown("done")
+
+
+def start(options, world, session, rospy):
+    session.launch("extperfc", "sim_navigation.launch", rviz="false", seed=options.seed, world=world,
+                   real_time_factor=options.speed, config=write_params(options))
+    from demo import wait_for_master
+    wait_for_master(session)
+    rospy.init_node("trial_navigate", disable_signals=True)
+    robot = NavRobot(session.alive)
+    robot.ready()
+    return robot
+
+
+def places_of(true_map, here):
+    """Where goals may be, as an array of (x, y): on a coarse raster, to which a disc of the passage's width gets."""
+    mask = reachable(true_map, (here.x, here.y), PASSAGE_M) & (true_map.clearance_m > GOAL_CLEARANCE_M)
+    step = max(1, int(0.1 / true_map.resolution_m))
+    rows, columns = numpy.nonzero(mask[::step, ::step])
+    if len(rows) == 0:
+        raise Stalled("the map has no free position that is large enough for the robot")
+    size = true_map.resolution_m * step
+    return numpy.stack([true_map.x0 + columns * size, true_map.y0 + rows * size], 1)
+
+
+class DoorCloser:
+    """Puts the carton of the office into a door that lies ahead on the path."""
+
+    BODY, AHEAD_M = "n2_carton", 2.5
+
+    def __init__(self, robot, doors):
+        self.robot, self.doors, self.closed = robot, doors, None
+
+    def __call__(self, here):
+        with self.robot.lock:
+            path = self.robot.paths[0] if self.robot.paths else None
+        if path is None:
+            return False
+        for door in self.doors:
+            near = numpy.linalg.norm(path - numpy.array(door), axis=1).min() < 0.4
+            if near and 1.5 < math.hypot(door[0] - here.x, door[1] - here.y) < self.AHEAD_M:
+                self._put(door)
+                self.closed = door
+                return True
+        return False
+
+    def _put(self, door):
+        import extperfc.srv
+        request = extperfc.srv.MoveBodyRequest(name=self.BODY)
+        request.pose.position.x, request.pose.position.y, request.pose.position.z = door[0], door[1], 0.225
+        request.pose.orientation.w = 1
+        self.robot.rospy.ServiceProxy("sim/move_body", extperfc.srv.MoveBody)(request)
+
+
+def doors_of(world):
+    """Middles of the openings in a world's walls."""
+    if not pathlib.Path(str(world)).exists():
+        return []
+    found = []
+    for entry in yaml.safe_load(pathlib.Path(world).read_text())["objects"]:
+        wall = entry.get("wall") or {}
+        found += [tuple(opening["at"]) for opening in wall.get("openings", [])]
+    return found
+
+
+def row_of(number, drive, true_map):
+    metres, radians = drive.error()
+    driving, standing = drive.person_contacts()
+    driven = drive.driven_m
+    return {"goal": number, "x": drive.goal.x, "y": drive.goal.y, "yaw": drive.goal.yaw, "reached": drive.reached,
+            "result": drive.text, "error_m": metres, "error_deg": math.degrees(radians), "seconds": drive.seconds,
+            "planned_m": drive.planned_m, "driven_m": driven, "ratio": driven / drive.planned_m if drive.planned_m else None,
+            "speed_m_s": driven / drive.seconds if drive.seconds else 0.0, "contacts": drive.contacts(true_map),
+            "person_contacts_driving": driving, "person_contacts_standing": standing}
+
+
+def show(row):
+    ratio = f"{row['ratio']:6.2f}" if row["ratio"] else "    --"
+    print(f"{row['goal']:4d} {row['x']:7.2f} {row['y']:7.2f} {'reached' if row['reached'] else 'FAILED':>8} "
+          f"{row['seconds']:7.1f} s {row['planned_m']:6.1f} m {row['driven_m']:6.1f} m {ratio} {row['speed_m_s']:6.2f} m/s "
+          f"{row['contacts']:3d} {row['person_contacts_driving']:3d} {row['person_contacts_standing']:3d}"
+          + ("" if row["reached"] else "  " + row["result"]), flush=True)
+
+
+def draw(true_map, drives, rows, file):
+    """The driven paths on the map: green reached, red failed, crosses where the footprint touched."""
+    scale = max(1, int(round(0.025 / true_map.resolution_m)))
+    occupied = true_map.occupied[::scale, ::scale]
+    image = numpy.where(occupied[..., None], 60, 245).astype(numpy.uint8).repeat(3, -1)
+    size = true_map.resolution_m * scale
+
+    def pixel(x, y):
+        return int((x - true_map.x0) / size), int((y - true_map.y0) / size)
+    for drive, row in zip(drives, rows):
+        points = numpy.array([pixel(p.x, p.y) for _, p in drive.samples[::5]], numpy.int32)
+        colour = (60, 150, 40) if row["reached"] else (40, 40, 220)
+        if len(points) > 1:
+            cv2.polylines(image, [points], False, colour, 2, cv2.LINE_AA)
+        cv2.circle(image, pixel(drive.goal.x, drive.goal.y), 5, colour, -1, cv2.LINE_AA)
+        if row["contacts"]:
+            for _, pose in drive.samples[::5]:
+                if true_map.touches(pose):
+                    cv2.drawMarker(image, pixel(pose.x, pose.y), (200, 0, 200), cv2.MARKER_TILTED_CROSS, 14, 2)
+    if drives and not rows[-1]["reached"]:
+        here = drives[-1].samples[-1][1]
+        cos, sin = math.cos(here.yaw), math.sin(here.yaw)
+        outline = [pixel(here.x + cos * x - sin * y, here.y + sin * x + cos * y) for x, y in CHASSIS]
+        cv2.polylines(image, [numpy.array(outline, numpy.int32)], True, (40, 40, 220), 2)
+    cv2.imwrite(str(file), image[::-1])
+
+
+def run(options, robot, true_map, world):
+    rng = random.Random(options.seed)
+    places = places_of(true_map, robot.pose())
+    doors = doors_of(world)
+    print("goal       x       y   result      time  planned   driven  ratio     speed touched people (driving, standing)",
+          flush=True)
+    drives, rows = [], []
+    for number in range(1, options.goals + 1):
+        goal = random_goal(rng, places, robot.pose())
+        closer = DoorCloser(robot, doors) if options.close_door else None
+        drives.append(robot.drive(goal, options.limit, meanwhile=closer))
+        rows.append(row_of(number, drives[-1], true_map))
+        if closer:
+            rows[-1]["closed_door"] = closer.closed
+        show(rows[-1])
+        draw(true_map, drives, rows, options.out / f"paths_{options.seed}.png")
+    return rows
+
+
+def summary_of(options, rows):
+    reached = [row for row in rows if row["reached"]]
+    seconds = sum(row["seconds"] for row in reached)
+    planned = sum(row["planned_m"] for row in reached)
+    return {"world": options.world, "seed": options.seed, "base": options.base, "people": options.people,
+            "goals": len(rows), "reached": len(reached),
+            "contacts": sum(row["contacts"] for row in rows),
+            "person_contacts_driving": sum(row["person_contacts_driving"] for row in rows),
+            "person_contacts_standing": sum(row["person_contacts_standing"] for row in rows),
+            "speed_m_s": sum(row["driven_m"] for row in reached) / seconds if seconds else 0.0,
+            "ratio": sum(row["driven_m"] for row in reached) / planned if planned else 0.0}
+
+
+def report(options, rows):
+    summary = summary_of(options, rows)
+    print(f"{summary['world']}, seed {summary['seed']}, {summary['base']}{', people' if options.people else ''}: reached "
+          f"{summary['reached']} of {summary['goals']}, contacts {summary['contacts']}, with people "
+          f"{summary['person_contacts_driving']} while driving and {summary['person_contacts_standing']} while standing, "
+          f"{summary['speed_m_s']:.2f} m/s, driven over planned {summary['ratio']:.2f}")
+    if options.json:
+        options.json.write_text(json.dumps({"summary": summary, "goals": rows}, indent=1) + "\n")
+    return 0 if summary["reached"] == summary["goals"] and not summary["contacts"] else 1
+
+
+def main(argv):
+    if argv[:1] == ["--save-map"]:
+        return save_map(*argv[1:])
+    options = parse_arguments(argv)
+    options.out.mkdir(parents=True, exist_ok=True)
+    import rospy
+    world = world_of(options)
+    true_map = fine_map(options, world)
+    with RosSession(options.out / "launch.log") as session:
+        try:
+            return report(options, run(options, start(options, world, session, rospy), true_map, world))
+        except Stalled as error:
+            for line in session.errors() or [f"{error}; see {session.log_file}"]:
+                print("error: " + line, file=sys.stderr)
+            return 1
+        except KeyboardInterrupt:
+            return 130
+        finally:
+            rospy.signal_shutdown("done")
+
+
+if __name__ == "__main__":
+    sys.exit(main(sys.argv[1:]))
