@@ -1,0 +1,18 @@
+#pragma once
+
+#include <filesystem>
+#include <vector>
+
+#include "test/benchmark/report.hpp"
+
+namespace extperfc::benchmark {
+
+struct PlanOptions {
+  bool quick{false};
+  std::filesystem::path real_map;  ///< map_server's YAML; empty: none
+};
+
+/// Global planning: time, length against exact shortest paths, growth with the map, footprints.
+void measure_plans(const PlanOptions& options, std::vector<Row>& rows);
+
+}  // namespace extperfc::benchmark
