@@ -20,27 +20,56 @@
 
 namespace extperfc {
 
-/// Somebody who walks to and fro between two points; waits while the robot stands close ahead.
+/// Somebody who walks to and fro along a route; waits while the robot is close ahead, for a while.
 struct Pedestrian {
-  Eigen::Vector2d from_m{0, 0};
-  Eigen::Vector2d to_m{0, 0};
+  std::vector<Eigen::Vector2d> route_m;
   double speed_m_s{0.8};
   double radius_m{0.25};
   Eigen::Vector2d at_m{0, 0};
   Eigen::Vector2d velocity_m_s{0, 0};
+  std::size_t next{1};
+  double waited_s{0};
+
+  void begin() {
+    at_m = route_m.front();
+    next = 1;
+    waited_s = 0;
+  }
 
   void step(double dt_s, const std::vector<Eigen::Vector2d>& robot_m) {
-    Eigen::Vector2d to = to_m - at_m;
-    if (to.norm() < speed_m_s * dt_s) {
-      std::swap(from_m, to_m);
-      to = to_m - at_m;
+    Eigen::Vector2d to = route_m[next] - at_m;
+    while (to.norm() < speed_m_s * dt_s) {
+      if (++next == route_m.size()) back();
+      to = route_m[next] - at_m;
     }
     const Eigen::Vector2d direction = to.normalized();
-    const bool close = polygon_distance(robot_m, at_m + 0.35 * direction) < radius_m + 0.1;
+    const bool close = polygon_distance(robot_m, at_m + 0.3 * direction) < radius_m + 0.1;
     velocity_m_s = close ? Eigen::Vector2d(0, 0) : Eigen::Vector2d(speed_m_s * direction);
     at_m += dt_s * velocity_m_s;
+    waited_s = close ? waited_s + dt_s : 0;
+    if (waited_s > 3) back();
+  }
+
+ private:
+  void back() {
+    std::vector<Eigen::Vector2d> rest(route_m.rbegin() + static_cast<std::ptrdiff_t>(route_m.size() - next),
+                                      route_m.rend());
+    rest.insert(rest.begin(), at_m);
+    if (rest.size() < 2) rest.assign(route_m.rbegin(), route_m.rend());
+    route_m = std::move(rest);
+    next = 1;
+    waited_s = 0;
   }
 };
+
+inline Pedestrian make_pedestrian(const navigate::Path& route, double speed_m_s) {
+  Pedestrian person;
+  person.speed_m_s = speed_m_s;
+  person.route_m.reserve(route.poses.size());
+  for (const Pose2& pose : route.poses) person.route_m.emplace_back(pose.x, pose.y);
+  person.begin();
+  return person;
+}
 
 struct DriveOptions {
   navigate::VelocityLimits base{1.0, -1.0, 1.0, 1.5, 1.0, 1.0, 3.14};  ///< of the simulated base
@@ -106,7 +135,7 @@ class DriveSimulation {
     touches_ = false;
     person_touches_ = false;
     commands_.clear();
-    for (Pedestrian& person : people) person.at_m = person.from_m;
+    for (Pedestrian& person : people) person.begin();
     time_s_ = 0;
     scan();
     planner.set_path(displaced_path(), tolerance);

@@ -38,7 +38,9 @@ bool GoalApproach::set_goal(const Pose2& goal, const GoalTolerance& tolerance) {
 bool GoalApproach::near(const Pose2& pose, double remaining_m) const {
   const Pose2 error = between(pose, goal_);
   const double distance_m = std::hypot(error.x, error.y);
-  return distance_m < kNear_m && remaining_m < 1.5 * kNear_m + kRadian_m * kPi;
+  // Straight to the goal is off the path's curve, which a differential base needs to arrive with its heading.
+  const double near_m = base_ == BaseKind::kHolonomic ? kNear_m : 1.5 * tolerance_.xy_m;
+  return distance_m < near_m && remaining_m < 1.5 * kNear_m + kRadian_m * kPi;
 }
 
 bool GoalApproach::within(const Pose2& pose) const {

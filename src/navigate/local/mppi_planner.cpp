@@ -133,6 +133,7 @@ class MppiPlanner : public LocalPlanner {
     const CostGrid& costs;
     const Footprint& footprint;  ///< perhaps a shrunk one
     std::size_t depth;           ///< its index
+    std::size_t touching;        ///< index of the largest that is free at the pose
     const LocalState& state;
     Twist2 current;
     double dt_s;
@@ -147,8 +148,10 @@ class MppiPlanner : public LocalPlanner {
   [[nodiscard]] std::optional<Twist2> admitted(const Cycle& cycle, const Twist2& wanted) const;
   [[nodiscard]] std::optional<LocalCommand> drive_to_goal(const Cycle& cycle);
   [[nodiscard]] LocalCommand follow_path(const Cycle& cycle);
+  [[nodiscard]] LocalCommand stop(const Cycle& cycle);
   [[nodiscard]] LocalCommand escape(const Cycle& cycle);
-  void prepare_stations(const Cycle& cycle);
+  /// Whether the path is blocked within the window.
+  bool prepare_stations(const Cycle& cycle);
   void drop_stations_outside(const Cycle& cycle);
   void show_candidates(const Cycle& cycle, LocalCommand& out) const;
   [[nodiscard]] LocalCommand best_admitted(const Cycle& cycle);
@@ -209,8 +212,9 @@ NavResult<LocalCommand> MppiPlanner::command(const CostGrid& costs, const Footpr
   const std::size_t depth = std::max(touching, doubt(state));
   const double factor = depth > 0 ? std::min(kDoubtFactor, state.speed_factor) : state.speed_factor;
   const std::size_t index = deep ? 0 : depth;
-  const Cycle cycle{costs,  footprints_.at(index), index, state, current_velocity(state, dt_s), dt_s,
-                    factor, with_candidates};
+  const Cycle cycle{costs,          footprints_.at(index),         index, touching,
+                    state,          current_velocity(state, dt_s), dt_s,  factor,
+                    with_candidates};
   window_.locate(state.pose);
   if (deep && !approach_.settled()) return finished(cycle, escape(cycle));
   if (auto at_goal = drive_to_goal(cycle)) return finished(cycle, std::move(*at_goal));
@@ -277,7 +281,7 @@ void MppiPlanner::drop_stations_outside(const Cycle& cycle) {
   stations_.resize(static_cast<std::size_t>(kept));
 }
 
-void MppiPlanner::prepare_stations(const Cycle& cycle) {
+bool MppiPlanner::prepare_stations(const Cycle& cycle) {
   const Pose2& pose = cycle.state.pose;
   const double speed = params_.limits.max_vx_m_s;
   const double length_m = speed * params_.horizon_s + 0.5 * speed * speed / params_.limits.acc_x_m_s2 + 0.4;
@@ -294,11 +298,13 @@ void MppiPlanner::prepare_stations(const Cycle& cycle) {
   rules_ = {params_.limits, cycle.speed_factor, params_.narrow_speed_m_s, params_.wide_clearance_m,
             (ends && whole) || blocked.has_value()};
   local::fill_speed_profile(rules_, field_, outline_, stations_);
+  return blocked.has_value();
 }
 
 LocalCommand MppiPlanner::follow_path(const Cycle& cycle) {
-  prepare_stations(cycle);
+  const bool blocked = prepare_stations(cycle);
   const Pose2& pose = cycle.state.pose;
+  if (blocked && cycle.depth > cycle.touching) return stop(cycle);  // a wall, not a gap
   const double body_m =
       0.5 * (cycle.footprint.inscribed_radius_m() + cycle.footprint.circumscribed_radius_m());
   people_.set(cycle.state.people, {pose.x, pose.y}, static_cast<float>(body_m),
@@ -337,7 +343,13 @@ LocalCommand MppiPlanner::best_admitted(const Cycle& cycle) {
       return out;
     }
   }
+  return stop(cycle);
+}
+
+LocalCommand MppiPlanner::stop(const Cycle& cycle) {
+  LocalCommand out;
   out.velocity = limited_change({}, cycle.current, params_.limits, cycle.dt_s);
+  out.trajectory = {cycle.state.pose};
   rollouts_.reset();
   return out;
 }

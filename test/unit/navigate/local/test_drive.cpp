@@ -1,0 +1,135 @@
+// Closed loops in generated buildings: a base with delay and noise, a lidar, a rolling cost map.
+
+#include <optional>
+
+#include <gtest/gtest.h>
+
+#include "test/support/drive_simulation.hpp"
+
+namespace extperfc::navigate {
+namespace {
+
+MppiParams params_of(BaseKind base) {
+  MppiParams params;
+  params.base = base;
+  if (base == BaseKind::kDifferential) params.limits.max_vy_m_s = 0;
+  return params;
+}
+
+/// A building with a route through it.
+struct Trip {
+  Building building;
+  Path path;
+};
+
+std::optional<Trip> trip(std::uint64_t seed) {
+  Trip trip{BuildingGenerator(seed).make(), {}};
+  CostGrid grid = rasterized(trip.building, 0.05);
+  grid.may_hold_unknown = false;
+  inflate(grid, {chassis().inscribed_radius_m(), 1.0, 5});
+  GridRoute route(grid);
+  Rng rng(seed);
+  const Eigen::Vector2d& size = trip.building.size_m;
+  for (int attempt = 0; attempt < 200; ++attempt) {
+    const Eigen::Vector2d start(rng.uniform(0.7, size.x() - 0.7), rng.uniform(0.7, size.y() - 0.7));
+    const Eigen::Vector2d goal(rng.uniform(0.7, size.x() - 0.7), rng.uniform(0.7, size.y() - 0.7));
+    if ((start - goal).norm() < 4) continue;
+    if (auto path = route.plan(chassis(), start, goal)) {
+      trip.path = std::move(*path);
+      return trip;
+    }
+  }
+  return std::nullopt;
+}
+
+void expect_good_drive(const DriveResult& result, std::uint64_t seed) {
+  EXPECT_TRUE(result.reached) << seed;
+  EXPECT_EQ(result.contacts, 0) << seed;
+  EXPECT_LT(result.driven_m, 1.1 * result.planned_m + 0.1) << seed;
+  EXPECT_LT(result.swing_m, 0.1) << seed;
+}
+
+TEST(Drive, ReachesGoalsInBuildingsWithoutContacts) {
+  for (const BaseKind base : {BaseKind::kHolonomic, BaseKind::kDifferential}) {
+    double driven_m = 0;
+    double time_s = 0;
+    for (std::uint64_t seed = 21; seed < 24; ++seed) {
+      const auto planned = trip(seed);
+      ASSERT_TRUE(planned) << seed;
+      DriveSimulation simulation(planned->building, chassis(), {}, seed);
+      const auto planner = make_mppi_planner(params_of(base));
+      const DriveResult result = simulation.drive(*planner, planned->path, {}, planned->path.poses.front());
+      expect_good_drive(result, seed);
+      driven_m += result.mean_speed_m_s * result.time_s;
+      time_s += result.time_s;
+    }
+    EXPECT_GT(driven_m / time_s, 0.4);
+  }
+}
+
+/// A wall across a hall with a door of 0.9 m.
+Building hall_with_door() {
+  Building building;
+  building.size_m = {8, 5};
+  building.add(0, 0, 8, 0.1);
+  building.add(0, 4.9, 8, 5);
+  building.add(0, 0, 0.1, 5);
+  building.add(7.9, 0, 8, 5);
+  building.add(3.94, 0.1, 4.06, 2.08);
+  building.add(3.94, 2.98, 4.06, 4.9);
+  return building;
+}
+
+Path through_door() {
+  Path path;
+  path.poses.reserve(101);
+  for (int i = 0; i <= 100; ++i) path.poses.push_back({1.5 + 0.05 * i, 2.53, 0});
+  return path;
+}
+
+TEST(Drive, PassesANarrowDoorSlowly) {
+  for (std::uint64_t seed = 1; seed <= 3; ++seed) {
+    DriveSimulation simulation(hall_with_door(), chassis(), {}, seed);
+    const auto planner = make_mppi_planner({});
+    expect_good_drive(simulation.drive(*planner, through_door(), {}, {1.5, 2.53, 0}), seed);
+  }
+}
+
+TEST(Drive, AClosedDoorBlocks) {
+  Building building = hall_with_door();
+  building.add(3.97, 2.08, 4.03, 2.98);
+  DriveSimulation simulation(building, chassis(), {}, 1);
+  const auto planner = make_mppi_planner({});
+  const DriveResult result = simulation.drive(*planner, through_door(), {}, {1.5, 2.53, 0});
+  EXPECT_TRUE(result.blocked);
+  EXPECT_EQ(result.contacts, 0);
+  EXPECT_LT(result.time_s, 15);
+}
+
+TEST(Drive, LetsPeopleCross) {
+  Building hall;
+  hall.size_m = {10, 6};
+  hall.add(0, 0, 10, 0.1);
+  hall.add(0, 5.9, 10, 6);
+  Path path;
+  path.poses.reserve(141);
+  for (int i = 0; i <= 140; ++i) path.poses.push_back({1.5 + 0.05 * i, 3, 0});
+  for (std::uint64_t seed = 1; seed <= 3; ++seed) {
+    DriveSimulation simulation(hall, chassis(), {}, seed);
+    Rng rng(seed);
+    for (const double x : {3.5, 5.5, 7.0}) {
+      Pedestrian person;
+      person.route_m = {{x, 0.6}, {x + rng.uniform(-0.5, 0.5), 5.4}};
+      person.speed_m_s = rng.uniform(0.5, 1.2);
+      simulation.people.push_back(person);
+    }
+    const auto planner = make_mppi_planner({});
+    const DriveResult result = simulation.drive(*planner, path, {}, path.poses.front());
+    EXPECT_TRUE(result.reached) << seed;
+    EXPECT_EQ(result.person_contacts, 0) << seed;
+    EXPECT_EQ(result.contacts, 0) << seed;
+  }
+}
+
+}  // namespace
+}  // namespace extperfc::navigate

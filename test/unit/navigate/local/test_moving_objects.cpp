@@ -1,0 +1,142 @@
+#include <cmath>
+#include <stdexcept>
+
+#include <gtest/gtest.h>
+
+#include "extperfc/base/math.hpp"
+#include "extperfc/base/rng.hpp"
+#include "extperfc/navigate/moving_objects.hpp"
+
+#include "test/support/building.hpp"
+
+namespace extperfc::navigate {
+namespace {
+
+/// An 8 x 6 m room, and what is not on its map.
+struct Room8 {
+  Building building;
+  std::vector<FloorDisc> discs;
+
+  Room8() {
+    building.size_m = {8, 6};
+    building.add(0, 0, 8, 0.1);
+    building.add(0, 5.9, 8, 6);
+    building.add(0, 0, 0.1, 6);
+    building.add(7.9, 0, 8, 6);
+    building.add(6.0, 4.0, 6.3, 4.3);  // a pillar: of a person's size, but on the map
+  }
+
+  [[nodiscard]] OccupancyGrid map() const {
+    const CostGrid costs = rasterized(building, 0.05);
+    OccupancyGrid map;
+    map.width = static_cast<std::size_t>(costs.width);
+    map.height = static_cast<std::size_t>(costs.height);
+    map.cells.reserve(costs.cells.size());
+    for (const Cost cost : costs.cells)
+      map.cells.push_back(cost == kLethalCost ? OccupancyGrid::kOccupied : OccupancyGrid::kFree);
+    return map;
+  }
+
+  [[nodiscard]] LaserScan scan(const Pose2& pose, Rng& rng) const {
+    LaserScan scan;
+    scan.angle_min = -kPi;
+    scan.angle_increment = kTwoPi / 720;
+    scan.range_min = 0.1;
+    scan.range_max = 12;
+    scan.ranges.reserve(720);
+    for (int ray = 0; ray < 720; ++ray) {
+      const double angle = pose.yaw + scan.angle_min + ray * scan.angle_increment;
+      const Eigen::Vector2d direction(std::cos(angle), std::sin(angle));
+      double range = INFINITY;
+      for (const FloorBox& box : building.boxes)
+        range = std::min(range, ray_range(box, {pose.x, pose.y}, direction));
+      for (const FloorDisc& disc : discs)
+        range = std::min(range, ray_range(disc, {pose.x, pose.y}, direction));
+      scan.ranges.push_back(static_cast<float>(range + rng.normal(0, 0.01)));
+    }
+    return scan;
+  }
+};
+
+TEST(MovingObjects, TheMapExplainsWallsAndPillars) {
+  const Room8 room;
+  MovingObjectDetector detector({});
+  detector.set_map(room.map());
+  Rng rng(5);
+  for (int i = 0; i < 30; ++i) {
+    const Pose2 pose{rng.uniform(1, 5), rng.uniform(1, 5), rng.uniform(-kPi, kPi)};
+    EXPECT_TRUE(detector.detect(room.scan(pose, rng), pose).empty()) << i;
+  }
+}
+
+TEST(MovingObjects, FindsPeopleWhereTheyAre) {
+  Rng rng(6);
+  int found = 0;
+  for (int i = 0; i < 50; ++i) {
+    Room8 room;
+    const Pose2 pose{rng.uniform(1, 3), rng.uniform(1, 5), rng.uniform(-kPi, kPi)};
+    const Eigen::Vector2d person(rng.uniform(4.2, 5.5), rng.uniform(1, 5));
+    room.discs.push_back({person, 0.22});
+    MovingObjectDetector detector({});
+    detector.set_map(room.map());
+    const auto candidates = detector.detect(room.scan(pose, rng), pose);
+    ASSERT_EQ(candidates.size(), 1U) << i;
+    // The side that the scanner sees is nearer than the middle.
+    if ((candidates[0].centre_m - person).norm() < 0.25) ++found;
+    EXPECT_GE(candidates[0].radius_m, 0.1);
+    EXPECT_LE(candidates[0].radius_m, 0.6);
+  }
+  EXPECT_EQ(found, 50);
+}
+
+TEST(MovingObjects, TwoLegsAreOnePersonAndTwoPeopleAreTwo) {
+  Room8 room;
+  room.discs = {{{3.0, 2.9}, 0.07}, {{3.1, 3.2}, 0.07}, {{2.0, 4.6}, 0.07}, {{2.2, 4.5}, 0.07}};
+  MovingObjectDetector detector({});
+  detector.set_map(room.map());
+  Rng rng(7);
+  const Pose2 pose{1, 3, 0};
+  const auto candidates = detector.detect(room.scan(pose, rng), pose);
+  ASSERT_EQ(candidates.size(), 2U);
+  for (const MovingCandidate& candidate : candidates) {
+    const bool first = (candidate.centre_m - Eigen::Vector2d(3.05, 3.05)).norm() < 0.2;
+    const bool second = (candidate.centre_m - Eigen::Vector2d(2.1, 4.55)).norm() < 0.2;
+    EXPECT_TRUE(first || second) << candidate.centre_m.transpose();
+  }
+}
+
+TEST(MovingObjects, ACabinetIsNoPerson) {
+  Room8 room;
+  MovingObjectDetector detector({});
+  detector.set_map(room.map());
+  room.building.add(3, 2, 3.4, 4);
+  Rng rng(8);
+  const Pose2 pose{1, 3, 0};
+  EXPECT_TRUE(detector.detect(room.scan(pose, rng), pose).empty());
+}
+
+TEST(MovingObjects, ASweepsEndIsItsBeginning) {
+  Room8 room;
+  room.discs.push_back({{3.0, 3.0}, 0.25});
+  MovingObjectDetector detector({});
+  detector.set_map(room.map());
+  Rng rng(9);
+  const Pose2 pose{5, 3, 0};  // the person is behind, where the sweep begins and ends
+  const auto candidates = detector.detect(room.scan(pose, rng), pose);
+  ASSERT_EQ(candidates.size(), 1U);
+  EXPECT_NEAR(candidates[0].centre_m.y(), 3.0, 0.1);
+}
+
+TEST(MovingObjects, ReturnsThatDoNotCountAreNone) {
+  MovingObjectDetector detector({});
+  LaserScan scan;
+  scan.angle_increment = 0.01;
+  scan.range_min = 0.1;
+  scan.range_max = 5;
+  scan.ranges = {NAN, 0, -1, 0.05F, INFINITY, 6};
+  EXPECT_TRUE(detector.detect(scan, {}).empty());
+  EXPECT_THROW(MovingObjectDetector({0}), std::invalid_argument);
+}
+
+}  // namespace
+}  // namespace extperfc::navigate
