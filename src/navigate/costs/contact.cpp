@@ -15,19 +15,19 @@ constexpr double kSqrt2 = 1.4142135623730951;
 /// Whether one of 8 cells is lethal or unknown.
 bool holds_blocked(const Cost* cells) {
   constexpr std::uint64_t kLow = 0x0101010101010101;
-  std::uint64_t word = 0;
-  std::memcpy(&word, cells, sizeof word);
-  const std::uint64_t differs = (word & (kLethalCost * kLow)) ^ (kLethalCost * kLow);  // 0 in such a byte
+  std::uint64_t packed = 0;
+  std::memcpy(&packed, cells, sizeof packed);
+  const std::uint64_t differs = (packed & (kLethalCost * kLow)) ^ (kLethalCost * kLow);  // 0 in such a byte
   return ((differs - kLow) & ~differs & (0x80 * kLow)) != 0;
 }
 
 /// The same for `count` cells.
 bool holds_blocked(const Cost* cells, std::size_t count) {
-  constexpr std::size_t kWord = 8;
-  if (count < kWord) return std::any_of(cells, cells + count, [](Cost cost) { return cost >= kLethalCost; });
-  for (std::size_t i = 0; i + kWord < count; i += kWord)
+  constexpr std::size_t kBlock = 8;
+  if (count < kBlock) return std::any_of(cells, cells + count, [](Cost cost) { return cost >= kLethalCost; });
+  for (std::size_t i = 0; i + kBlock < count; i += kBlock)
     if (holds_blocked(cells + i)) return true;
-  return holds_blocked(cells + count - kWord);  // may repeat some
+  return holds_blocked(cells + count - kBlock);  // may repeat some
 }
 
 /// What `count` cells side by side hold.

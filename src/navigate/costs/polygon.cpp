@@ -133,14 +133,14 @@ bool contains(const Polygon& polygon, const Vector2d& point_m) {
 }
 
 double distance_to_edges_m(const Polygon& polygon, const Vector2d& point_m) {
-  double least = std::numeric_limits<double>::infinity();
+  double nearest = std::numeric_limits<double>::infinity();
   for (std::size_t i = 0; i < polygon.size(); ++i) {
     const Vector2d& a = polygon[i];
     const Vector2d edge = polygon[(i + 1) % polygon.size()] - a;
     const double along = std::clamp((point_m - a).dot(edge) / edge.squaredNorm(), 0.0, 1.0);
-    least = std::min(least, (point_m - a - along * edge).norm());
+    nearest = std::min(nearest, (point_m - a - along * edge).norm());
   }
-  return least;
+  return nearest;
 }
 
 Polygon convex_hull(Polygon points_m) {

@@ -35,8 +35,9 @@ namespace extperfc::ros_explore {
 /// Actions:
 ///   explore  extperfc/Explore: begins at once; a new goal replaces the one under way
 /// Calls:
-///   move_base  the action of the navigator: one goal after the other. A goal whose frontier has become known
-///              meanwhile is replaced; one that fails, or takes longer than goal_timeout_s, is blacklisted
+///   move_base  move_base_msgs/MoveBase, the navigator's action: one goal after the other. A goal whose frontier
+///              has become known meanwhile is replaced; one that fails, or takes longer than goal_timeout_s, is
+///              blacklisted
 /// Parameters: config/explorer.yaml.
 /// Frames: needs frame of the map -> robot_base_frame.
 /// Diagnostics: frontiers left, goals reached and failed; WARN while no map has come.
