@@ -27,6 +27,7 @@ struct NavigatorParams {
   double oscillation_distance_m{0.5};  ///< that counts as progress, (0, 100]
   double data_patience_s{30.0};        ///< without sensor data, until the goal is given up, [0, 3600]
   double blocked_ahead_m{2.5};         ///< a path that is blocked so near is planned again, [0, 100]
+  double blocked_margin_m{0.05};       ///< by which the footprint is smaller for that, [0, 1]
   double deviation_m{0.6};             ///< from the path, at which it is planned again, (0, 100]
   double shorter_ratio{0.9};           ///< of lengths, at which another path is preferred, (0, 1]
   double tolerance_m{0.0};             ///< a goal that is blocked may be moved this far, [0, 10]
@@ -152,6 +153,7 @@ class Navigator {
   void plan_failed(const NavError& error, bool current_blocked, const NavigatorInput& input, Output& output);
   void wait_for_plan(const NavigatorInput& input, Output& output);
   void control(const NavigatorInput& input, Output& output);
+  [[nodiscard]] bool is_blocked(const NavigatorInput& input, const Pose2& odom_T_map) const;
   void give_path(const Pose2& odom_T_map);
   void no_velocity(const NavError& error, const NavigatorInput& input, Output& output);
   void watch_progress(const NavigatorInput& input, Output& output);

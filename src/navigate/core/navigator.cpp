@@ -76,6 +76,7 @@ Result<void> validate(const NavigatorParams& params) {
       {within(params.oscillation_distance_m, 1e-3, 100), "oscillation_distance"},
       {within(params.data_patience_s, 0, 3600), "data_patience"},
       {within(params.blocked_ahead_m, 0, 100), "blocked_ahead"},
+      {within(params.blocked_margin_m, 0, 1), "blocked_margin"},
       {within(params.deviation_m, 1e-3, 100), "path_deviation"},
       {within(params.shorter_ratio, 1e-3, 1), "shorter_ratio"},
       {within(params.tolerance_m, 0, 10), "default_tolerance"},
@@ -319,8 +320,7 @@ void Navigator::wait_for_plan(const NavigatorInput& input, Output& output) {
 void Navigator::control(const NavigatorInput& input, Output& output) {
   tracker_.update(input.map_T_base);
   const Pose2 odom_T_map = compose(input.odom_T_base, inverse(input.map_T_base));
-  blocked_ahead_ =
-      tracker_.blocked(*input.costs, *input.footprint, odom_T_map, params_.blocked_ahead_m).has_value();
+  blocked_ahead_ = is_blocked(input, odom_T_map);
   if (tracker_.deviation_m() > params_.deviation_m) plan_now_ = true;
   give_path(odom_T_map);
   LocalState local{input.odom_T_base, input.velocity, input.people, input.speed_factor};
@@ -336,6 +336,12 @@ void Navigator::control(const NavigatorInput& input, Output& output) {
   output.trajectory = std::move(wanted->trajectory);
   output.candidates = std::move(wanted->candidates);
   watch_progress(input, output);
+}
+
+/// By a smaller footprint: cells and localization are a little wrong, and the local planner knows better.
+bool Navigator::is_blocked(const NavigatorInput& input, const Pose2& odom_T_map) const {
+  const auto inner = input.footprint->padded(-params_.blocked_margin_m);
+  return tracker_.blocked(*input.costs, inner, odom_T_map, params_.blocked_ahead_m).has_value();
 }
 
 void Navigator::give_path(const Pose2& odom_T_map) {

@@ -182,6 +182,7 @@ void CostMaps::take_map(const nav_msgs::OccupancyGrid& message) {
   build_global(grid);
   (void)global_.map->update(last_stamp_.toSec());
   global_snapshot_.reset();
+  explanation_.set_map(global_.fixed->map(), costs_.map_margin_m);
   map_changed_ = true;
   callbacks_.on_map(global_.fixed->map());
 }
@@ -234,9 +235,18 @@ void CostMaps::observe(const PlacedScan& placed) {
   local_.zones->set_pose(inverse(placed.map_T_odom));
   (void)local_.map->update(placed.scan.stamp_s);
   local_snapshot_ = std::make_shared<const CostGrid>(local_.map->grid());
-  if (!global_.map) return;
-  (void)global_.obstacles->observe(placed.scan, compose(placed.map_T_odom, odom_T_sensor), placed.height_m,
-                                   sensor());
+  if (global_.map) observe_globally(placed, compose(placed.map_T_odom, odom_T_sensor));
+}
+
+/// Every ray clears; what the map does not explain marks.
+void CostMaps::observe_globally(const PlacedScan& placed, const Pose2& map_T_sensor) {
+  auto clears = sensor();
+  clears.marks = false;
+  auto marks = sensor();
+  marks.clears = false;
+  (void)global_.obstacles->observe(placed.scan, map_T_sensor, placed.height_m, clears);
+  (void)global_.obstacles->observe(explanation_.unexplained(placed.scan, map_T_sensor), map_T_sensor,
+                                   placed.height_m, marks);
   global_.obstacles->clear_footprint(footprint_, compose(placed.map_T_odom, placed.odom_T_base));
   if (!global_.map->update(placed.scan.stamp_s).empty()) global_snapshot_.reset();
 }

@@ -21,6 +21,7 @@
 
 #include "ros/health/stream_health.hpp"
 #include "ros/navigate/cost_inbox.hpp"
+#include "ros/navigate/map_explanation.hpp"
 #include "ros/navigate/placed_scan.hpp"
 #include "ros/params/navigator_params.hpp"
 
@@ -84,6 +85,7 @@ class CostMaps {
   [[nodiscard]] Result<void> take_scan(const sensor_msgs::LaserScan& message);
   [[nodiscard]] Result<void> take_cloud(const sensor_msgs::PointCloud2& message);
   void observe(const PlacedScan& placed);
+  void observe_globally(const PlacedScan& placed, const Pose2& map_T_sensor);
   [[nodiscard]] Result<Pose> transform_at(const std::string& target, const std::string& source,
                                           const ros::Time& stamp) const;
   [[nodiscard]] navigate::Inflation inflation() const;
@@ -104,6 +106,7 @@ class CostMaps {
   ros_params::DataLimits limits_;
   navigate::Footprint footprint_;
   navigate::Zones zones_;
+  MapExplanation explanation_;
   Layers local_;
   Layers global_;
   GridPtr local_snapshot_;

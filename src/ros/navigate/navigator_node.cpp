@@ -86,7 +86,7 @@ NavigatorNode::NavigatorNode(const ros::NodeHandle& handle, const ros::NodeHandl
       params_(std::move(params)),
       tf_listener_(std::make_unique<tf2_ros::TransformListener>(tf_buffer_)),
       poses_(handle_, params_, tf_buffer_),
-      outline_(handle_, params_),
+      outline_(handle_, private_handle_, params_),
       people_(params_.people),
       costs_(handle_, params_, tf_buffer_,
              {[this](const PlacedScan& placed) {
@@ -125,7 +125,7 @@ Result<void> NavigatorNode::start() {
   planning_ = std::make_unique<PlanWorker>(
       std::move(*global),
       [this] {
-        return PlanWorker::Scene{costs_.global(), outline_.footprint()};
+        return PlanWorker::Scene{costs_.global(), outline_.bare()};
       },
       [this](navigate::PlanAnswer answer) {
         const std::lock_guard lock(mutex_);

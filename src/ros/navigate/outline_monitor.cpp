@@ -13,13 +13,14 @@ constexpr double kMinChangeRad = 0.01;
 
 }  // namespace
 
-OutlineMonitor::OutlineMonitor(ros::NodeHandle handle, const ros_params::NavigatorNodeParams& params)
+OutlineMonitor::OutlineMonitor(ros::NodeHandle handle, const ros::NodeHandle& private_handle,
+                               const ros_params::NavigatorNodeParams& params)
     : base_(params.outline()),
       padding_m_(params.footprint_padding_m),
       footprint_(std::make_shared<const navigate::Footprint>(base_.padded(padding_m_))),
       bare_(std::make_shared<const navigate::Footprint>(base_)) {
   if (!params.arms.enabled) return;
-  auto overhang = ros_params::load_overhang(handle, params);
+  auto overhang = ros_params::load_overhang(private_handle, params);
   if (!overhang) {
     problem_ = overhang.error().message;
     return;

@@ -23,7 +23,8 @@ class OutlineMonitor {
   using FootprintPtr = std::shared_ptr<const navigate::Footprint>;
 
   /// Without a robot description the arms do not count, and problem() says so.
-  OutlineMonitor(ros::NodeHandle handle, const ros_params::NavigatorNodeParams& params);
+  OutlineMonitor(ros::NodeHandle handle, const ros::NodeHandle& private_handle,
+                 const ros_params::NavigatorNodeParams& params);
   ~OutlineMonitor() { subscriber_.shutdown(); }
   OutlineMonitor(const OutlineMonitor&) = delete;
   OutlineMonitor& operator=(const OutlineMonitor&) = delete;

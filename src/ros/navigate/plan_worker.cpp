@@ -16,6 +16,7 @@ using navigate::NavCode;
 
 constexpr navigate::Cost kAvoidedCost = 252;  // the highest that is not blocked
 constexpr double kNearM = 0.3;                // the robot stands here already
+constexpr double kMarginM = 0.03;             // by which the footprint is smaller to call a path blocked
 
 /// A copy with high costs where plans shall not go unless there is nothing else.
 std::shared_ptr<const CostGrid> with_avoided(const std::shared_ptr<const CostGrid>& costs,
@@ -81,7 +82,7 @@ navigate::PlanAnswer PlanWorker::answer(const navigate::PlanWish& wish) {
     made.path = navigate::nav_fail(NavCode::kNoMap, "no map to plan in");
     return made;
   }
-  made.current_blocked = touches(*scene.costs, *scene.footprint, wish.current);
+  made.current_blocked = touches(*scene.costs, scene.footprint->padded(-kMarginM), wish.current);
   auto request = wish.request;
   request.cancel = &cancel_;
   made.path = plan({with_avoided(scene.costs, wish.avoid), scene.footprint}, request);

@@ -96,6 +96,7 @@ void read_behaviour(ParamReader& reader, NavigatorNodeParams& params) {
   reader.read("recovery_behavior_enabled", navigator.recovery_enabled);
   reader.read("data_patience_s", navigator.data_patience_s, {0.0, 3600.0});
   reader.read("blocked_ahead_m", navigator.blocked_ahead_m, {0.0, 100.0});
+  reader.read("blocked_margin_m", navigator.blocked_margin_m, {0.0, 1.0});
   reader.read("path_deviation_m", navigator.deviation_m, {0.001, 100.0});
   reader.read("shorter_ratio", navigator.shorter_ratio, {0.001, 1.0});
   reader.read("xy_goal_tolerance", navigator.goal.xy_m, {0.001, 10.0});
@@ -146,6 +147,7 @@ void read_costs(ParamReader& reader, CostMapParams& costs) {
   reader.read("observation_persistence", costs.decay_s, {0.0, 3600.0});
   reader.read("min_obstacle_height", costs.min_obstacle_height_m, {-10.0, 100.0});
   reader.read("max_obstacle_height", costs.max_obstacle_height_m, {-10.0, 100.0});
+  reader.read("map_margin_m", costs.map_margin_m, {0.0, 2.0});
   reader.read("track_unknown_space", costs.track_unknown);
   reader.read("publish_frequency", costs.publish_hz, {0.0, 50.0});
   reader.read("zones_file", costs.zones_file);

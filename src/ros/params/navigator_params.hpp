@@ -38,6 +38,7 @@ struct CostMapParams {
   double decay_s{20.0};  ///< obstacles that are not seen again are forgotten; 0: never
   double min_obstacle_height_m{0.1};
   double max_obstacle_height_m{1.5};
+  double map_margin_m{0.1};  ///< returns nearer to an obstacle of the map are that obstacle
   bool track_unknown{true};
   double publish_hz{2.0};
   std::string zones_file;  ///< YAML of keep-out and speed zones; empty: none
