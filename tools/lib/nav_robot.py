@@ -18,7 +18,7 @@ DONE = (2, 3, 4, 5, 8)  # preempted, succeeded, aborted, rejected, recalled
 
 
 class Drive:
-    """What happened on the way to one goal."""
+    """What happened on the path to one goal."""
 
     def __init__(self, goal, state, text, samples, people, planned_m):
         self.goal, self.state, self.text, self.planned_m = goal, state, text, planned_m

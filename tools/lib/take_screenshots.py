@@ -220,6 +220,26 @@ def office(folder, session):
         save(screen(), "simulation_office.png")
 
 
+def navigation(folder, session):
+    """navigation_rviz.png: on a path through the office: cost maps, footprint, paths, candidates, people."""
+    from nav_robot import NavRobot, Pose
+    edits = ((r"(Current:(?:\n      .*)*?\n      Scale:).*", r"\1 78"), (r"(Current:(?:\n      .*)*?\n      X:).*", r"\1 -1.5"),
+             (r"(Current:(?:\n      .*)*?\n      Y:).*", r"\1 3.0"))
+    simulation, _, windows = start(folder, session, "sim_navigation.launch", "navigation.rviz", edits)
+    with windows:
+        robot = NavRobot(session.alive)
+        for _ in range(20):
+            simulation.step(0.1)
+            time.sleep(0.3)
+        robot.ready()
+        robot.send(Pose(-3.6, 6.4, 1.57))
+        for _ in range(125):
+            simulation.step(0.05)
+            time.sleep(0.15)  # localizer and navigator keep pace
+        time.sleep(3)
+        save(screen(), "navigation_rviz.png")
+
+
 def label(folder, _):
     """labelling_window.png, labelling_proposals.png, labelling_keys.png, labelling_statistics.png: extperfc-label with rendered
     images, some of which are labelled."""
@@ -239,7 +259,8 @@ def save(image, name):
     subprocess.run(["convert", str(file), "-colors", "256", f"PNG8:{file}"], check=True)
 
 
-IMAGES_BY_NAME = {"demo": demo, "grasp": grasp, "lab": lab, "office": office, "label": label}
+IMAGES_BY_NAME = {"demo": demo, "grasp": grasp, "lab": lab, "office": office,
+                  "navigation": navigation, "label": label}
 
 
 def main():

@@ -27,7 +27,7 @@ LONG_FILE_LIMIT_S = 7200
 # Tests of the groups ros and system that may run two at a time: each has its own master, port and ROS_HOME, and none of
 # them measures time or needs a whole processor. All others run alone.
 BESIDE_OTHERS = {
-    "ros/box_depth", "ros/detector", "ros/localizer", "ros/mapper", "ros/params", "ros/robot_interface", "ros/rosbag",
+    "ros/box_depth", "ros/detector", "ros/localizer", "ros/mapper", "ros/navigator", "ros/params", "ros/robot_interface", "ros/rosbag",
     "ros/sources", "ros/start_up", "ros/tracker", "ros/translator_node", "ros/translator_params",
     "system/align_depth", "system/arm_markers", "system/arm_moves", "system/arm_objects", "system/cameras_launch",
     "system/detection_launch", "system/examples", "system/label_tool",

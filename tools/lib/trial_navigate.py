@@ -27,7 +27,7 @@ from sim_robot import Stalled
 REPO = pathlib.Path(__file__).resolve().parents[2]
 WS = pathlib.Path(os.environ.get("EXTPERFC_WS", REPO / ".ws"))
 GOAL_CLEARANCE_M = 0.65  # of goals: the robot may stand there in any direction
-PASSAGE_M = 0.44         # of the robot's middle to what stands around, on the way
+PASSAGE_M = 0.44         # of the robot's middle to what stands around on its path
 COLUMNS = ("goal", "result", "end", "time", "planned", "driven", "ratio", "speed", "touched", "people")
 
 
@@ -44,7 +44,7 @@ def parse_arguments(argv):
     parser.add_argument("--people", action="store_true", help="with the world's people; without: they are left out")
     parser.add_argument("--base", choices=("holonomic", "differential"), default="holonomic", help="default: holonomic")
     parser.add_argument("--close-door", action="store_true",
-                        help="a carton closes a door on the way, once for each goal whose path leads through one")
+                        help="a carton closes a door on its path, once for each goal whose path leads through one")
     parser.add_argument("--limit", type=float, default=300.0, metavar="S", help="simulated seconds for a goal; default: 300")
     parser.add_argument("--fine", type=float, default=0.01, metavar="M", help="cells of the true map; default: 0.01")
     parser.add_argument("--param", action="append", default=[], metavar="KEY=VALUE",
@@ -65,6 +65,8 @@ def write_params(options):
     """The navigator's configuration with the user's parameters."""
     params = yaml.safe_load((REPO / "config" / "navigator.yaml").read_text())
     params["holonomic_robot"] = options.base == "holonomic"
+    for key in ("scan_timeout_s", "odom_timeout_s", "transform_tolerance"):  # latency of this computer counts more often
+        params[key] *= max(1.0, options.speed)
     for text in options.param:
         key, value = text.split("=", 1)
         params[key] = yaml.safe_load(value)

@@ -179,7 +179,7 @@ NavigatorOutput Navigator::update(const NavigatorInput& input) {
 
 void Navigator::cycle(const NavigatorInput& input, Output& output) {
   if (task_->goals.empty() || !all_finite(task_->goals)) {
-    output.end = end_task({NavCode::kInvalidRequest, "the goal is not finite, or there is none"});
+    output.end = end_task({NavCode::kInvalidRequest, "the goal is missing or not finite"});
     return;
   }
   if (input.jumped) restart_goal(output);

@@ -15,7 +15,7 @@
 #include "extperfc/navigate/velocity_mux.hpp"
 
 #include "ros/health/reporter.hpp"
-#include "ros/params/navigator_params.hpp"
+#include "ros/params/cmd_vel_mux_params.hpp"
 
 namespace extperfc::ros_navigate {
 

@@ -222,40 +222,4 @@ Result<navigate::Overhang> load_overhang(const ros::NodeHandle& handle, const Na
   return navigate::Overhang::make(*robot, params.base_frame, params.arms.max_height_m);
 }
 
-Result<CmdVelMuxParams> load_cmd_vel_mux_params(const ros::NodeHandle& private_handle) {
-  CmdVelMuxParams params;
-  ParamReader reader(private_handle);
-  const auto set = [](MuxSourceParams& source, const std::string& key, const Entry& entry) -> Result<void> {
-    if (key == "name") {
-      source.source.name = entry.text();
-    } else if (key == "topic") {
-      source.topic = entry.text();
-    } else if (key == "priority" || key == "timeout_s") {
-      const auto number =
-          entry.number(key == "priority" ? Range<double>{-1e6, 1e6} : Range<double>{0.01, 60});
-      if (!number) return tl::unexpected(number.error());
-      if (key == "priority")
-        source.source.priority = static_cast<int>(*number);
-      else
-        source.source.timeout_s = *number;
-    } else {
-      return fail(ErrorCode::kInvalidArgument, "unknown; name, topic, priority and timeout_s are known");
-    }
-    return {};
-  };
-  params.sources = read_list<MuxSourceParams>(reader, private_handle, "sources", set);
-  read_limits(reader, params.limits);
-  reader.read("stop_topic", params.stop_topic);
-  reader.read("rate_hz", params.rate_hz, {1.0, 200.0});
-  std::vector<navigate::VelocitySource> sources;
-  for (const auto& source : params.sources) {
-    sources.push_back(source.source);
-    if (source.topic.empty()) reader.complain("sources: '" + source.source.name + "' has no topic");
-  }
-  if (const auto made = navigate::VelocityMux::make(sources, params.limits); !made)
-    reader.complain("sources: " + made.error().message);
-  if (auto finished = reader.finish(); !finished) return tl::unexpected(finished.error());
-  return params;
-}
-
 }  // namespace extperfc::ros_params

@@ -13,7 +13,6 @@
 #include "extperfc/navigate/local_planner.hpp"
 #include "extperfc/navigate/navigator.hpp"
 #include "extperfc/navigate/overhang.hpp"
-#include "extperfc/navigate/velocity_mux.hpp"
 
 #include "ros/params/param_reader.hpp"
 
@@ -88,19 +87,5 @@ struct NavigatorNodeParams {
 /// URDF, or has no link robot_base_frame.
 [[nodiscard]] Result<navigate::Overhang> load_overhang(const ros::NodeHandle& handle,
                                                        const NavigatorNodeParams& params);
-
-struct MuxSourceParams {
-  std::string topic;
-  navigate::VelocitySource source;
-};
-
-struct CmdVelMuxParams {
-  std::vector<MuxSourceParams> sources;
-  navigate::VelocityLimits limits;
-  std::string stop_topic{"e_stop"};
-  double rate_hz{20.0};
-};
-
-[[nodiscard]] Result<CmdVelMuxParams> load_cmd_vel_mux_params(const ros::NodeHandle& private_handle);
 
 }  // namespace extperfc::ros_params

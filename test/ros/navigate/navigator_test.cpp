@@ -220,9 +220,7 @@ void NavigatorTest::load(const Params& more) {
   auto all = params();
   for (const auto& [key, value] : more) all[key] = value;
   ASSERT_TRUE(manager_.load("/navigator", "navigator", all)) << log_.text();
-  ASSERT_TRUE(wait_for([&] {
-    return client_.waitForActionServerToStart(ros::Duration(0.01)) || client_.isServerConnected();
-  }));
+  ASSERT_TRUE(wait_for([&] { return client_.isServerConnected(); }));
   ASSERT_TRUE(wait_for([&] { return status_.count() > 3 && commands_.connected(); })) << log_.text();
 }
 
