@@ -44,7 +44,8 @@ class ZoneLayer : public CostLayer {
  public:
   /// Throws std::invalid_argument for a polygon that is not simple or a factor out of its range.
   void set_zones(Zones zones);
-  /// Pose of the map's frame in the grid's. Precondition: finite.
+  /// Pose of the map's frame in the grid's. Precondition: finite. Costs change only where there are keep-out
+  /// zones and the pose is another one.
   void set_pose(const Pose2& grid_T_map);
   /// The smallest factor of the zones that hold a point of the grid's frame; 1 elsewhere.
   [[nodiscard]] double speed_factor_at(const Eigen::Vector2d& point_m) const;
@@ -54,6 +55,7 @@ class ZoneLayer : public CostLayer {
   void write(CostGrid& grid, const CellBox& box) override;
 
  private:
+  [[nodiscard]] bool has_keep_out() const;
   void draw();
 
   Zones zones_;

@@ -50,8 +50,14 @@ void ZoneLayer::set_zones(Zones zones) {
 }
 
 void ZoneLayer::set_pose(const Pose2& grid_T_map) {
+  const bool same =
+      grid_T_map.x == grid_T_map_.x && grid_T_map.y == grid_T_map_.y && grid_T_map.yaw == grid_T_map_.yaw;
   grid_T_map_ = grid_T_map;
-  draw();
+  if (has_keep_out() && !same) draw();
+}
+
+bool ZoneLayer::has_keep_out() const {
+  return !parts_m_.empty() || !zones_.keep_out_maps.empty();
 }
 
 double ZoneLayer::speed_factor_at(const Vector2d& point_m) const {
@@ -92,7 +98,7 @@ CellBox ZoneLayer::take_changes(const CostGrid& grid, double /*now_s*/) {
 }
 
 void ZoneLayer::write(CostGrid& grid, const CellBox& box) {
-  if (parts_m_.empty() && zones_.keep_out_maps.empty()) return;
+  if (!has_keep_out()) return;
   for (int row = box.min.row; row < box.max.row; ++row)
     for (int column = box.min.column; column < box.max.column; ++column)
       if (costs_.at({column, row}) == kLethalCost) grid.at({column, row}) = kLethalCost;

@@ -53,6 +53,21 @@ TEST(ZoneLayer, EveryOverlappedCellIsLethal) {
   }
 }
 
+TEST(ZoneLayer, PoseOfTheMapChangesOnlyWhatIsKeptOutOf) {
+  const CostGrid grid = make_cost_grid(60, 60, 0.1, {-3, -3}, kFreeCost);
+  ZoneLayer layer;
+  layer.match(grid);
+  (void)layer.take_changes(grid, 0);
+  layer.set_pose({1, 0, 0.3});
+  EXPECT_TRUE(layer.take_changes(grid, 0).empty());
+  layer.set_zones({{{"L", kL}}, {}, {}});
+  (void)layer.take_changes(grid, 0);
+  layer.set_pose({1, 0, 0.3});
+  EXPECT_TRUE(layer.take_changes(grid, 0).empty());
+  layer.set_pose({1, 0, 0.31});
+  EXPECT_FALSE(layer.take_changes(grid, 0).empty());
+}
+
 TEST(ZoneLayer, SmallestFactorOfOverlappingZones) {
   ZoneLayer layer;
   SpeedZone slow, slower;
