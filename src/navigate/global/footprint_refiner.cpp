@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <utility>
 
 #include "extperfc/base/math.hpp"
 
@@ -19,12 +20,26 @@ struct Reach {
   double half_width_m;
   double steps_per_cell;
   int yaws;
-  bool from_first_yaw;  ///< the lattice has the first pose's yaw, not that along the walls
+  bool from_first;  ///< the lattice holds the first pose, not the one in the middle of the passage
 };
 constexpr std::array<Reach, 4> kReaches{
     {{0.5, 0.3, 1, 48, false}, {1.0, 0.4, 2, 64, false}, {1.0, 0.4, 2, 64, true}, {2.0, 1.0, 1, 64, false}}};
 constexpr double kApart_m = 0.6;  // contacts nearer to each other are one
 constexpr double kMaxStep_m = 0.05;
+
+constexpr double kMaxAcross_m = 1.0;  // of a line across the path
+
+/// First index and length of the longest run of true in a circle.
+template <std::size_t kCount>
+std::pair<int, int> longest_run(const std::array<bool, kCount>& values) {
+  std::pair<int, int> longest{0, 0};
+  int run = 0;
+  for (int k = 0; k < 2 * static_cast<int>(kCount); ++k) {
+    run = values[static_cast<std::size_t>(k) % kCount] ? std::min(run + 1, static_cast<int>(kCount)) : 0;
+    if (run > longest.second) longest = {k - run + 1, run};
+  }
+  return longest;
+}
 
 double apart_m(const Pose2& a, const Pose2& b) {
   return std::hypot(a.x - b.x, a.y - b.y);
@@ -83,27 +98,42 @@ FootprintRefiner::Span FootprintRefiner::widened(const std::vector<Pose2>& poses
   return wide;
 }
 
-/// The yaw in the middle of those that are free where the footprint touches, nearest to the path's own: along
-/// the walls of a narrow passage.
-double FootprintRefiner::aligned_yaw(const std::vector<Pose2>& poses, const Span& span) const {
-  constexpr int kYaws = 180;
-  const Pose2 middle = poses[(span.first + span.last) / 2];
-  std::array<bool, kYaws> free{};
-  for (int k = 0; k < kYaws; ++k)
-    free[static_cast<std::size_t>(k)] = is_free({middle.x, middle.y, middle.yaw + kTwoPi * k / kYaws});
-  double best = middle.yaw;
-  double best_change = kTwoPi;
-  for (int first = 0; first < kYaws; ++first) {
-    if (!free[static_cast<std::size_t>(first)] || free[static_cast<std::size_t>((first + kYaws - 1) % kYaws)])
-      continue;
-    int count = 1;
-    while (count < kYaws && free[static_cast<std::size_t>((first + count) % kYaws)]) ++count;
-    const double change = wrap_angle(kTwoPi * (first + 0.5 * (count - 1)) / kYaws);
-    if (std::abs(change) >= best_change) continue;
-    best_change = std::abs(change);
-    best = middle.yaw + change;
-  }
+std::optional<Pose2> FootprintRefiner::freest_across(const Pose2& pose, double direction) const {
+  constexpr int kYaws = 120;
+  const double step_m = 0.25 * std::min(costs_.resolution_m, kMaxStep_m);
+  const Eigen::Vector2d across(-std::sin(direction), std::cos(direction));
+  std::optional<Pose2> best;
+  int best_run = 0;
+  for (const int side : {1, -1})
+    for (int k = side > 0 ? 0 : 1; k * step_m <= kMaxAcross_m && best_run < kYaws; ++k) {
+      const Eigen::Vector2d at = Eigen::Vector2d(pose.x, pose.y) + side * k * step_m * across;
+      const auto cell = costs_.cell_of(at);
+      if (!cell || !traversal_.admits(costs_.at(*cell))) break;
+      std::array<bool, kYaws> free{};
+      for (int yaw = 0; yaw < kYaws; ++yaw)
+        free[static_cast<std::size_t>(yaw)] = is_free({at.x(), at.y(), pose.yaw + kTwoPi * yaw / kYaws});
+      const auto [first, run] = longest_run(free);
+      if (run <= best_run) continue;
+      best_run = run;
+      best = Pose2{at.x(), at.y(), wrap_angle(pose.yaw + kTwoPi * (first + 0.5 * (run - 1)) / kYaws)};
+    }
   return best;
+}
+
+FootprintRefiner::Section FootprintRefiner::narrowest(const std::vector<Pose2>& poses,
+                                                      const Span& span) const {
+  Section section{false, poses[(span.first + span.last) / 2]};
+  for (std::size_t i = span.first; i <= span.last; ++i) {
+    const std::size_t before = i < 2 ? 0 : i - 2;
+    const std::size_t after = std::min(i + 2, poses.size() - 1);
+    const double dx = poses[after].x - poses[before].x;
+    const double dy = poses[after].y - poses[before].y;
+    if (is_free(poses[i]) || std::hypot(dx, dy) < 1e-6) continue;
+    const auto freest = freest_across(poses[i], std::atan2(dy, dx));
+    if (!freest) return {true, poses[i]};
+    if (i <= (span.first + span.last) / 2 || i == span.first) section.pose = *freest;
+  }
+  return section;
 }
 
 FootprintRefiner::Status FootprintRefiner::replace(std::vector<Pose2>& poses, const Span& span,
@@ -111,15 +141,17 @@ FootprintRefiner::Status FootprintRefiner::replace(std::vector<Pose2>& poses, co
   const FootprintCheck check{[this](const Pose2& pose) { return is_free(pose); },
                              [this](const Pose2& from, const Pose2& to) { return passes(from, to); },
                              footprint_.circumscribed_radius_m()};
-  const double yaw = aligned_yaw(poses, span);
-  where = poses[span.first];
+  const Section section = narrowest(poses, span);
+  where = section.pose;
+  if (section.closed) return Status::kBlocked;
   for (const Reach& reach : kReaches) {
     const Span wide = widened(poses, span, reach.margin_m);
     const std::vector<Pose2> along(poses.begin() + static_cast<std::ptrdiff_t>(wide.first),
                                    poses.begin() + static_cast<std::ptrdiff_t>(wide.last) + 1);
     const double step_m = std::min(costs_.resolution_m, kMaxStep_m) / reach.steps_per_cell;
+    const bool from_first = reach.from_first || base_ == BaseKind::kDifferential;
     const PoseLattice lattice{reach.half_width_m, step_m, reach.yaws,
-                              reach.from_first_yaw ? along.front().yaw : yaw};
+                              from_first ? along.front() : section.pose};
     PoseSearch search(costs_, traversal_, base_, lattice, check);
     const PoseSearch::Status status = search.find(along, clock_);
     if (status == PoseSearch::Status::kInterrupted) return Status::kInterrupted;

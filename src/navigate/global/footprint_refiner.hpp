@@ -45,7 +45,15 @@ class FootprintRefiner {
   };
   [[nodiscard]] std::optional<Span> last_contact(const std::vector<Pose2>& poses, std::size_t end) const;
   [[nodiscard]] Span widened(const std::vector<Pose2>& poses, const Span& span, double margin_m) const;
-  [[nodiscard]] double aligned_yaw(const std::vector<Pose2>& poses, const Span& span) const;
+  /// A free pose where the footprint has most freedom to rotate, on the line across the path at a pose; empty
+  /// when there is none: the passage is closed for this footprint.
+  [[nodiscard]] std::optional<Pose2> freest_across(const Pose2& pose, double direction) const;
+  struct Section {
+    bool closed{false};
+    Pose2 pose;  ///< closed: the path's; else the one to align with
+  };
+  /// The narrowest place of a span.
+  [[nodiscard]] Section narrowest(const std::vector<Pose2>& poses, const Span& span) const;
   /// Replaces the span in `poses`.
   [[nodiscard]] Status replace(std::vector<Pose2>& poses, const Span& span, Pose2& where) const;
 

@@ -11,7 +11,9 @@ namespace extperfc::navigate {
 
 namespace {
 
-constexpr int kMaxExpanded = 40000;  // a passage that takes more is given up
+constexpr int kMaxExpanded = 30000;  // a passage that takes more is given up
+constexpr double kMaxWeight = 2;     // of cells: in a narrow passage all are dear
+constexpr double kGreed = 1.5;  // multiplies the estimate of the rest: a path that passes, not the best one
 constexpr double kPerRadian_m = 0.3;
 constexpr double kBackwards = 2;    // times the cost of a step forwards
 constexpr double kConnect_m = 0.5;  // a differential base drives straight to the end from here
@@ -52,10 +54,9 @@ PoseSearch::PoseSearch(const CostGrid& costs, const Traversal& traversal, BaseKi
     return;
   }
   for (int k = 0; k < lattice_.yaws; ++k)
-    yaw_of_.push_back(wrap_angle(lattice_.first_yaw + kTwoPi * k / lattice_.yaws));
+    yaw_of_.push_back(wrap_angle(lattice_.anchor.yaw + kTwoPi * k / lattice_.yaws));
 }
 
-/// The lattice's places lie around the first pose.
 void PoseSearch::lay_out(const std::vector<Pose2>& along) {
   start_ = along.front();
   goal_ = along.back();
@@ -76,8 +77,10 @@ void PoseSearch::lay_out(const std::vector<Pose2>& along) {
   }
   columns_ = right - left + 2 * reach + 1;
   rows_ = top - bottom + 2 * reach + 1;
-  left_m_ = start_.x + (left - reach) * step;
-  bottom_m_ = start_.y + (bottom - reach) * step;
+  const double x_m = std::remainder(lattice_.anchor.x - start_.x, step);  // from the start to a place
+  const double y_m = std::remainder(lattice_.anchor.y - start_.y, step);
+  left_m_ = start_.x + x_m + (left - reach) * step;
+  bottom_m_ = start_.y + y_m + (bottom - reach) * step;
   const auto places = static_cast<std::size_t>(columns_) * static_cast<std::size_t>(rows_);
   nearest_.assign(places, -1);
   std::vector<int> squared(places, std::numeric_limits<int>::max());
@@ -109,7 +112,7 @@ bool PoseSearch::is_free(std::int32_t node) {
 }
 
 float PoseSearch::rest_of(const Pose2& pose) const {
-  return static_cast<float>(apart_m(pose, goal_) + kPerRadian_m * apart_rad(pose, goal_));
+  return static_cast<float>(kGreed * (apart_m(pose, goal_) + kPerRadian_m * apart_rad(pose, goal_)));
 }
 
 bool PoseSearch::reaches_goal(const Pose2& pose) const {
@@ -139,17 +142,21 @@ void PoseSearch::begin() {
   open_ = {};
   reached_ = -1;
   progress_ = 0;
-  const int column = static_cast<int>(std::lround((start_.x - left_m_) / lattice_.step_m));
-  const int row = static_cast<int>(std::lround((start_.y - bottom_m_) / lattice_.step_m));
+  const int left = static_cast<int>(std::floor((start_.x - left_m_) / lattice_.step_m));
+  const int low = static_cast<int>(std::floor((start_.y - bottom_m_) / lattice_.step_m));
   const double spacing = base_ == BaseKind::kHolonomic ? kTwoPi / yaws() : 0.5;
-  for (int yaw = 0; yaw < yaws(); ++yaw) {
-    const std::int32_t node = index(column, row, yaw);
-    const Pose2 pose = pose_of(node);
-    if (apart_rad(pose, start_) > 1.01 * spacing || !check_.is_free_along(start_, pose)) continue;
-    Node& state = nodes_[static_cast<std::size_t>(node)];
-    state.path_cost = static_cast<float>(kPerRadian_m * apart_rad(pose, start_));
-    open_.emplace(state.path_cost + rest_of(pose), node);
-  }
+  for (int yaw = 0; yaw < yaws(); ++yaw)
+    for (int corner = 0; corner < 4; ++corner) {
+      const std::int32_t node = index(left + corner % 2, low + corner / 2, yaw);
+      const Pose2 pose = pose_of(node);
+      const double distance_m = apart_m(pose, start_);
+      // A differential base begins exactly at the start: its lattice is anchored there.
+      if (base_ == BaseKind::kDifferential && distance_m > 1e-6) continue;
+      if (apart_rad(pose, start_) > 1.01 * spacing || !check_.is_free_along(start_, pose)) continue;
+      Node& state = nodes_[static_cast<std::size_t>(node)];
+      state.path_cost = static_cast<float>(distance_m + kPerRadian_m * apart_rad(pose, start_));
+      open_.emplace(state.path_cost + rest_of(pose), node);
+    }
 }
 
 /// Of two free poses: at steps of half a cell of any corner's motion.
@@ -175,8 +182,7 @@ void PoseSearch::offer(std::int32_t from, std::int32_t to, const Move& move) {
   if (move.yaw_steps == 0) {
     const auto cell = costs_.cell_of({next.x, next.y});
     const auto weight = static_cast<double>(cell ? traversal_.weight[costs_.at(*cell)] : 0.0F);
-    cost = apart_m(here, next) *
-           (weight > 0 ? weight : static_cast<double>(traversal_.weight[kInscribedCost - 1]));
+    cost = apart_m(here, next) * (weight > 0 ? std::min(weight, kMaxWeight) : kMaxWeight);
     const Eigen::Vector2d ahead(std::cos(here.yaw), std::sin(here.yaw));
     if (base_ == BaseKind::kDifferential && ahead.x() * (next.x - here.x) + ahead.y() * (next.y - here.y) < 0)
       cost *= kBackwards;

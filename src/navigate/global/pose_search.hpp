@@ -20,8 +20,8 @@ namespace extperfc::navigate {
 struct PoseLattice {
   double half_width_m{0.4};  ///< of the corridor around the path
   double step_m{0.05};
-  int yaws{48};         ///< of a circle; a differential base has 16 directions of steps instead
-  double first_yaw{0};  ///< one of the yaws [rad]
+  int yaws{48};    ///< of a circle; a differential base has 16 directions of steps instead
+  Pose2 anchor{};  ///< one of its poses; the yaw does not count for a differential base
 };
 
 /// What a search asks about the footprint.

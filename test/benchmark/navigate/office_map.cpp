@@ -284,18 +284,20 @@ void inflate(CostGrid& grid, double inscribed_m, double radius_m, double scaling
       grid.cells[i] = grid.inflation.cost_at(std::sqrt(static_cast<double>(squared[i])) * grid.resolution_m);
 }
 
-std::vector<Eigen::Vector2d> random_places(const CostGrid& costs, int count, std::uint64_t seed) {
+std::vector<Eigen::Vector2d> random_places(const CostGrid& costs, int count, std::uint64_t seed,
+                                           double margin_m) {
+  const Cost limit = costs.inflation.cost_at(costs.inflation.inscribed_radius_m + margin_m);
   std::vector<int> area(costs.cells.size(), -1);
   std::vector<std::size_t> largest;
   const auto width = static_cast<std::size_t>(costs.width);
   for (std::size_t first = 0; first < area.size(); ++first) {
-    if (costs.cells[first] >= navigate::kInscribedCost || area[first] >= 0) continue;
+    if (costs.cells[first] >= limit || area[first] >= 0) continue;
     std::vector<std::size_t> members{first};
     area[first] = 1;
     for (std::size_t k = 0; k < members.size(); ++k)
       for (const std::size_t next :
            {members[k] + 1, members[k] - 1, members[k] + width, members[k] - width}) {
-        if (next >= area.size() || area[next] >= 0 || costs.cells[next] >= navigate::kInscribedCost) continue;
+        if (next >= area.size() || area[next] >= 0 || costs.cells[next] >= limit) continue;
         area[next] = 1;
         members.push_back(next);
       }

@@ -33,8 +33,8 @@ struct OfficeParams {
 /// inscribed)) up to `radius_m`; distances between the middles of cells, exact. O(cells).
 void inflate(navigate::CostGrid& grid, double inscribed_m, double radius_m, double scaling_per_m);
 
-/// Points that a base with cost below kInscribedCost may stand on, all in the largest connected area.
+/// Middles of cells in the largest area that a circle margin_m wider than the inscribed one may enter.
 [[nodiscard]] std::vector<Eigen::Vector2d> random_places(const navigate::CostGrid& costs, int count,
-                                                         std::uint64_t seed);
+                                                         std::uint64_t seed, double margin_m = 0);
 
 }  // namespace extperfc::benchmark

@@ -31,10 +31,16 @@ using navigate::GridPlannerParams;
 
 constexpr double kInflation_m = 1.0;
 constexpr double kScaling_per_m = 5.0;
+constexpr double kMargin_m = 0.035;  // queries: reachable through doors with this much on both sides
 
 /// The robot's chassis.
 Footprint chassis() {
   return *Footprint::make({{0.4064, 0.3937}, {-0.4064, 0.3937}, {-0.4064, -0.3937}, {0.4064, -0.3937}});
+}
+
+/// For lengths: what is blocked for its middle does not depend on its yaw.
+Footprint round_base() {
+  return Footprint::circle(0.35);
 }
 
 struct Query {
@@ -47,7 +53,7 @@ std::vector<Query> make_queries(const CostGrid& costs, const Footprint& footprin
                                 std::uint64_t seed) {
   Rng rng(seed);
   std::vector<Pose2> poses;
-  for (const Eigen::Vector2d& place : random_places(costs, 20 * count, seed)) {
+  for (const Eigen::Vector2d& place : random_places(costs, 20 * count, seed, kMargin_m)) {
     const Pose2 pose{place.x() - 0.5 * costs.resolution_m, place.y() - 0.5 * costs.resolution_m,
                      rng.uniform(-3.14, 3.14)};
     if (contact(costs, footprint, pose) == Contact::kFree) poses.push_back(pose);
@@ -129,11 +135,19 @@ GridPlannerParams shortest() {
 struct Floor {
   CostGrid costs;
   std::vector<Query> queries;
+  CostGrid round_costs;  ///< inflated for the round base
+  std::vector<Query> round_queries;
 };
 
-Floor make_floor(CostGrid grid, int count, std::uint64_t seed) {
-  inflate(grid, chassis().inscribed_radius_m(), kInflation_m, kScaling_per_m);
-  Floor floor{std::move(grid), {}};
+Floor make_floor(CostGrid grid, int count, std::uint64_t seed, bool round = true) {
+  Floor floor;
+  if (round) {
+    floor.round_costs = grid;
+    inflate(floor.round_costs, round_base().inscribed_radius_m(), kInflation_m, kScaling_per_m);
+    floor.round_queries = make_queries(floor.round_costs, round_base(), count, seed);
+  }
+  floor.costs = std::move(grid);
+  inflate(floor.costs, chassis().inscribed_radius_m(), kInflation_m, kScaling_per_m);
   floor.queries = make_queries(floor.costs, chassis(), count, seed);
   return floor;
 }
@@ -171,11 +185,11 @@ void floor_rows(const std::string& name, const std::vector<Floor>& floors, bool 
     run(dijkstra, floor.costs, chassis(), floor.queries, plain);
     Series lengths;
     Series eight_lengths;
-    run(*length_planner, floor.costs, chassis(), floor.queries, lengths);
-    run(length_dijkstra, floor.costs, chassis(), floor.queries, eight_lengths);
-    ShortestPath reference(floor.costs);
-    compare(reference, floor.costs, floor.queries, lengths.length_m, ours);
-    compare(reference, floor.costs, floor.queries, eight_lengths.length_m, eight);
+    run(*length_planner, floor.round_costs, round_base(), floor.round_queries, lengths);
+    run(length_dijkstra, floor.round_costs, round_base(), floor.round_queries, eight_lengths);
+    ShortestPath reference(floor.round_costs);
+    compare(reference, floor.round_costs, floor.round_queries, lengths.length_m, ours);
+    compare(reference, floor.round_costs, floor.round_queries, eight_lengths.length_m, eight);
     least.ms.insert(least.ms.end(), lengths.ms.begin(), lengths.ms.end());
     least.failed += lengths.failed;
     least.touching += lengths.touching;
@@ -221,7 +235,7 @@ void growth_rows(bool quick, std::vector<Row>& rows) {
     OfficeParams params;
     params.width = params.height = side;
     const int count = side > 4000 ? 20 : 50;
-    const Floor floor = make_floor(make_office_map(params, 31), count, 5);
+    const Floor floor = make_floor(make_office_map(params, 31), count, 5, false);
     const std::string name = "office " + std::to_string(side) + " x " + std::to_string(side);
     const double before_mib = resident_mib();
     Series ours;
