@@ -1,7 +1,9 @@
 #include "extperfc/navigate/frontiers.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <functional>
 #include <limits>
 #include <optional>
 #include <queue>
