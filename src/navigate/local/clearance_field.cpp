@@ -53,7 +53,7 @@ void ClearanceField::copy_costs(const CostGrid& costs, const Eigen::Vector2d& mi
   window_.origin_m = corner_m + middle_m;
   window_.inflation = costs.inflation;
   window_.may_hold_unknown = costs.may_hold_unknown;
-  window_.cells.resize(static_cast<std::size_t>(width_ * height_));
+  window_.cells.resize(index(0, height_));
   for (int row = 0; row < height_; ++row) {
     const auto from =
         costs.cells.begin() + static_cast<std::ptrdiff_t>(costs.index({box.min.column, box.min.row + row}));
@@ -88,7 +88,7 @@ void ClearanceField::mark_disc(const Eigen::Vector2d& at_m, double radius_m, boo
     const int left = std::max(0, static_cast<int>(std::ceil(column - half)));
     const int right = std::min(width_ - 1, static_cast<int>(std::floor(column + half)));
     for (int c = left; c <= right; ++c) {
-      const auto i = static_cast<std::size_t>(r * width_ + c);
+      const auto i = index(c, r);
       along_[i] = value;
       if (obstacle || window_.cells[i] >= kLethalCost) window_.cells[i] = obstacle ? kLethalCost : kFreeCost;
     }

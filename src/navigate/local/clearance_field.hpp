@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <vector>
 
@@ -39,14 +40,14 @@ class ClearanceField {
     const int column = static_cast<int>((x_m - left_m_) * cells_per_m_);
     const int row = static_cast<int>((y_m - bottom_m_) * cells_per_m_);
     if (x_m < left_m_ || y_m < bottom_m_ || column >= width_ || row >= height_) return kFar_m;
-    return distances_m_[static_cast<std::size_t>(row * width_ + column)];
+    return distances_m_[index(column, row)];
   }
   /// The cost of a point's cell; 0 outside.
   [[nodiscard]] Cost cost(float x_m, float y_m) const {
     const int column = static_cast<int>((x_m - left_m_) * cells_per_m_);
     const int row = static_cast<int>((y_m - bottom_m_) * cells_per_m_);
     if (x_m < left_m_ || y_m < bottom_m_ || column >= width_ || row >= height_) return kFreeCost;
-    return window_.cells[static_cast<std::size_t>(row * width_ + column)];
+    return window_.cells[index(column, row)];
   }
   /// From a footprint's outline to the nearest obstacle [m], within a cell; at most about `enough_m`, below
   /// 0 where the inscribed circle touches.
@@ -58,6 +59,10 @@ class ClearanceField {
 
  private:
   static constexpr float kFar_m = static_cast<float>(kReach_m);
+  [[nodiscard]] std::size_t index(int column, int row) const {
+    return static_cast<std::size_t>(row) * static_cast<std::size_t>(width_) +
+           static_cast<std::size_t>(column);
+  }
   void copy_costs(const CostGrid& costs, const Eigen::Vector2d& middle_m, double half_side_m);
   void mark_obstacles(const std::vector<MovingObstacle>& people, const Eigen::Vector2d& middle_m);
   void mark_disc(const Eigen::Vector2d& at_m, double radius_m, bool obstacle);

