@@ -26,7 +26,7 @@ constexpr std::size_t kOtherPassFrames = 30;
 constexpr double kNearReachM = 0.6;  // a match finds its way from here
 constexpr double kNearReachRad = 0.25;
 constexpr std::size_t kMaxNear = 3;
-constexpr std::size_t kMaxFar = 16;
+constexpr std::size_t kMaxFar = 64;
 // Search.
 constexpr double kMaxWindowM = 40.0;
 constexpr double kMaxWindowRad = 0.8;
@@ -43,7 +43,9 @@ constexpr double kReachM = 0.4;
 constexpr double kContradiction = 2.0;  // of support, per fraction of contradictions
 constexpr double kMinFit = 0.4;
 constexpr double kMinSupport = 0.2;
-constexpr double kGoodSupport = 0.6;   // counts in full
+constexpr double kIndifferentSupport = 0.3;  // of a wrong match in a building of corridors
+constexpr double kGoodSupport = 0.6;         // counts in full
+constexpr double kMaxQuality = 1.5;
 constexpr double kClearMargin = 0.12;  // of support, to the next best place
 constexpr double kFloorM = 0.02;       // standard deviation of errors inside submaps
 constexpr double kFloorRad = 0.005;
@@ -52,20 +54,28 @@ constexpr double kDeterminedM = 0.12;
 constexpr double kConsistent = 11.3;  // chi-square of three degrees of freedom: one in a hundred
 constexpr double kMinWeight = 1.5;
 constexpr double kMinWeightAtEnd = 0.6;
+constexpr double kUsualReachM = 3.0;
+constexpr double kWeightPerLogReach = 0.6;
 constexpr double kAlternativeRatio = 1.4;
 constexpr std::size_t kKeptPerQuery = 8;
 constexpr std::size_t kMaxPool = 160;
 constexpr std::size_t kOptimizeEvery = 8;
 
-/// Standard deviation of the position along its least known direction.
-double widest_sigma_m(const Eigen::Matrix3d& covariance) {
-  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d> axes(covariance.topLeftCorner<2, 2>(),
-                                                            Eigen::EigenvaluesOnly);
-  return std::sqrt(std::max(0.0, axes.eigenvalues()[1]));
+/// The farther away a query may stand, the more places look like it by chance.
+double weight_wanted(double at_least, double reach_m) {
+  return at_least + kWeightPerLogReach * std::log(std::max(1.0, reach_m / kUsualReachM));
 }
 
-Eigen::Matrix3d covariance_of(const Constraint& constraint) {
-  return (constraint.information + 1e-6 * Eigen::Matrix3d::Identity()).inverse();
+/// Where a query may stand in a reference's frame: within the graph's reach of its pose, and so near that
+/// the two have much the same view. No value: nowhere.
+std::optional<SearchWindow> window_of(const Pose2& expected, double reach_m) {
+  const double left = std::max(-kOverlapM, expected.x - reach_m);
+  const double right = std::min(kOverlapM, expected.x + reach_m);
+  const double bottom = std::max(-kOverlapM, expected.y - reach_m);
+  const double top = std::min(kOverlapM, expected.y + reach_m);
+  if (left > right || bottom > top) return std::nullopt;
+  return SearchWindow{
+      {(left + right) / 2, (bottom + top) / 2, expected.yaw}, std::max(right - left, top - bottom) / 2, 0};
 }
 
 /// Whether a residual in x, y, yaw can be explained by a covariance and a bias of the position.
@@ -112,7 +122,12 @@ std::optional<SubmapClosure> LoopCloser::verify(std::size_t reference, std::size
            kContradiction * contradictions(old, seen, pose);
   };
   if (found.fit < kMinFit) return std::nullopt;
-  found = match_along(old.map, seen.points, found, prior, window_m, kReachM, support);
+  const auto place = [&](const Pose2& pose) {
+    return agreement(old.map, seen.points, pose).ratio() +
+           agreement(seen.map, old.points, inverse(pose)).ratio() -
+           kContradiction * contradictions(old, seen, pose);
+  };
+  found = match_along(old.map, seen.points, found, prior, window_m, kReachM, place);
   SubmapClosure closure;
   closure.support = support(found.pose);
   closure.constraint = {reference,  query,
@@ -143,14 +158,16 @@ void LoopCloser::search_far(const std::vector<std::size_t>& references, std::siz
   const std::size_t first = pool_.size();
   std::vector<Pose2> places;  // of the candidates, in the graph's frame
   for (const std::size_t reference : references) {
-    const double reach = std::min(kMaxWindowM, known[reference].reach_m() + kSlackM);
+    const Pose2 expected = between(graph.poses()[reference], graph.poses()[query]);
+    const auto window = window_of(expected, std::min(kMaxWindowM, known[reference].reach_m() + kSlackM));
+    if (!window) continue;
     const double reach_rad = std::min(kMaxWindowRad, known[reference].reach_rad() + 0.05);
     Submap& old = submaps_.at(reference, frames.size(), frames, graph.poses());
     if (!old.pyramid) old.pyramid = std::make_unique<SearchPyramid>(old.map);
     const Submap& seen = submaps_.at(query, frames.size(), frames, graph.poses());
-    const Pose2 expected = between(graph.poses()[reference], graph.poses()[query]);
-    const auto peaks = search_peaks(*old.pyramid, seen.points, {expected, reach, reach_rad}, kMinScore,
-                                    kMaxNodes, {kPeaks, kPeakApartM, kPeakApartRad, 0.2});
+    const auto peaks =
+        search_peaks(*old.pyramid, seen.points, {window->centre, window->half_width_m, reach_rad}, kMinScore,
+                     kMaxNodes, {kPeaks, kPeakApartM, kPeakApartRad, 0.2});
     for (const FoundPose& peak : peaks) {
       auto closure = verify(reference, query, peak.pose, 1.0, frames, graph);
       if (!closure || closure->support < kMinSupport) continue;
@@ -161,6 +178,7 @@ void LoopCloser::search_far(const std::vector<std::size_t>& references, std::siz
                          wrap_angle(found.yaw - expected_back.yaw)},
                         known[reference].covariance, known[reference].systematic_m + kSlackM))
         continue;
+      closure->reach_m = known[reference].reach_m();
       places.push_back(compose(graph.poses()[reference], closure->constraint.from_T_to));
       pool_.push_back(*closure);
     }
@@ -171,8 +189,9 @@ void LoopCloser::search_far(const std::vector<std::size_t>& references, std::siz
       if (!near(places[i - first], places[k - first], kPeakApartM, kPeakApartRad))
         alternative = std::max(alternative, pool_[k].support);
     double clear = std::clamp((pool_[i].support - alternative) / kClearMargin, 0.02, 1.0);
-    if (widest_sigma_m(covariance_of(pool_[i].constraint)) > kDeterminedM) clear = std::min(clear, 0.1);
-    pool_[i].distinctness = clear * std::clamp(pool_[i].support / kGoodSupport, 0.3, 1.0);
+    if (widest_sigma_m(pool_[i].constraint.covariance()) > kDeterminedM) clear = std::min(clear, 0.1);
+    const double quality = (pool_[i].support - kIndifferentSupport) / (kGoodSupport - kIndifferentSupport);
+    pool_[i].distinctness = clear * std::clamp(quality, 0.1, kMaxQuality);
   }
 }
 
@@ -201,11 +220,11 @@ bool LoopCloser::accept(std::size_t first_new, double min_weight, PoseGraph& gra
     j(1, 2) = lever.x;
     Eigen::Matrix3d covariance = to_a * j * from_known.covariance * j.transpose() * to_a.transpose();
     covariance += to_known.covariance;
-    covariance += to_a * covariance_of(a.constraint) * to_a.transpose();
+    covariance += to_a * a.constraint.covariance() * to_a.transpose();
     Eigen::Matrix3d k = Eigen::Matrix3d::Identity();
     k(0, 2) = -to_step.y;
     k(1, 2) = to_step.x;
-    covariance += k * covariance_of(b.constraint) * k.transpose();
+    covariance += k * b.constraint.covariance() * k.transpose();
     return is_explained(residual, covariance, from_known.systematic_m + to_known.systematic_m);
   };
   // One clique per new candidate, greedily by weight.
@@ -255,7 +274,12 @@ bool LoopCloser::accept(std::size_t first_new, double min_weight, PoseGraph& gra
     Clique clique = grow(i);
     if (clique.weight > best.weight) best = std::move(clique);
   }
-  if (best.weight < min_weight) return false;
+  const auto wanted = [&](const Clique& clique) {
+    double reach_m = kMaxWindowM;
+    for (const std::size_t i : clique.members) reach_m = std::min(reach_m, pool_[i].reach_m);
+    return weight_wanted(min_weight, reach_m);
+  };
+  if (best.weight < wanted(best)) return false;
   for (std::size_t i = 0; i < n; ++i) {
     const bool contradicts = std::any_of(best.members.begin(), best.members.end(),
                                          [&](std::size_t member) { return !consistent(member, i); });
@@ -271,7 +295,7 @@ bool LoopCloser::accept(std::size_t first_new, double min_weight, PoseGraph& gra
           alternative.members.end())
         common.push_back(member);
     best = {common, weight_of(common, {})};
-    if (best.weight < min_weight) return false;
+    if (best.members.empty() || best.weight < wanted(best)) return false;
   }
   const auto poses = graph.poses();
   const auto constraints = graph.constraints();
@@ -388,24 +412,30 @@ Constraint LoopCloser::match_scan(std::size_t reference, std::size_t query,
   constexpr double kWindowM = 0.3;
   // Along a corridor a single scan may be pulled by returns at a grazing angle: neighbours decide there.
   constexpr double kWeakRatio = 0.15;
-  constexpr double kAlongM = 0.15;
+  constexpr double kAlongM = 0.03;
+  constexpr double kOppositeM = 0.05;  // seen from the other side, recesses show other walls
+  constexpr double kOppositeRad = 1.5;
   const Submap& submap = submaps_.at(reference, query, frames, poses);
   const Pose2 start = between(poses[reference], poses[query]);
   const ScanPoints& points = frames[query].points;
   const RangeProfile profile(points);
   const PosePrior prior{start, 0.15, 0.06};
   auto seen = match(submap.map, points, start, prior, kReachM);
-  if (seen.fit >= kMinFineFit)
+  if (seen.fit >= kMinFineFit) {
+    const double overlap =
+        agreement(submap.map, points, start).near_surface / static_cast<double>(points.surface.size());
     seen = match_along(submap.map, points, seen, prior, kWindowM, kReachM, [&](const Pose2& there) {
-      return graded_fit(submap.map, points, there) -
+      return overlap * agreement(submap.map, points, there).ratio() -
              kContradiction * contradictions(submap, points, profile, there);
     });
+  }
   Eigen::Matrix3d covariance = (seen.information + 1e-2 * Eigen::Matrix3d::Identity()).inverse();
   covariance.diagonal() += Eigen::Vector3d(kFloorM * kFloorM, kFloorM * kFloorM, kFloorRad * kFloorRad);
   const Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d> axes(seen.information.topLeftCorner<2, 2>());
   if (axes.eigenvalues()[0] < kWeakRatio * axes.eigenvalues()[1]) {
     const Eigen::Vector2d along = axes.eigenvectors().col(0);
-    covariance.topLeftCorner<2, 2>() += kAlongM * kAlongM * along * along.transpose();
+    const double sigma_m = std::abs(seen.pose.yaw) > kOppositeRad ? kOppositeM : kAlongM;
+    covariance.topLeftCorner<2, 2>() += sigma_m * sigma_m * along * along.transpose();
   }
   const double fit = seen.fit - kContradiction * contradictions(submap, points, profile, seen.pose);
   return {reference, query, seen.pose, covariance.inverse(), true, fit};

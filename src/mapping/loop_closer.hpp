@@ -15,9 +15,11 @@ namespace extperfc::mapping {
 
 /// The submap of a key frame, recognized in an older submap.
 struct SubmapClosure {
-  Constraint constraint;   ///< from the older submap's key frame
-  double support{0};       ///< fraction of the surfaces explained, less contradictions
-  double distinctness{0};  ///< [0, 1]; 0: the surroundings look alike elsewhere, too
+  Constraint constraint;  ///< from the older submap's key frame
+  double support{0};      ///< fraction of the surfaces explained, less contradictions
+  double distinctness{
+      0};             ///< 0: the surroundings look alike elsewhere, too; 1: well supported and like no other
+  double reach_m{0};  ///< where the graph allowed the newer submap to stand: this far from its pose [m]
 };
 
 /// Finds where a path comes back to known surroundings: searches every old submap that the graph's

@@ -45,6 +45,7 @@ class Mapper::Impl {
   [[nodiscard]] MapperStatistics statistics() const;
   [[nodiscard]] std::vector<WeightedPose> particles() const;
   std::shared_ptr<const OccupancyGrid> map();
+  void optimize();
   void finish();
   [[nodiscard]] Result<void> save(const std::filesystem::path& file) const;
   void resume_from(Session session);
@@ -117,11 +118,9 @@ bool Mapper::Impl::add_key_frame(const ScanPoints& points, const Tracked& tracke
     filter_.begin(tracked.pose, std::move(frame));
   } else {
     const Eigen::Matrix3d rotation = rotation_by(-key_pose_.yaw);
-    const Eigen::Matrix3d information =
-        (tracked.information.inverse() + doubt_).inverse();  // the tracker's prior makes it invertible
-    const TrackedStep tracked_step{between(key_pose_, tracked.pose),
-                                   rotation * information * rotation.transpose(),
-                                   statistics_.path_m - key_path_m_};
+    const TrackedStep tracked_step{
+        between(key_pose_, tracked.pose), rotation * tracked.information * rotation.transpose(),
+        statistics_.path_m - key_path_m_, rotation * doubt_ * rotation.transpose()};
     step = filter_.add(tracked_step, std::move(frame));
   }
   key_pose_ = tracked.pose;
@@ -141,8 +140,11 @@ Eigen::Matrix3d Mapper::Impl::covariance(const Tracked& tracked) const {
   const Eigen::Matrix3d tracked_covariance =
       (tracked.information + kSmallestCovariance * Eigen::Matrix3d::Identity()).inverse();
   const Eigen::Matrix3d rotation = rotation_by(wrap_angle(pose().yaw - tracker_.pose().yaw));
-  const Eigen::Matrix3d spread = filter_.frames().empty() ? Eigen::Matrix3d::Zero() : filter_.covariance();
-  return rotation * tracked_covariance * rotation.transpose() + spread;
+  const Eigen::Matrix3d since_key_frame = rotation * tracked_covariance * rotation.transpose();
+  if (filter_.frames().empty()) return since_key_frame;
+  const Eigen::Matrix3d to_map = rotation_by(filter_.poses().front().yaw);
+  return since_key_frame + filter_.covariance() +
+         to_map * filter_.uncertainty().with_bias() * to_map.transpose();
 }
 
 /// Between two key frames, the corrections of both are blended by the number of scans from either.
@@ -179,6 +181,7 @@ MapperStatistics Mapper::Impl::statistics() const {
   statistics.resamplings = filter_.resamplings();
   statistics.effective_particles = filter_.effective_particles();
   statistics.entropy = filter_.entropy();
+  if (!filter_.frames().empty()) statistics.position_sigma_m = filter_.uncertainty().sigma_m();
   return statistics;
 }
 
@@ -199,6 +202,12 @@ std::shared_ptr<const OccupancyGrid> Mapper::Impl::map() {
   auto map = settle_at_once_ ? renderer_.map() : renderer_.map(kMapCall);
   if (!renderer_.complete() || !was_complete) ++map_version_;
   return map;
+}
+
+void Mapper::Impl::optimize() {
+  filter_.optimize();
+  settled_ = false;
+  ++map_version_;
 }
 
 void Mapper::Impl::finish() {
@@ -314,6 +323,10 @@ Trajectory Mapper::trajectory() const {
 
 MapperStatistics Mapper::statistics() const {
   return impl_->statistics();
+}
+
+void Mapper::optimize() {
+  impl_->optimize();
 }
 
 void Mapper::finish() {

@@ -83,6 +83,47 @@ void weaken(Eigen::Matrix3d& information, const Eigen::Vector2d& along, double s
   information = covariance.inverse();
 }
 
+/// Log likelihoods at equal steps along a direction, from -reach to reach.
+class Profile {
+ public:
+  explicit Profile(int reach) : reach_(reach) { logs_.reserve(static_cast<std::size_t>(2 * reach + 1)); }
+
+  void add(double log_likelihood) { logs_.push_back(log_likelihood); }
+  [[nodiscard]] bool finite() const {
+    return std::all_of(logs_.begin(), logs_.end(), [](double value) { return std::isfinite(value); });
+  }
+  [[nodiscard]] int peak() const {
+    return static_cast<int>(std::max_element(logs_.begin(), logs_.end()) - logs_.begin()) - reach_;
+  }
+  /// Standard deviation of the normalized likelihood, in steps (Olson 2009, equation 5).
+  [[nodiscard]] double sigma_steps() const {
+    const double highest = *std::max_element(logs_.begin(), logs_.end());
+    double sum = 0;
+    double first = 0;
+    double second = 0;
+    for (std::size_t i = 0; i < logs_.size(); ++i) {
+      const double weight = std::exp(logs_[i] - highest);
+      const auto at = static_cast<double>(i);
+      sum += weight;
+      first += weight * at;
+      second += weight * at * at;
+    }
+    return std::sqrt(std::max(0.0, second / sum - first * first / (sum * sum)));
+  }
+  /// The step nearest to the middle that is within `below` of the highest.
+  [[nodiscard]] int nearest(double below) const {
+    const double enough = *std::max_element(logs_.begin(), logs_.end()) - below;
+    int step = 0;
+    while (logs_[static_cast<std::size_t>(step + reach_)] < enough)
+      step = step > 0 ? -step : 1 - step;  // 0, 1, -1, 2, -2, ...
+    return step;
+  }
+
+ private:
+  int reach_;
+  std::vector<double> logs_;
+};
+
 int cells(double reach_m) {
   return std::max(1, static_cast<int>(std::lround(reach_m / SurfaceMap::kCellM)));
 }
@@ -193,38 +234,35 @@ ScanMatch match_along(const SurfaceMap& map, const ScanPoints& points, const Sca
                       const std::function<double(const Pose2&)>& score) {
   constexpr double kWeakRatio = 0.15;  // of the strongest direction's information
   constexpr double kStepM = 0.1;
-  constexpr double kAsGood = 0.03;  // of the score: equally good
+  constexpr double kMinWindowM = 1.0;     // narrower, a wrong peak would be the only one
+  constexpr double kLogPerPoint = 0.3;    // log likelihood per unit of score; below 1: errors are correlated
+  constexpr double kDeterminedM = 0.12;   // a wider likelihood tells nothing along the direction ...
+  constexpr double kUndeterminedM = 3.0;  // ... and its constraint does not, either
+  constexpr double kAsLikely = 2.0;       // in log likelihood
   const Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d> axes(first.information.topLeftCorner<2, 2>());
   if (axes.eigenvalues()[0] > kWeakRatio * axes.eigenvalues()[1]) return first;
   const Eigen::Vector2d along = axes.eigenvectors().col(0);
   const double to_prior =
       along.dot(Eigen::Vector2d(prior.mean.x - first.pose.x, prior.mean.y - first.pose.y));
-  const auto shifted = [&](double steps_from_prior) {
+  const auto shifted = [&](int steps_from_prior) {
     const Eigen::Vector2d shift = (to_prior + steps_from_prior * kStepM) * along;
     return Pose2{first.pose.x + shift.x(), first.pose.y + shift.y(), first.pose.yaw};
   };
-  const int reach = static_cast<int>(std::ceil(window_m / kStepM));
-  std::vector<double> scores;
-  for (int i = -reach; i <= reach; ++i) scores.push_back(score(shifted(i)));
-  if (!std::all_of(scores.begin(), scores.end(), [](double value) { return std::isfinite(value); }))
-    return first;
-  const double good = *std::max_element(scores.begin(), scores.end()) - kAsGood;
-  const auto is_good = [&](int i) {
-    const int index = i + reach;
-    return scores[static_cast<std::size_t>(index)] >= good;
-  };
-  // Among equally good positions the one nearest to the prior is chosen.
-  int chosen = 0;
-  while (!is_good(chosen)) chosen = chosen > 0 ? -chosen : 1 - chosen;  // 0, 1, -1, 2, -2, ...
-  double breadth_m = 0;
-  for (int i = -reach; i <= reach; ++i)
-    if (is_good(i)) breadth_m = std::max(breadth_m, std::abs(i - chosen) * kStepM);
-  if (breadth_m < 2.5 * kStepM) {
-    const Pose2 start = shifted(chosen);
-    return match(map, points, start, {start, prior.sigma_m, prior.sigma_rad}, reach_m);
+  const int reach = static_cast<int>(std::ceil(std::max(kMinWindowM, window_m) / kStepM));
+  const double per_score = kLogPerPoint * static_cast<double>(points.surface.size());
+  Profile profile(reach);
+  for (int i = -reach; i <= reach; ++i) profile.add(per_score * score(shifted(i)));
+  if (!profile.finite()) return first;
+  const double sigma_m = kStepM * profile.sigma_steps();
+  const int peak = profile.peak();
+  if (sigma_m < kDeterminedM && std::abs(peak) < reach) {
+    const Pose2 start = shifted(peak);
+    ScanMatch found = match(map, points, start, {start, prior.sigma_m, prior.sigma_rad}, reach_m);
+    weaken(found.information, along, sigma_m / 2);
+    return found;
   }
-  ScanMatch alike = evaluate(map, points, shifted(chosen));
-  weaken(alike.information, along, breadth_m);
+  ScanMatch alike = evaluate(map, points, shifted(profile.nearest(kAsLikely)));
+  weaken(alike.information, along, kUndeterminedM);
   return alike;
 }
 

@@ -45,13 +45,18 @@ struct Agreement {
   double on_surface{0};    ///< graded by how near they lie, as in graded_fit()
   double near_surface{0};  ///< lie so near to a surface that they should lie on it
   double all{0};
+
+  /// Of the points near a surface, the fraction on it. Unlike a fraction of all points it does not grow when
+  /// a pose brings more of the scan into what the map has seen.
+  [[nodiscard]] double ratio() const { return near_surface > 0 ? on_surface / near_surface : 0.0; }
 };
 [[nodiscard]] Agreement agreement(const SurfaceMap& map, const ScanPoints& points, const Pose2& pose);
 
-/// A match in surroundings that may look alike along one direction, as corridors do: evaluates `score` along
-/// the weakest direction, up to `window_m` on both sides of the prior's mean. A single narrow peak restarts
-/// the match there. A broad one keeps the position nearest to the prior and reduces the information along
-/// that direction according to the breadth.
+/// A match in surroundings that may look alike along one direction, as corridors do: the likelihood, from
+/// `score`, along the weakest direction, `window_m` or 1 m on both sides of the prior's mean (Olson,
+/// Real-Time Correlative Scan Matching, 2009). A narrow peak inside the window restarts the match there.
+/// Otherwise the scan does not determine the position along that direction: it stays as near to the prior as
+/// is likely, and has no information along it, so that the prior is not taken for a measurement.
 [[nodiscard]] ScanMatch match_along(const SurfaceMap& map, const ScanPoints& points, const ScanMatch& first,
                                     const PosePrior& prior, double window_m, double reach_m,
                                     const std::function<double(const Pose2&)>& score);

@@ -25,12 +25,20 @@ Eigen::Vector3d draw(const Eigen::Matrix3d& covariance, Rng& rng) {
   return root.matrixL() * z;
 }
 
-/// Covariance of a tracked step: of the match, plus a drift that the match does not observe.
+/// Covariance of a tracked step: the tracker's local map averages over many scans, so its frame drifts by a
+/// fraction of what one match is uncertain by; and of drift that the match does not observe.
 Eigen::Matrix3d step_covariance(const TrackedStep& step) {
+  constexpr double kAveraged = 0.15;   // of a match's covariance
+  constexpr double kDriftRad2 = 1e-6;  // per key frame
+  constexpr double kDriftRad2PerM = 1e-5;
+  constexpr double kDriftRadPerRad = 0.004;
   const double sigma_m = 0.003 + kDriftPerM * 0.5 * step.distance_m;
-  const double sigma_rad = 0.0015 + 0.004 * step.distance_m + 0.003 * std::abs(step.step.yaw);
-  Eigen::Matrix3d covariance = (step.information + 1e-3 * Eigen::Matrix3d::Identity()).inverse();
-  covariance.diagonal() += Eigen::Vector3d(sigma_m * sigma_m, sigma_m * sigma_m, sigma_rad * sigma_rad);
+  const double rotation_rad = kDriftRadPerRad * step.step.yaw;
+  Eigen::Matrix3d covariance = kAveraged * (step.information + 1e-3 * Eigen::Matrix3d::Identity()).inverse();
+  covariance += step.doubt;
+  covariance.diagonal() +=
+      Eigen::Vector3d(sigma_m * sigma_m, sigma_m * sigma_m,
+                      kDriftRad2 + kDriftRad2PerM * step.distance_m + rotation_rad * rotation_rad);
   return covariance;
 }
 
@@ -42,6 +50,7 @@ PathFilter::PathFilter(const PathFilterParams& params)
 void PathFilter::begin(const Pose2& pose, KeyFrame frame) {
   frames_.push_back(std::move(frame));
   graph_.add_node(pose);
+  know_again();
   collapse();
 }
 
@@ -60,9 +69,27 @@ PathFilter::Step PathFilter::add(const TrackedStep& step, KeyFrame frame) {
       std::max_element(particles_.begin(), particles_.end(),
                        [](const auto& a, const auto& b) { return a.log_weight < b.log_weight; }) -
       particles_.begin());
+  know_newest();
   if (is_consistent(best)) return accept(best);
   if (effective_ < params_.resample_threshold * static_cast<double>(particles_.size())) resample();
   return {};
+}
+
+/// What the constraints of the newest key frame tell of it, by the one that tells most.
+void PathFilter::know_newest() {
+  const std::size_t newest = frames_.size() - 1;
+  const auto& constraints = graph_.constraints();
+  known_.resize(frames_.size());
+  RelativeUncertainty& best = known_.back();
+  for (auto constraint = constraints.rbegin(); constraint != constraints.rend(); ++constraint) {
+    if (constraint->to != newest) break;
+    const auto found = extend(known_[constraint->from], graph_, *constraint);
+    if (!best.connected || found.with_bias().trace() < best.with_bias().trace()) best = found;
+  }
+}
+
+void PathFilter::know_again() {
+  known_ = relative_uncertainty(graph_, 0);
 }
 
 void PathFilter::move_particles(const TrackedStep& step) {
@@ -141,6 +168,7 @@ Eigen::Matrix3d PathFilter::covariance() const {
 void PathFilter::restore(std::vector<KeyFrame> frames, PoseGraph graph) {
   frames_ = std::move(frames);
   graph_ = std::move(graph);
+  know_again();
   accepted_at_m_ = frames_.empty() ? 0 : frames_.back().travelled_m;
   trusted_constraints_ = graph_.constraints().size();
   collapse();

@@ -11,6 +11,7 @@
 #include "mapping/key_frame.hpp"
 #include "mapping/matcher.hpp"
 #include "mapping/pose_graph.hpp"
+#include "mapping/relative_uncertainty.hpp"
 #include "mapping/submap_cache.hpp"
 #include "mapping/visibility.hpp"
 
@@ -27,6 +28,8 @@ struct TrackedStep {
   Pose2 step;                   ///< in the frame of the earlier key frame
   Eigen::Matrix3d information;  ///< of x, y, yaw there
   double distance_m{0};         ///< distance travelled
+  /// What scans and wheels disagreed by, as a covariance of x, y, yaw there.
+  Eigen::Matrix3d doubt{Eigen::Matrix3d::Zero()};
 };
 
 /// A key frame that matched an old submap.
@@ -62,7 +65,10 @@ class PathFilter {
   /// The first key frame, at `pose`.
   void begin(const Pose2& pose, KeyFrame frame);
   Step add(const TrackedStep& step, KeyFrame frame);
-  /// Searches the whole map once more for loop closures, and optimizes the whole graph.
+  /// Searches the whole map once more for loop closures, and optimizes the whole graph. Seconds for a long
+  /// path.
+  void optimize();
+  /// The same at the end of a recording, where fewer candidates suffice.
   void finish();
 
   [[nodiscard]] const std::vector<KeyFrame>& frames() const { return frames_; }
@@ -72,6 +78,8 @@ class PathFilter {
   [[nodiscard]] double effective_particles() const { return effective_; }
   [[nodiscard]] double entropy() const;
   [[nodiscard]] std::vector<double> weights() const;  ///< sum to one
+  /// Of the newest key frame, relative to the first.
+  [[nodiscard]] const RelativeUncertainty& uncertainty() const { return known_.back(); }
   /// Spread of the particles' poses: x, y, yaw.
   [[nodiscard]] Eigen::Matrix3d covariance() const;
   [[nodiscard]] std::size_t loops() const { return loops_; }
@@ -104,6 +112,9 @@ class PathFilter {
   [[nodiscard]] double expected_drift_m() const;
   [[nodiscard]] double farthest_offset_m(std::size_t submap) const;
   bool rematch(Constraint& constraint);
+  [[nodiscard]] static double log_likelihood(double fit_score, const PoseGraph& graph);
+  void know_newest();
+  void know_again();
   bool review(std::size_t constraints_before);
 
   PathFilterParams params_;
@@ -111,7 +122,8 @@ class PathFilter {
   std::vector<KeyFrame> frames_;
   PoseGraph graph_;
   SubmapCache submaps_;
-  std::optional<RangeProfile> profile_;  ///< of the newest key frame
+  std::vector<RelativeUncertainty> known_;  ///< of each key frame, relative to the first
+  std::optional<RangeProfile> profile_;     ///< of the newest key frame
   std::vector<Particle> particles_;
   double effective_{0};
   double accepted_at_m_{0};             ///< distance travelled at the last accepted loop closure

@@ -87,6 +87,10 @@ PathFilter::Step PathFilter::accept(std::size_t best) {
   }
   if (moved > kLargeMoveM || frames_.back().travelled_m - accepted_at_m_ > kBetweenLoopsM) ++loops_;
   accepted_at_m_ = frames_.back().travelled_m;
+  if (moved > kLargeMoveM)
+    know_again();
+  else
+    know_newest();
   collapse();
   return {true, moved > kLargeMoveM};
 }
@@ -185,18 +189,40 @@ void PathFilter::accept_rest() {
   if (agreeing >= kMinAgreement) accept(best);
 }
 
-/// Tells the whole path once more from its tracked steps. That story replaces the particles' one only where
-/// it agrees clearly better with itself.
+/// Log likelihood of an account of the path: how well its key frames fit the old submaps about them, and how
+/// well it agrees with the tracked steps.
+double PathFilter::log_likelihood(double fit_score, const PoseGraph& graph) {
+  constexpr double kSlipped = 25.0;  // a step's chi-square beyond this counts as this
+  double squared_error = 0;
+  for (const Constraint& constraint : graph.constraints())
+    if (!constraint.is_loop_closure) squared_error += std::min(kSlipped, graph.squared_error(constraint));
+  return kWeightGain * fit_score - 0.5 * squared_error;
+}
+
+/// A second account of the whole path, from its tracked steps alone, replaces that of the particles unless
+/// those are clearly more likely.
 void PathFilter::finish() {
   accept_rest();
-  graph_.optimize(0, 10);
+  optimize();
+}
+
+void PathFilter::optimize() {
+  constexpr int kIterations = 10;
+  if (graph_.poses().empty()) return;
+  graph_.optimize(0, kIterations);
   LoopCloser closer(submaps_);
   PoseGraph again = graph_;
-  constexpr double kClearly = 1.02;
-  constexpr double kFrames = 2.0;
+  constexpr double kClearly = 0.02;  // of the score ...
+  constexpr double kFrames = 2.0;    // ... and key frames
   const double score = closer.score(frames_, graph_);
-  if (closer.close_all(frames_, again) > kClearly * std::max(0.0, score) + kFrames) graph_ = std::move(again);
-  if (!particles_.empty() && !graph_.poses().empty()) collapse();
+  const double clearly = kWeightGain * (kClearly * std::abs(score) + kFrames);
+  const double first = log_likelihood(score, graph_);
+  const double second = log_likelihood(closer.close_all(frames_, again), again);
+  if (second + clearly >= first) graph_ = std::move(again);
+  trusted_constraints_ = graph_.constraints().size();
+  since_optimized_ = 0;
+  know_again();
+  collapse();
 }
 
 }  // namespace extperfc::mapping

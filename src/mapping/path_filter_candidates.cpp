@@ -19,7 +19,6 @@ constexpr double kSubmapRadiusM = 4.0;  // an old key frame this near has much t
 constexpr std::size_t kSubmapsPerParticle = 2;
 constexpr std::size_t kOtherPass = 30;  // key frames apart: another pass of the same location
 constexpr double kWidestSlideM = 1.2;   // along a corridor
-constexpr double kWeightGain = 6.0;     // log weight per key frame and unit of fit
 constexpr double kSameStartM = 0.08;    // particles nearer than this share one match
 constexpr double kSameStartRad = 0.02;
 // Standard deviations of how far a match may pull a particle: the first one may close the gaps between
@@ -94,11 +93,14 @@ std::optional<PathFilter::SubmapMatch> PathFilter::match_submap(std::size_t subm
   const ScanPoints& points = frames_.back().points;
   auto seen = match(submap.map, points, start, prior, kMatchReachM);
   const double window = std::min(kWidestSlideM, 0.3 + 2 * expected_drift_m());
-  if (seen.fit >= kGoodFit)
+  if (seen.fit >= kGoodFit) {
+    const double overlap =
+        agreement(submap.map, points, start).near_surface / static_cast<double>(points.surface.size());
     seen = match_along(submap.map, points, seen, prior, window, kMatchReachM, [&](const Pose2& there) {
-      return graded_fit(submap.map, points, there) -
+      return overlap * agreement(submap.map, points, there).ratio() -
              kContradictionCost * contradictions(submap, points, *profile_, there);
     });
+  }
   seen.fit -= kContradictionCost * contradictions(submap, points, *profile_, seen.pose);
   SubmapMatch found;
   found.pose = compose(middle, seen.pose);

@@ -15,7 +15,8 @@ inline constexpr double kFarthestPullM = 0.6;  // a match that moves the pose fa
 inline constexpr double kFarthestPullRad = 0.25;
 inline constexpr double kGoodFit = 0.6;  // fraction of points explained from which a submap counts as matched
 inline constexpr double kContradictionCost =
-    2.0;  // of fit, per fraction of contradicting points and surfaces
+    2.0;                                    // of fit, per fraction of contradicting points and surfaces
+inline constexpr double kWeightGain = 6.0;  // log weight per key frame and unit of fit
 inline constexpr double kSameClusterM = 0.3;
 inline constexpr double kSameClusterRad = 0.1;
 inline constexpr double kDriftPerM = 0.012;  // standard deviation of the tracker's drift

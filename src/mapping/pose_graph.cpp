@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include <Eigen/LU>
 #include <Eigen/SparseCholesky>
 #include <Eigen/SparseCore>
 
@@ -114,6 +115,10 @@ class Equations {
 };
 
 }  // namespace
+
+Eigen::Matrix3d Constraint::covariance() const {
+  return (information + 1e-6 * Eigen::Matrix3d::Identity()).inverse();
+}
 
 Eigen::Vector3d PoseGraph::error(const Constraint& constraint) const {
   const Pose2 seen = between(poses_[constraint.from], poses_[constraint.to]);

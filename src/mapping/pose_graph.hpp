@@ -17,6 +17,8 @@ struct Constraint {
   Eigen::Matrix3d information{Eigen::Matrix3d::Zero()};  ///< of x, y, yaw in the frame of `from`
   bool is_loop_closure{false};                           ///< may be wrong, so a robust loss applies
   double fit{0};  ///< of a loop closure: fraction of the scan that the submap explains
+
+  [[nodiscard]] Eigen::Matrix3d covariance() const;  ///< large where nothing is known
 };
 
 /// Key frames as nodes and constraints as edges; optimize() finds the poses that agree with all constraints

@@ -73,14 +73,38 @@ RelativeUncertainty extend(const RelativeUncertainty& known, const Pose2& at, co
 
 }  // namespace
 
-double RelativeUncertainty::reach_m() const {
+double widest_sigma_m(const Eigen::Matrix3d& covariance) {
   const Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d> axes(covariance.topLeftCorner<2, 2>(),
                                                             Eigen::EigenvaluesOnly);
-  return kSigmas * std::sqrt(std::max(0.0, axes.eigenvalues()[1])) + systematic_m;
+  return std::sqrt(std::max(0.0, axes.eigenvalues()[1]));
+}
+
+double RelativeUncertainty::reach_m() const {
+  return kSigmas * widest_sigma_m(covariance) + systematic_m;
+}
+
+double RelativeUncertainty::sigma_m() const {
+  return widest_sigma_m(with_bias());
 }
 
 double RelativeUncertainty::reach_rad() const {
   return kSigmas * std::sqrt(covariance(2, 2));
+}
+
+Eigen::Matrix3d RelativeUncertainty::with_bias() const {
+  Eigen::Matrix3d sum = covariance;
+  const double bias_m = systematic_m / 2;
+  sum(0, 0) += bias_m * bias_m;
+  sum(1, 1) += bias_m * bias_m;
+  return sum;
+}
+
+RelativeUncertainty extend(const RelativeUncertainty& from, const PoseGraph& graph,
+                           const Constraint& constraint) {
+  const Pose2& origin = graph.poses().front();
+  return extend(from, between(origin, graph.poses()[constraint.from]),
+                between(origin, graph.poses()[constraint.to]), constraint.covariance(),
+                wrap_angle(graph.poses()[constraint.from].yaw - origin.yaw));
 }
 
 std::vector<RelativeUncertainty> relative_uncertainty(const PoseGraph& graph, std::size_t from) {
@@ -102,10 +126,9 @@ std::vector<RelativeUncertainty> relative_uncertainty(const PoseGraph& graph, st
       const auto& [index, other] = links.links[l];
       if (settled[other]) continue;
       const Constraint& constraint = graph.constraints()[index];
-      const Eigen::Matrix3d covariance =
-          (constraint.information + 1e-6 * Eigen::Matrix3d::Identity()).inverse();
       const double yaw = wrap_angle(graph.poses()[constraint.from].yaw - origin.yaw);
-      auto extended = extend(known[node], at, between(origin, graph.poses()[other]), covariance, yaw);
+      auto extended =
+          extend(known[node], at, between(origin, graph.poses()[other]), constraint.covariance(), yaw);
       const double size = size_of(extended);
       if (known[other].connected && size >= size_of(known[other])) continue;
       known[other] = extended;

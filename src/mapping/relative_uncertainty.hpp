@@ -9,6 +9,9 @@
 
 namespace extperfc::mapping {
 
+/// Standard deviation of the position along its least known direction.
+[[nodiscard]] double widest_sigma_m(const Eigen::Matrix3d& covariance);
+
 /// What is known of a node's pose as seen from another node.
 struct RelativeUncertainty {
   bool connected{false};
@@ -18,7 +21,15 @@ struct RelativeUncertainty {
   /// Within this distance of its pose, in any direction, the node stands with three standard deviations [m].
   [[nodiscard]] double reach_m() const;
   [[nodiscard]] double reach_rad() const;
+  /// Standard deviation of the position along the direction in which it is known least, bias included [m].
+  [[nodiscard]] double sigma_m() const;
+  /// With the bias as two standard deviations.
+  [[nodiscard]] Eigen::Matrix3d with_bias() const;
 };
+
+/// What is known of node `constraint.to` relative to node 0, from what is known of `constraint.from`.
+[[nodiscard]] RelativeUncertainty extend(const RelativeUncertainty& from, const PoseGraph& graph,
+                                         const Constraint& constraint);
 
 /// For every node the covariance of its pose relative to `from`, along that chain of constraints whose
 /// covariance grows least (Olson, Robust and Efficient Robotic Mapping, 2008, section 4.3: the Dijkstra

@@ -20,6 +20,7 @@ constexpr double kJumpM = 3.0;
 constexpr double kJumpRad = 1.5;
 // Scans whose fit is below the minimum plus this are searched in a wider window.
 constexpr double kComfortableFit = 0.15;
+constexpr double kUnusualDrop = 0.12;  // of the fit, below that of the latest scans
 // Without odometry: constant velocity, with this standard deviation from scan to scan.
 constexpr double kUnknownStepM = 0.12;
 constexpr double kUnknownStepRad = 0.12;
@@ -106,8 +107,7 @@ void Tracker::match_scan(const ScanPoints& points, const PosePrior& prior, Track
 }
 
 bool Tracker::is_unusual(const ScanMatch& match) const {
-  constexpr double kDrop = 0.12;
-  return match.fit < usual_fit_ - kDrop;
+  return match.fit < usual_fit_ - kUnusualDrop;
 }
 
 /// Fraction of the scan that the local map explains, less what contradicts it: points beside surfaces that
@@ -132,7 +132,12 @@ Eigen::Matrix3d Tracker::doubt(const Tracked& tracked, const Pose2& step, const 
   constexpr double kNoiseM = 0.02;
   constexpr double kNoiseRad = 0.02;
   constexpr double kSigmas = 3.0;
-  constexpr double kTrust = 0.5;  // the matched pose is half as far off, as one standard deviation
+  // The matched pose is off by this fraction of the disagreement, as one standard deviation.
+  constexpr double kOff = 0.5;
+  constexpr double kOffWithGoodFit = 0.2;
+  const bool good = tracked.matched &&
+                    tracked.fit > std::max(minimum_fit_ + kComfortableFit, usual_fit_ - 0.5 * kUnusualDrop);
+  const double trust = good ? kOffWithGoodFit : kOff;
   const double distance_m = std::hypot(step.x, step.y);
   const double rotation_rad = std::abs(step.yaw);
   const double usual_m = kNoiseM + kSigmas * (noise_.srr * distance_m + noise_.str * 0.2 * rotation_rad);
@@ -140,10 +145,10 @@ Eigen::Matrix3d Tracker::doubt(const Tracked& tracked, const Pose2& step, const 
   Eigen::Vector3d off(tracked.pose.x - prior.mean.x, tracked.pose.y - prior.mean.y,
                       wrap_angle(tracked.pose.yaw - prior.mean.yaw));
   Eigen::Matrix3d doubt = Eigen::Matrix3d::Zero();
-  off *= kTrust;
-  if (off.head<2>().norm() > kTrust * usual_m)
+  off *= trust;
+  if (off.head<2>().norm() > trust * usual_m)
     doubt.topLeftCorner<2, 2>() = off.head<2>() * off.head<2>().transpose();
-  if (std::abs(off.z()) > kTrust * usual_rad) doubt(2, 2) = off.z() * off.z();
+  if (std::abs(off.z()) > trust * usual_rad) doubt(2, 2) = off.z() * off.z();
   return doubt;
 }
 

@@ -50,8 +50,9 @@ enum class ScanStatus {
 
 struct MapperUpdate {
   ScanStatus status{ScanStatus::kTracked};
-  Pose2 pose;                         ///< of the base in the map, at the scan's stamp
-  Eigen::Matrix3d covariance;         ///< of x, y, yaw [m, m, rad]
+  Pose2 pose;  ///< of the base in the map, at the scan's stamp
+  /// Of x, y, yaw [m, m, rad], relative to the first key frame: drift since known surroundings included.
+  Eigen::Matrix3d covariance;
   double fit{0};                      ///< fraction of the returns that the map explains, [0, 1]
   bool matched{false};                ///< false: odometry (or standing still) alone gave the pose
   bool odometry_contradicted{false};  ///< match and odometry differ widely: slip, a jump, or a wrong match
@@ -70,6 +71,9 @@ struct MapperStatistics {
   double effective_particles{0};  ///< of the last key frame, [1, particles]
   double entropy{0};              ///< of the particles' weights [nat]
   double path_m{0};               ///< length of the tracked path [m]
+  /// Standard deviation of the newest key frame's position relative to the first, along the direction in
+  /// which it is known least [m]. It grows with the distance from known surroundings, until a loop is closed.
+  double position_sigma_m{0};
 };
 
 struct WeightedPose {
@@ -104,6 +108,9 @@ class Mapper {
   [[nodiscard]] Trajectory trajectory() const;
   [[nodiscard]] MapperStatistics statistics() const;
 
+  /// Searches the whole map for loop closures now and optimizes the graph, from which mapping continues.
+  /// Takes seconds for a path of hundreds of metres. map() then redraws the moved scans.
+  void optimize();
   /// Call after the last scan: final graph optimization and full redraw of the map.
   void finish();
 
