@@ -4,7 +4,7 @@
 #include <array>
 #include <cmath>
 
-namespace extperfc::navigate::local {
+namespace extperfc::navigate {
 
 namespace {
 
@@ -141,4 +141,4 @@ float ClearanceField::clearance(const Outline& outline, float x_m, float y_m, fl
   return nearest_m;
 }
 
-}  // namespace extperfc::navigate::local
+}  // namespace extperfc::navigate

@@ -10,7 +10,7 @@
 #include "extperfc/navigate/footprint.hpp"
 #include "extperfc/navigate/local_planner.hpp"
 
-namespace extperfc::navigate::local {
+namespace extperfc::navigate {
 
 /// Points on a footprint's outline, and its circles, for quick questions.
 struct Outline {
@@ -81,4 +81,4 @@ class ClearanceField {
   std::vector<float> distances_m_;
 };
 
-}  // namespace extperfc::navigate::local
+}  // namespace extperfc::navigate

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <limits>
 
-namespace extperfc::navigate::local {
+namespace extperfc::navigate {
 
 namespace {
 
@@ -67,4 +67,4 @@ bool CommandCheck::free(const Twist2& current, const Twist2& command, double dt_
   return true;
 }
 
-}  // namespace extperfc::navigate::local
+}  // namespace extperfc::navigate

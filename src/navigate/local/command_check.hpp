@@ -6,7 +6,7 @@
 #include "extperfc/navigate/footprint.hpp"
 #include "extperfc/navigate/local_planner.hpp"
 
-namespace extperfc::navigate::local {
+namespace extperfc::navigate {
 
 /// How a base stops: it reacts for `reaction_s` with the command, then brakes within its limits.
 struct BrakingRules {
@@ -36,4 +36,4 @@ class CommandCheck {
 /// From a point of the base's frame to the polygon [m]; 0 inside. O(corners).
 [[nodiscard]] double distance_m(const Footprint& footprint, const Eigen::Vector2d& point_m);
 
-}  // namespace extperfc::navigate::local
+}  // namespace extperfc::navigate

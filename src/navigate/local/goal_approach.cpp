@@ -7,7 +7,7 @@
 
 #include "navigate/local/path_window.hpp"
 
-namespace extperfc::navigate::local {
+namespace extperfc::navigate {
 
 namespace {
 
@@ -110,4 +110,4 @@ Twist2 GoalApproach::differential(const Pose2& error) const {
   return {backwards ? -along : along, 0, 2 * bearing};
 }
 
-}  // namespace extperfc::navigate::local
+}  // namespace extperfc::navigate

@@ -2,7 +2,7 @@
 
 #include "extperfc/navigate/local_planner.hpp"
 
-namespace extperfc::navigate::local {
+namespace extperfc::navigate {
 
 /// Drives the last stretch straight to the goal and stops there without swinging: speeds fall with the
 /// distance, and once inside a part of the tolerance the base stays where it is until it leaves the
@@ -36,4 +36,4 @@ class GoalApproach {
   Phase phase_{Phase::kApproach};
 };
 
-}  // namespace extperfc::navigate::local
+}  // namespace extperfc::navigate

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-namespace extperfc::navigate::local {
+namespace extperfc::navigate {
 
 namespace {
 
@@ -88,4 +88,4 @@ Twist2 Guide::differential(const Station& at, const Pose2& pose, double rate) co
   return {vx, 0, wz};
 }
 
-}  // namespace extperfc::navigate::local
+}  // namespace extperfc::navigate

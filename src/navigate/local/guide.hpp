@@ -6,7 +6,7 @@
 
 #include "navigate/local/path_window.hpp"
 
-namespace extperfc::navigate::local {
+namespace extperfc::navigate {
 
 /// Index of the station nearest to a pose in the metric of lengths, from `index` on: a few stations to either
 /// side are looked at.
@@ -33,4 +33,4 @@ class Guide {
   BaseKind base_;
 };
 
-}  // namespace extperfc::navigate::local
+}  // namespace extperfc::navigate

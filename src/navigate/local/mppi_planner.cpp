@@ -22,20 +22,6 @@ namespace extperfc::navigate {
 
 namespace {
 
-using local::BrakingRules;
-using local::ClearanceField;
-using local::CommandCheck;
-using local::GoalApproach;
-using local::Outline;
-using local::PathShift;
-using local::PathWindow;
-using local::PeopleCost;
-using local::Rollouts;
-using local::Scene;
-using local::ShrunkFootprints;
-using local::SpeedRules;
-using local::Station;
-
 constexpr double kMaxDt_s = 1.0;
 constexpr double kIdle_m_s = 0.02;     // slower commands do not move a base
 constexpr double kIdle_rad_s = 0.04;   // the same
@@ -297,7 +283,7 @@ bool MppiPlanner::prepare_stations(const Cycle& cycle) {
                                     window_.remaining_m(), stations_);
   rules_ = {params_.limits, cycle.speed_factor, params_.narrow_speed_m_s, params_.wide_clearance_m,
             (ends && whole) || blocked.has_value()};
-  local::fill_speed_profile(rules_, field_, outline_, stations_);
+  fill_speed_profile(rules_, field_, outline_, stations_);
   return blocked.has_value();
 }
 

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <limits>
 
-namespace extperfc::navigate::local {
+namespace extperfc::navigate {
 
 namespace {
 
@@ -154,4 +154,4 @@ std::optional<float> PathShift::apply(const Surroundings& around, double max_shi
   return blocked ? std::optional<float>(stations.back().s) : std::nullopt;
 }
 
-}  // namespace extperfc::navigate::local
+}  // namespace extperfc::navigate

@@ -6,7 +6,7 @@
 #include "navigate/local/clearance_field.hpp"
 #include "navigate/local/path_window.hpp"
 
-namespace extperfc::navigate::local {
+namespace extperfc::navigate {
 
 /// Moves the path ahead sideways, by up to `max_shift_m`, to where the footprint has clearance: the middle of
 /// a door that the map shows a little elsewhere, the free side of a chair that the map does not show. Least
@@ -47,4 +47,4 @@ class PathShift {
   double last_remaining_m_{0};  ///< of the first of them
 };
 
-}  // namespace extperfc::navigate::local
+}  // namespace extperfc::navigate

@@ -6,7 +6,7 @@
 
 #include "extperfc/base/math.hpp"
 
-namespace extperfc::navigate::local {
+namespace extperfc::navigate {
 
 namespace {
 
@@ -151,4 +151,4 @@ void differentiate(std::vector<Station>& stations) {
   }
 }
 
-}  // namespace extperfc::navigate::local
+}  // namespace extperfc::navigate

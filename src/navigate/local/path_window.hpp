@@ -9,7 +9,7 @@
 #include "extperfc/navigate/velocity.hpp"
 #include "extperfc/world/pose.hpp"
 
-namespace extperfc::navigate::local {
+namespace extperfc::navigate {
 
 /// A rotation by one radian counts as this much translation [m]: lengths along a path are lengths of
 /// (x, y, kRadian_m * yaw), so that rotating on the spot is progress too.
@@ -70,4 +70,4 @@ class PathWindow {
 /// Derivatives by length and lengths of stations whose poses changed.
 void differentiate(std::vector<Station>& stations);
 
-}  // namespace extperfc::navigate::local
+}  // namespace extperfc::navigate

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-namespace extperfc::navigate::local {
+namespace extperfc::navigate {
 
 namespace {
 
@@ -67,4 +67,4 @@ float PeopleCost::at(std::size_t step, float x_m, float y_m) const {
   return sum;
 }
 
-}  // namespace extperfc::navigate::local
+}  // namespace extperfc::navigate

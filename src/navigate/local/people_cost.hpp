@@ -7,7 +7,7 @@
 
 #include "extperfc/navigate/local_planner.hpp"
 
-namespace extperfc::navigate::local {
+namespace extperfc::navigate {
 
 /// Costs of being near people at a time: each goes on with its velocity, less and less surely.
 class PeopleCost {
@@ -38,4 +38,4 @@ class PeopleCost {
   std::vector<Place> places_;  ///< step by step
 };
 
-}  // namespace extperfc::navigate::local
+}  // namespace extperfc::navigate

@@ -7,7 +7,7 @@
 
 #include "extperfc/base/rng.hpp"
 
-namespace extperfc::navigate::local {
+namespace extperfc::navigate {
 
 namespace {
 
@@ -307,4 +307,4 @@ void Rollouts::poses(int sample, const Pose2& robot, std::vector<Pose2>& out) co
     out.push_back({robot.x + x_(sample, step), robot.y + y_(sample, step), wrap_angle(yaw_(sample, step))});
 }
 
-}  // namespace extperfc::navigate::local
+}  // namespace extperfc::navigate

@@ -13,7 +13,7 @@
 #include "navigate/local/people_cost.hpp"
 #include "navigate/local/speed_profile.hpp"
 
-namespace extperfc::navigate::local {
+namespace extperfc::navigate {
 
 /// What trajectories are rated by in one cycle. Positions are about the robot's.
 struct Scene {
@@ -91,4 +91,4 @@ class Rollouts {
   Eigen::Array<float, Eigen::Dynamic, 3> mean_;  ///< steps x (vx, vy, wz)
 };
 
-}  // namespace extperfc::navigate::local
+}  // namespace extperfc::navigate

@@ -1,6 +1,6 @@
 #include "navigate/local/shrunk_footprints.hpp"
 
-namespace extperfc::navigate::local {
+namespace extperfc::navigate {
 
 void ShrunkFootprints::set(const Footprint& footprint) {
   if (!footprints_.empty() && footprints_.front().corners_m() == footprint.corners_m()) return;
@@ -15,4 +15,4 @@ std::size_t ShrunkFootprints::depth(const CostGrid& costs, const Pose2& pose) co
   return footprints_.size();
 }
 
-}  // namespace extperfc::navigate::local
+}  // namespace extperfc::navigate

@@ -6,7 +6,7 @@
 
 #include "extperfc/navigate/footprint.hpp"
 
-namespace extperfc::navigate::local {
+namespace extperfc::navigate {
 
 /// A footprint and smaller ones inside it. A grid shows an obstacle up to a cell too large, and a scan is
 /// noisy: a base that stands in a narrow door seems to touch. How deep tells one from the other.
@@ -28,4 +28,4 @@ class ShrunkFootprints {
   std::vector<Footprint> footprints_;
 };
 
-}  // namespace extperfc::navigate::local
+}  // namespace extperfc::navigate

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-namespace extperfc::navigate::local {
+namespace extperfc::navigate {
 
 namespace {
 
@@ -85,4 +85,4 @@ void fill_speed_profile(const SpeedRules& rules, const ClearanceField& field, co
   }
 }
 
-}  // namespace extperfc::navigate::local
+}  // namespace extperfc::navigate

@@ -8,7 +8,7 @@
 #include "navigate/local/clearance_field.hpp"
 #include "navigate/local/path_window.hpp"
 
-namespace extperfc::navigate::local {
+namespace extperfc::navigate {
 
 /// How fast stations may be passed.
 struct SpeedRules {
@@ -27,4 +27,4 @@ struct SpeedRules {
 void fill_speed_profile(const SpeedRules& rules, const ClearanceField& field, const Outline& outline,
                         std::vector<Station>& stations);
 
-}  // namespace extperfc::navigate::local
+}  // namespace extperfc::navigate
