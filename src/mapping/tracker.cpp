@@ -28,6 +28,7 @@ constexpr double kUnknownStepRad = 0.12;
 // and str of the rotation.
 constexpr double kMinWheelErrorM = 0.01;
 constexpr double kSlideDistanceM = 0.5;  // after this distance, a third of a slide still counts
+constexpr double kWeakRatio = 0.2;       // of the strongest direction's information
 constexpr double kFreeM = 1.0;           // across the corridor the scan decides
 
 /// The component of the motion between two poses along a direction of unit length.
@@ -79,6 +80,7 @@ Tracked Tracker::add(const ScanPoints& points, const std::optional<Pose2>& odom_
   }
   if (!has_odometry) slide_ = {};
   if (has_odometry && !resuming_) tracked.doubt = doubt(tracked, step, before);
+  if (!has_odometry && tracked.matched) tracked.doubt = unmeasured(tracked);
   constexpr double kFollow = 0.1;
   usual_fit_ += kFollow * (tracked.fit - usual_fit_);
   const double per_m2 = 1 / (before.sigma_m * before.sigma_m);
@@ -152,13 +154,23 @@ Eigen::Matrix3d Tracker::doubt(const Tracked& tracked, const Pose2& step, const 
   return doubt;
 }
 
+/// Without odometry neither scan nor wheels measure the motion along a corridor.
+Eigen::Matrix3d Tracker::unmeasured(const Tracked& tracked) const {
+  constexpr double kOff = 0.5;  // of the motion, as one standard deviation
+  Eigen::Matrix3d doubt = Eigen::Matrix3d::Zero();
+  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d> axes(tracked.information.topLeftCorner<2, 2>());
+  if (axes.eigenvalues()[0] > kWeakRatio * axes.eigenvalues()[1]) return doubt;
+  const Eigen::Vector2d off = kOff * moved_along(axes.eigenvectors().col(0), pose_, tracked.pose);
+  doubt.topLeftCorner<2, 2>() = off * off.transpose();
+  return doubt;
+}
+
 /// In a corridor few points constrain the position along it, and some of those are people, or move with the
 /// robot as returns from walls at a grazing angle do. They pull the match slightly from scan to scan, so the
 /// deviation is summed over half a metre. Wheels that do not slip have a constant relative error: within that
 /// error the match decides, because it is tied to the local map; beyond it odometry does.
 void Tracker::watch_slide(const ScanPoints& points, const PosePrior& prior, const Pose2& step,
                           Tracked& tracked) {
-  constexpr double kWeakRatio = 0.2;  // of the strongest direction's information
   const double distance_m = std::hypot(step.x, step.y);
   const double wheels_m = noise_.srr * distance_m + noise_.str * std::abs(step.yaw);
   const double keep = std::exp(-distance_m / kSlideDistanceM);

@@ -28,8 +28,8 @@ struct Tracked {
   double fit{0};                                         ///< see ScanMatch
   bool matched{false};                                   ///< false: odometry alone gave the pose
   bool odometry_contradicted{false};
-  /// What the scan and the wheels disagree by, as a covariance of x, y, yaw in that frame; zero when they
-  /// agree.
+  /// What the scan and the wheels disagree by, or what neither measures, as a covariance of x, y, yaw in that
+  /// frame; zero when they agree.
   Eigen::Matrix3d doubt{Eigen::Matrix3d::Zero()};
 };
 
@@ -72,6 +72,7 @@ class Tracker {
   [[nodiscard]] double support(const ScanPoints& points, const Pose2& pose) const;
   [[nodiscard]] Eigen::Matrix3d doubt(const Tracked& tracked, const Pose2& step,
                                       const PosePrior& prior) const;
+  [[nodiscard]] Eigen::Matrix3d unmeasured(const Tracked& tracked) const;
   [[nodiscard]] ScanMatch look_wider(const ScanPoints& points, const PosePrior& prior,
                                      const ScanMatch& first) const;
   void redraw();

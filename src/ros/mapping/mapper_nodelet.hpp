@@ -49,7 +49,9 @@ namespace extperfc::ros_mapping {
 /// Services:
 ///   dynamic_map      nav_msgs/GetMap
 ///   ~save_map        extperfc/SaveMap: PGM and YAML as map_server has them, and a session to resume from;
-///                    with the suffix .gridmap or .gridmap.gz MRPT's grid map alone
+///                    with the suffix .gridmap or .gridmap.gz MRPT's grid map alone; searches the whole map
+///                    for loops first
+///   ~optimize        std_srvs/Trigger: searches the whole map for loops; scans wait for the seconds it takes
 ///   ~load_session    extperfc/LoadSession: resumes a session; a file that cannot be read changes nothing
 ///   ~pause, ~resume  std_srvs/Trigger: scans are skipped meanwhile, tf continues
 ///   ~reset           std_srvs/Trigger: a new map

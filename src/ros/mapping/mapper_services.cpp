@@ -1,6 +1,8 @@
 #include "ros/mapping/mapper_services.hpp"
 
 #include <filesystem>
+#include <iomanip>
+#include <sstream>
 #include <system_error>
 #include <utility>
 
@@ -44,6 +46,7 @@ MapperServices::MapperServices(ros::NodeHandle handle, ros::NodeHandle private_h
   private_handle.setCallbackQueue(&queue_);
   servers_.push_back(handle.advertiseService("dynamic_map", &MapperServices::dynamic_map, this));
   servers_.push_back(private_handle.advertiseService("save_map", &MapperServices::save_map, this));
+  servers_.push_back(private_handle.advertiseService("optimize", &MapperServices::optimize, this));
   servers_.push_back(private_handle.advertiseService("load_session", &MapperServices::load_session, this));
   servers_.push_back(private_handle.advertiseService("pause", &MapperServices::pause, this));
   servers_.push_back(private_handle.advertiseService("resume", &MapperServices::resume, this));
@@ -75,6 +78,7 @@ Result<std::string> MapperServices::save(const std::string& path) {
         "path must name a file without its suffix, /home/robot/maps/office for instance, not '" + path + "'");
   std::error_code error;
   const fs::path stem = fs::absolute(path, error);
+  mapper_.with([](mapping::Mapper& mapper) { mapper.optimize(); });
   const auto map = maps_.settled_map(kSettlingPatienceS);
   if (!map) return fail(ErrorCode::kNotFound, "there is no map yet: no scan was used");
   if (sources::names_gridmap(stem)) {
@@ -88,6 +92,24 @@ Result<std::string> MapperServices::save(const std::string& path) {
   if (!saved) return tl::unexpected(saved.error());
   if (const auto placed = put_in_place(unfinished, session); !placed) return tl::unexpected(placed.error());
   return "wrote " + stem.string() + ".pgm, .yaml and " + kSessionSuffix;
+}
+
+/// Scans wait in the queue meanwhile.
+bool MapperServices::optimize(Trigger::Request& /*request*/, Trigger::Response& response) {
+  const auto statistics = mapper_.with([](mapping::Mapper& mapper) {
+    mapper.optimize();
+    return mapper.statistics();
+  });
+  if (statistics.key_frames == 0) {
+    answer(tl::unexpected(Error{ErrorCode::kNotFound, "there is no map yet: no scan was used"}), response);
+    return true;
+  }
+  (void)maps_.settled_map(kSettlingPatienceS);
+  std::ostringstream text;
+  text << "searched " << statistics.key_frames << " key frames for loops; the position is known to "
+       << std::setprecision(2) << statistics.position_sigma_m << " m";
+  answer(text.str(), response);
+  return true;
 }
 
 bool MapperServices::load_session(LoadSession::Request& request, LoadSession::Response& response) {

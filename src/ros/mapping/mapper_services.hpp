@@ -18,7 +18,8 @@
 
 namespace extperfc::ros_mapping {
 
-/// dynamic_map, ~save_map, ~load_session, ~pause, ~resume and ~reset. Their answers name what was wrong.
+/// dynamic_map, ~save_map, ~optimize, ~load_session, ~pause, ~resume and ~reset. Their answers name what was
+/// wrong.
 class MapperServices {
  public:
   struct Callbacks {
@@ -43,6 +44,7 @@ class MapperServices {
   bool dynamic_map(nav_msgs::GetMap::Request& request, nav_msgs::GetMap::Response& response);
   bool save_map(SaveMap::Request& request, SaveMap::Response& response);
   bool load_session(LoadSession::Request& request, LoadSession::Response& response);
+  bool optimize(Trigger::Request& request, Trigger::Response& response);
   bool pause(Trigger::Request& request, Trigger::Response& response);
   bool resume(Trigger::Request& request, Trigger::Response& response);
   bool reset(Trigger::Request& request, Trigger::Response& response);

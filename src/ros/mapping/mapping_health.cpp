@@ -106,6 +106,7 @@ void MappingHealth::report_mapper(DiagnosticStatusWrapper& status) const {
   status.addf("effective particles", "%.2f", statistics_.effective_particles);
   status.addf("entropy [nat]", "%.4f", statistics_.entropy);
   status.addf("path [m]", "%.2f", statistics_.path_m);
+  status.addf("standard deviation of the position [m]", "%.3f", statistics_.position_sigma_m);
   status.addf("fit of the last scan", "%.3f", last_ ? last_->fit : 0.0);
   status.addf("mapper last [ms]", "%.2f", mapper_ms_);
   status.addf("mapper longest [ms]", "%.2f", longest_mapper_ms_);

@@ -88,6 +88,19 @@ TEST_F(MapperServicesTest, SavesWhatMapServerReads) {
   EXPECT_GT(agreement(map_now(), *loaded), 0.99);
 }
 
+TEST_F(MapperServicesTest, OptimizesOnDemand) {
+  mount_lidar();
+  load();
+  EXPECT_FALSE(trigger("optimize").success) << "there is no map yet";
+  ASSERT_TRUE(drive(straight_path({0, 0, 0}, {2, -0.5, 0.5}, 20)));
+  const auto answer = trigger("optimize");
+  EXPECT_TRUE(answer.success) << answer.message;
+  EXPECT_NE(answer.message.find("key frames"), std::string::npos) << answer.message;
+  const auto found = feed({2, -0.5, 0.5});
+  ASSERT_TRUE(found) << "mapping continues";
+  EXPECT_LT(error_m(*found, {2, -0.5, 0.5}), 0.1);
+}
+
 TEST_F(MapperServicesTest, SavesWhatMrptReads) {
   load_and_drive();
   const auto file = folder_.path() / "office.gridmap.gz";
