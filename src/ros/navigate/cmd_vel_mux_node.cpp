@@ -31,10 +31,10 @@ Result<std::unique_ptr<CmdVelMuxNode>> CmdVelMuxNode::make(const ros::NodeHandle
       new CmdVelMuxNode(handle, private_handle, *params, std::move(*mux), name));
 }
 
-CmdVelMuxNode::CmdVelMuxNode(ros::NodeHandle handle, ros::NodeHandle private_handle,
+CmdVelMuxNode::CmdVelMuxNode(const ros::NodeHandle& handle, ros::NodeHandle private_handle,
                              const ros_params::CmdVelMuxParams& params, navigate::VelocityMux mux,
                              const std::string& name)
-    : handle_(std::move(handle)),
+    : handle_(handle),
       mux_(std::move(mux)),
       velocity_publisher_(handle_.advertise<geometry_msgs::Twist>("cmd_vel", 1)),
       active_publisher_(private_handle.advertise<std_msgs::String>("active", 1, true)),

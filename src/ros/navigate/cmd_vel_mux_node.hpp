@@ -46,7 +46,7 @@ class CmdVelMuxNode {
   CmdVelMuxNode& operator=(const CmdVelMuxNode&) = delete;
 
  private:
-  CmdVelMuxNode(ros::NodeHandle handle, ros::NodeHandle private_handle,
+  CmdVelMuxNode(const ros::NodeHandle& handle, ros::NodeHandle private_handle,
                 const ros_params::CmdVelMuxParams& params, navigate::VelocityMux mux,
                 const std::string& name);
   void on_command(std::size_t source, const geometry_msgs::Twist& message);

@@ -30,9 +30,9 @@ Pose2 planar(const Pose& pose) {
 
 }  // namespace
 
-CostMaps::CostMaps(ros::NodeHandle handle, const ros_params::NavigatorNodeParams& params, tf2_ros::Buffer& tf,
-                   Callbacks callbacks)
-    : handle_(std::move(handle)),
+CostMaps::CostMaps(const ros::NodeHandle& handle, const ros_params::NavigatorNodeParams& params,
+                   tf2_ros::Buffer& tf, Callbacks callbacks)
+    : handle_(handle),
       global_frame_(params.global_frame),
       odom_frame_(params.odom_frame),
       base_frame_(params.base_frame),
@@ -268,7 +268,7 @@ Result<void> CostMaps::take_cloud(const sensor_msgs::PointCloud2& message) {
   last_stamp_ = std::max(last_stamp_, message.header.stamp);
   if (auto seen = local_.obstacles->observe(cloud, sensor()); !seen) return seen;
   if (!global_.map || !map_T_odom) return {};
-  const Pose map_T_sensor = *map_T_odom;
+  const Pose& map_T_sensor = *map_T_odom;
   cloud.sensor_m = map_T_sensor * cloud.sensor_m;
   for (auto& point : cloud.points_m) point = map_T_sensor.cast<float>() * point;
   return global_.obstacles->observe(cloud, sensor());

@@ -38,7 +38,7 @@ class CostMaps {
     std::function<void(const OccupancyGrid&)> on_map;
   };
 
-  CostMaps(ros::NodeHandle handle, const ros_params::NavigatorNodeParams& params, tf2_ros::Buffer& tf,
+  CostMaps(const ros::NodeHandle& handle, const ros_params::NavigatorNodeParams& params, tf2_ros::Buffer& tf,
            Callbacks callbacks);
   ~CostMaps();
   CostMaps(const CostMaps&) = delete;

@@ -89,12 +89,12 @@ void GoalServer::accept(Handle goal, const std::vector<geometry_msgs::PoseStampe
   callbacks_.start(task);
 }
 
-void GoalServer::on_move_base(MoveBase::GoalHandle goal) {
+void GoalServer::on_move_base(const MoveBase::GoalHandle& goal) {
   Client client;
-  client.finish = [goal](const NavEnd& end) mutable {
+  client.finish = [goal = goal](const NavEnd& end) mutable {
     set_status(goal, end, move_base_msgs::MoveBaseResult());
   };
-  client.feedback = [goal](const geometry_msgs::PoseStamped& base, std::size_t, double) mutable {
+  client.feedback = [goal = goal](const geometry_msgs::PoseStamped& base, std::size_t, double) mutable {
     move_base_msgs::MoveBaseFeedback feedback;
     feedback.base_position = base;
     goal.publishFeedback(feedback);
@@ -103,17 +103,17 @@ void GoalServer::on_move_base(MoveBase::GoalHandle goal) {
   accept(goal, {goal.getGoal()->target_pose}, true, std::move(client));
 }
 
-void GoalServer::on_waypoints(FollowWaypoints::GoalHandle goal) {
+void GoalServer::on_waypoints(const FollowWaypoints::GoalHandle& goal) {
   Client client;
-  client.finish = [goal](const NavEnd& end) mutable {
+  client.finish = [goal = goal](const NavEnd& end) mutable {
     extperfc::FollowWaypointsResult result;
     result.code = static_cast<std::int32_t>(end.error.code);
     result.message = end.error.message;
     result.missed.assign(end.missed.begin(), end.missed.end());
     set_status(goal, end, result);
   };
-  client.feedback = [goal](const geometry_msgs::PoseStamped& base, std::size_t waypoint,
-                           double distance_left_m) mutable {
+  client.feedback = [goal = goal](const geometry_msgs::PoseStamped& base, std::size_t waypoint,
+                                  double distance_left_m) mutable {
     extperfc::FollowWaypointsFeedback feedback;
     feedback.waypoint = static_cast<std::uint32_t>(waypoint);
     feedback.base_position = base;

@@ -48,8 +48,8 @@ class GoalServer {
     std::function<bool(const std::string& goal_id)> is;
   };
 
-  void on_move_base(MoveBase::GoalHandle goal);
-  void on_waypoints(FollowWaypoints::GoalHandle goal);
+  void on_move_base(const MoveBase::GoalHandle& goal);
+  void on_waypoints(const FollowWaypoints::GoalHandle& goal);
   void on_simple(const geometry_msgs::PoseStamped& message);
   void on_cancel(const std::string& goal_id);
   template <typename Handle>

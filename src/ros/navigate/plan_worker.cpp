@@ -99,7 +99,8 @@ navigate::NavResult<navigate::Path> PlanWorker::plan_now(const navigate::PlanReq
   return plan(scene, request);
 }
 
-navigate::NavResult<navigate::Path> PlanWorker::plan(const Scene& scene, navigate::PlanRequest request) {
+navigate::NavResult<navigate::Path> PlanWorker::plan(const Scene& scene,
+                                                     const navigate::PlanRequest& request) {
   const std::lock_guard lock(planner_mutex_);
   try {
     return planner_->plan(*scene.costs, *scene.footprint, request);

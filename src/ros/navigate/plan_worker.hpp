@@ -40,7 +40,8 @@ class PlanWorker {
 
  private:
   [[nodiscard]] navigate::PlanAnswer answer(const navigate::PlanWish& wish);
-  [[nodiscard]] navigate::NavResult<navigate::Path> plan(const Scene& scene, navigate::PlanRequest request);
+  [[nodiscard]] navigate::NavResult<navigate::Path> plan(const Scene& scene,
+                                                         const navigate::PlanRequest& request);
 
   const Look look_;
   const OnAnswer on_answer_;

@@ -13,13 +13,14 @@ namespace {
 
 XmlRpc::XmlRpcValue sources() {
   XmlRpc::XmlRpcValue list;
+  int count = 0;
   const auto add = [&](const char* name, const char* topic, int priority) {
     XmlRpc::XmlRpcValue source;
     source["name"] = std::string(name);
     source["topic"] = std::string(topic);
     source["priority"] = priority;
     source["timeout_s"] = 0.3;
-    list[list.size()] = source;
+    list[count++] = source;
   };
   add("joystick", "joy_vel", 2);
   add("navigator", "nav_vel", 1);
