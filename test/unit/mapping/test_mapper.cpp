@@ -311,6 +311,37 @@ TEST(Mapper, OneParticleAndManyMapTheSame) {
   EXPECT_LT(heap[1], 1.5 * heap[0]) << "memory grows with the area, not with the particles";
 }
 
+TEST(Mapper, OptimizesOnDemandAndGoesOn) {
+  const auto drive = record_room(14);
+  const std::size_t half = drive.scans.size() / 2;
+  Mapper mapper = make_mapper();
+  add_scans(mapper, drive, 0, half);
+  mapper.optimize();
+  EXPECT_LT(drive.error_m(mapper.pose(), half - 1), 0.05);
+  const auto update = add_scans(mapper, drive, half, drive.scans.size());
+  EXPECT_LT(drive.error_m(update.pose, drive.scans.size() - 1), 0.05);
+  mapper.finish();
+  EXPECT_LT(drive.error_m(mapper.pose(), drive.scans.size() - 1), 0.05);
+  make_mapper().optimize();  // without a scan
+}
+
+TEST(Mapper, FarFromKnownSurroundingsThePositionIsKnownLess) {
+  const auto drive = record_drive(planar_corridor(), planar_drive({{-4, 0}, {4, 0}}, 0.15, 0.15), 15);
+  Mapper mapper = make_mapper();
+  double last = 0;
+  for (std::size_t i = 0; i < drive.scans.size(); i += 10) {
+    const auto update = add_scans(mapper, drive, i, std::min(i + 10, drive.scans.size()));
+    const double sigma_m = mapper.statistics().position_sigma_m;
+    EXPECT_GE(sigma_m, last);
+    const double variance_m2 = update.covariance(0, 0) + update.covariance(1, 1);
+    EXPECT_GE(variance_m2, sigma_m * sigma_m);
+    last = sigma_m;
+  }
+  const std::size_t end = drive.scans.size() - 1;
+  EXPECT_GT(last, 0.05);
+  EXPECT_LT(drive.error_m(mapper.pose(), end), 3 * last) << "which covers the truth";
+}
+
 class MapperSession : public testing::Test {
  protected:
   TemporaryFolder folder_;

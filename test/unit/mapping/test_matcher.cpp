@@ -151,6 +151,26 @@ TEST(Matcher, MatchAlongKnowsWhatItDoesNotKnow) {
   EXPECT_LT(std::sqrt(covariance(1, 1)), 0.05) << "across it still knows";
 }
 
+/// Points of a wall to the left of the base, 5 cm apart.
+ScanPoints wall(float from_m, float to_m) {
+  ScanPoints points;
+  for (float x = from_m; x <= to_m; x += 0.05F) points.surface.push_back({{x, 1}, {0, -1}});
+  return points;
+}
+
+TEST(Matcher, AgreementDoesNotGrowWithTheOverlap) {
+  SurfaceMap map;
+  map.add(wall(-10, 0), {});  // the rest of the wall was not seen
+  const auto points = wall(-2, 2);
+  const Pose2 truth;
+  const Pose2 behind{-2, 0, 0};
+  EXPECT_NEAR(graded_fit(map, points, truth), 0.5, 0.06);
+  EXPECT_NEAR(graded_fit(map, points, behind), 1.0, 0.06) << "a plain fit pulls to what was seen";
+  EXPECT_NEAR(agreement(map, points, truth).ratio(), agreement(map, points, behind).ratio(), 0.1)
+      << "but for the points just behind the end";
+  EXPECT_EQ(agreement(map, wall(20, 21), truth).ratio(), 0);
+}
+
 TEST(Matcher, MatchAlongLeavesRoomsAlone) {
   Surroundings room(planar_room());
   room.remember({{0, 0, 0}, {0.3, 0, 0}});

@@ -71,6 +71,16 @@ TEST(RelativeUncertainty, AContradictedLoopClosureIsNoLink) {
   EXPECT_EQ(still[40].covariance, open[40].covariance);
 }
 
+TEST(RelativeUncertainty, ExtendedStepByStepItIsTheSame) {
+  const auto graph = straight(15, 0.4);
+  const auto known = relative_uncertainty(graph, 0);
+  RelativeUncertainty last = known[0];
+  for (const Constraint& constraint : graph.constraints()) last = extend(last, graph, constraint);
+  EXPECT_LT((last.covariance - known[15].covariance).norm(), 1e-9);
+  EXPECT_NEAR(last.systematic_m, known[15].systematic_m, 1e-9);
+  EXPECT_GT(last.sigma_m(), std::sqrt(last.covariance(1, 1))) << "the bias counts, too";
+}
+
 TEST(RelativeUncertainty, WithoutAChainNothingIsKnown) {
   auto graph = straight(3, 0);
   graph.add_node({9, 9, 0});
