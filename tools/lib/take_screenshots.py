@@ -54,8 +54,8 @@ def display():
 def rviz(folder, config, edits=()):
     """rviz without panels and bars, over the whole screen; `edits` are (pattern, replacement) of its configuration."""
     text = (REPO / "config" / "rviz" / config).read_text()
-    for pattern, replacement in ((r"\n  Height: .*", f"\n  Height: {HEIGHT}"), (r"\n  Width: .*", f"\n  Width: {WIDTH}"),
-                                 (r"(    - Class: rviz/Image\n(?:      .*\n)*?      Enabled:) true", r"\1 false"), *edits):
+    text = re.sub(r"(    - Class: rviz/Image\n(?:      .*\n)*?      Enabled:) true", r"\1 false", text)
+    for pattern, replacement in ((r"\n  Height: .*", f"\n  Height: {HEIGHT}"), (r"\n  Width: .*", f"\n  Width: {WIDTH}"), *edits):
         text, count = re.subn(pattern, replacement, text)
         if count == 0:
             raise SystemExit(f"error: {config} has nothing like '{pattern}'")
