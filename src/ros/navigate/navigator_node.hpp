@@ -42,7 +42,7 @@ namespace extperfc::ros_navigate {
 ///   move_base_simple/goal  geometry_msgs/PoseStamped: rviz's 2D Nav Goal
 ///   odom             nav_msgs/Odometry: the velocity of the base
 ///   scan_nearest     sensor_msgs/LaserScan: obstacles
-///   scan             the same, where scan_nearest has no publisher
+///   scan             sensor_msgs/LaserScan: the same, where scan_nearest has no publisher
 ///   obstacle_points  sensor_msgs/PointCloud2: more obstacles, by their heights
 ///   map              nav_msgs/OccupancyGrid
 ///   map_updates      map_msgs/OccupancyGridUpdate
