@@ -86,7 +86,10 @@ void weaken(Eigen::Matrix3d& information, const Eigen::Vector2d& along, double s
 /// Log likelihoods at equal steps along a direction, from -reach to reach.
 class Profile {
  public:
-  explicit Profile(int reach) : reach_(reach) { logs_.reserve(static_cast<std::size_t>(2 * reach + 1)); }
+  explicit Profile(int reach) : reach_(reach) {
+    const int count = 2 * reach + 1;
+    logs_.reserve(static_cast<std::size_t>(count));
+  }
 
   void add(double log_likelihood) { logs_.push_back(log_likelihood); }
   [[nodiscard]] bool finite() const {
@@ -113,9 +116,12 @@ class Profile {
   /// The step nearest to the middle that is within `below` of the highest.
   [[nodiscard]] int nearest(double below) const {
     const double enough = *std::max_element(logs_.begin(), logs_.end()) - below;
+    const auto is_likely = [&](int step) {
+      const int index = step + reach_;
+      return logs_[static_cast<std::size_t>(index)] >= enough;
+    };
     int step = 0;
-    while (logs_[static_cast<std::size_t>(step + reach_)] < enough)
-      step = step > 0 ? -step : 1 - step;  // 0, 1, -1, 2, -2, ...
+    while (!is_likely(step)) step = step > 0 ? -step : 1 - step;  // 0, 1, -1, 2, -2, ...
     return step;
   }
 
