@@ -143,7 +143,8 @@ FootprintRefiner::Status FootprintRefiner::replace(std::vector<Pose2>& poses, co
                              footprint_.circumscribed_radius_m()};
   const Section section = narrowest(poses, span);
   where = section.pose;
-  if (section.closed) return Status::kBlocked;
+  // A footprint as small as a cell may pass beside the line.
+  if (section.closed && footprint_.inscribed_radius_m() >= 2 * costs_.resolution_m) return Status::kBlocked;
   for (const Reach& reach : kReaches) {
     const Span wide = widened(poses, span, reach.margin_m);
     const std::vector<Pose2> along(poses.begin() + static_cast<std::ptrdiff_t>(wide.first),

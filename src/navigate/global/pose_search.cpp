@@ -11,7 +11,7 @@ namespace extperfc::navigate {
 
 namespace {
 
-constexpr int kMaxExpanded = 30000;  // a passage that takes more is given up
+constexpr int kMaxExpanded = 15000;  // a passage that takes more is given up
 constexpr double kMaxWeight = 2;     // of cells: in a narrow passage all are dear
 constexpr double kGreed = 1.5;  // multiplies the estimate of the rest: a path that passes, not the best one
 constexpr double kPerRadian_m = 0.3;
@@ -112,7 +112,8 @@ bool PoseSearch::is_free(std::int32_t node) {
 }
 
 float PoseSearch::rest_of(const Pose2& pose) const {
-  return static_cast<float>(kGreed * (apart_m(pose, goal_) + kPerRadian_m * apart_rad(pose, goal_)));
+  const double greed = base_ == BaseKind::kHolonomic ? kGreed : 1.0;
+  return static_cast<float>(greed * (apart_m(pose, goal_) + kPerRadian_m * apart_rad(pose, goal_)));
 }
 
 bool PoseSearch::reaches_goal(const Pose2& pose) const {
