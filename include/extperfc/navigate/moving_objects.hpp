@@ -14,7 +14,7 @@ namespace extperfc::navigate {
 struct MovingObjectParams {
   double gap_m{0.15};  ///< neighbouring returns farther apart belong to two clusters, (0, 1]; wider where
                        ///< rays are farther apart than half of it
-  double join_m{0.5};         ///< middles of clusters nearer than this are one person's legs, [0, 2]
+  double join_m{0.5};  ///< middles of clusters nearer than this are one person's legs, [0, 2]
   double min_radius_m{0.1};   ///< reported at least, (0, max_radius_m]
   double max_radius_m{0.6};   ///< larger clusters are furniture or walls, <= 2
   double map_margin_m{0.2};   ///< returns nearer to an obstacle of the map are explained by it, [0, 2]

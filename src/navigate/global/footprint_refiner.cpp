@@ -15,14 +15,14 @@ namespace extperfc::navigate {
 namespace {
 
 /// How far a search for a passage reaches: along the path beyond the contact, and to both sides.
-struct Reach {
+struct SearchExtent {
   double margin_m;
   double half_width_m;
   double steps_per_cell;
   int yaws;
   bool from_first;  ///< the lattice holds the first pose, not the one in the middle of the passage
 };
-constexpr std::array<Reach, 4> kReaches{
+constexpr std::array<SearchExtent, 4> kReaches{
     {{0.5, 0.3, 1, 48, false}, {1.0, 0.4, 2, 64, false}, {1.0, 0.4, 2, 64, true}, {2.0, 1.0, 1, 64, false}}};
 constexpr double kApart_m = 0.6;  // contacts nearer to each other are one
 constexpr double kMaxStep_m = 0.05;
@@ -145,7 +145,7 @@ FootprintRefiner::Status FootprintRefiner::replace(std::vector<Pose2>& poses, co
   where = section.pose;
   // A footprint as small as a cell may pass beside the line.
   if (section.closed && footprint_.inscribed_radius_m() >= 2 * costs_.resolution_m) return Status::kBlocked;
-  for (const Reach& reach : kReaches) {
+  for (const SearchExtent& reach : kReaches) {
     const Span wide = widened(poses, span, reach.margin_m);
     const std::vector<Pose2> along(poses.begin() + static_cast<std::ptrdiff_t>(wide.first),
                                    poses.begin() + static_cast<std::ptrdiff_t>(wide.last) + 1);

@@ -164,7 +164,7 @@ Row with_peer(const std::string& name, const std::string& metric, const std::str
 void floor_rows(const std::string& name, const std::vector<Floor>& floors, bool goals,
                 std::vector<Row>& rows) {
   Series usual;
-  Series shortest;
+  Series of_shortest;
   Series differential;
   Series plain;
   Ratios ours;
@@ -190,16 +190,16 @@ void floor_rows(const std::string& name, const std::vector<Floor>& floors, bool 
     ShortestPath reference(floor.round_costs);
     compare(reference, floor.round_costs, floor.round_queries, lengths.length_m, ours);
     compare(reference, floor.round_costs, floor.round_queries, eight_lengths.length_m, eight);
-    shortest.ms.insert(shortest.ms.end(), lengths.ms.begin(), lengths.ms.end());
-    shortest.failed += lengths.failed;
-    shortest.touching += lengths.touching;
+    of_shortest.ms.insert(of_shortest.ms.end(), lengths.ms.begin(), lengths.ms.end());
+    of_shortest.failed += lengths.failed;
+    of_shortest.touching += lengths.touching;
   }
   const std::string plain_name = "Dijkstra";
   const auto goal = [&](Row row, double limit) { return goals ? at_most(std::move(row), limit) : row; };
   rows.push_back(goal(with_peer(name, "plan, mean", "ms", usual.mean_ms(), plain.mean_ms(), plain_name), 40));
   rows.push_back(goal(with_peer(name, "plan, 95 %", "ms", usual.p95_ms(), plain.p95_ms(), plain_name), 80));
-  rows.push_back(goal({name, "plan of shortest paths, mean", "ms", shortest.mean_ms()}, 40));
-  rows.push_back(goal({name, "plan of shortest paths, 95 %", "ms", shortest.p95_ms()}, 80));
+  rows.push_back(goal({name, "plan of shortest paths, mean", "ms", of_shortest.mean_ms()}, 40));
+  rows.push_back(goal({name, "plan of shortest paths, 95 %", "ms", of_shortest.p95_ms()}, 80));
   rows.push_back({name, "differential base, mean", "ms", differential.mean_ms()});
   rows.push_back({name, "differential base, 95 %", "ms", differential.p95_ms()});
   rows.push_back(goal(with_peer(name, "length of all / exact", "-", ours.ours_m / ours.exact_m,
@@ -213,10 +213,10 @@ void floor_rows(const std::string& name, const std::vector<Floor>& floors, bool 
   rows.push_back(with_peer(name, "found, of " + std::to_string(count), "plans", plans - usual.failed,
                            plans - plain.failed, plain_name));
   rows.push_back({name, "found, differential base", "plans", plans - differential.failed});
-  rows.push_back(at_most(
-      with_peer(name, "paths that touch", "plans", usual.touching + shortest.touching + differential.touching,
-                plain.touching, plain_name + ", yaw 0"),
-      0));
+  rows.push_back(at_most(with_peer(name, "paths that touch", "plans",
+                                   usual.touching + of_shortest.touching + differential.touching,
+                                   plain.touching, plain_name + ", yaw 0"),
+                         0));
 }
 
 double resident_mib() {
