@@ -85,10 +85,11 @@ SearchStatus AnyAngleSearch<Space>::settle(std::int32_t target, Estimate& estima
       SearchNode& state = space_->state(next);
       const float cost = reached.path_cost + step;
       if (state.settled || !(cost + kGain < state.path_cost)) return;
-      const float rest = estimate(next);
-      if (!std::isfinite(rest)) return;
-      state = {cost, node, false};
-      queue_.push(cost + rest, next);
+      if (state.rest < 0) state.rest = estimate(next);
+      if (!std::isfinite(state.rest)) return;
+      state.path_cost = cost;
+      state.parent = node;
+      queue_.push(cost + state.rest, next);
     });
     if (++expanded_ % 1024 == 0 && interrupted()) return SearchStatus::kInterrupted;
   }

@@ -50,7 +50,8 @@ bool BlockSpace::is_free(const Cell& first) const {
 BlockSpace::Block BlockSpace::make_block(const Cell& first) const {
   Block block;
   Mask cells = 0;
-  float cheapest = std::numeric_limits<float>::infinity();
+  float sum = 0;
+  float count = 0;
   if (is_free(first)) {
     block.parts[0] = all_;
     block.weight = traversal_->weight[kFreeCost];
@@ -62,7 +63,8 @@ BlockSpace::Block BlockSpace::make_block(const Cell& first) const {
     for (int column = box.min.column; column < box.max.column; ++column) {
       const float weight = traversal_->weight[costs[column]];
       cells |= static_cast<Mask>(weight > 0) << ((row - first.row) * size_ + column - first.column);
-      cheapest = weight > 0 ? std::min(cheapest, weight) : cheapest;
+      sum += weight;
+      count += weight > 0 ? 1.0F : 0.0F;
     }
   }
   const Eigen::Vector2d middle(first.column + 0.5 * size_, first.row + 0.5 * size_);
@@ -76,10 +78,11 @@ BlockSpace::Block BlockSpace::make_block(const Cell& first) const {
   for (const Disc& disc : traversal_->closed)
     if (Disc{disc.middle, disc.radius + size_}.holds(middle))
       for (int k = 0; k < size_ * size_; ++k)
-        if (disc.holds({first.column + k % size_ + 0.5, first.row + k / size_ + 0.5}))
+        if (const Cell cell{first.column + k % size_, first.row + k / size_};
+            disc.holds({cell.column + 0.5, cell.row + 0.5}))
           cells &= ~(Mask{1} << k);
   if (cells == 0) return block;
-  block.weight = std::isfinite(cheapest) ? cheapest : traversal_->weight[kInscribedCost - 1];
+  block.weight = count > 0 ? sum / count : traversal_->weight[kInscribedCost - 1];
   split(block, cells);
   return block;
 }

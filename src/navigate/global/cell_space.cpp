@@ -110,18 +110,34 @@ void CellSpace::apply_discs(Tile& tile, const Cell& first) const {
 }
 
 double CellSpace::line_cost(const Eigen::Vector2d& from, const Eigen::Vector2d& to, double limit) {
-  int column = static_cast<int>(std::floor(from.x()));
-  int row = static_cast<int>(std::floor(from.y()));
+  constexpr double kInfinite = std::numeric_limits<double>::infinity();
+  const auto inside = [this](const Eigen::Vector2d& point) {
+    return point.x() >= 0 && point.y() >= 0 && point.x() < width_ && point.y() < height_;
+  };
+  if (!inside(from) || !inside(to)) return kInfinite;
+  int column = static_cast<int>(from.x());
+  int row = static_cast<int>(from.y());
+  int tile_column = -1;
+  int tile_row = -1;
+  const Tile* current = nullptr;
+  const auto weight_at = [&](int c, int r) {  // lines stay in a tile for many cells
+    if (c >> kTileBits != tile_column || r >> kTileBits != tile_row) {
+      tile_column = c >> kTileBits;
+      tile_row = r >> kTileBits;
+      current = &tile(c, r);
+    }
+    return current->weight[offset(c, r)];
+  };
   double cost = 0;
   const auto visit = [&](int column_step, int row_step, double length) {
-    const float here = weight(column, row);
+    const float here = weight_at(column, row);
     cost += length * static_cast<double>(here);
     column += column_step;
     row += row_step;
     return here > 0 && cost <= limit;
   };
   const auto corner = [&](int, int row_step) { return weight(column, row + row_step) > 0; };
-  return walk_line(from, to, visit, corner) ? cost : std::numeric_limits<double>::infinity();
+  return walk_line(from, to, visit, corner) ? cost : kInfinite;
 }
 
 }  // namespace extperfc::navigate

@@ -73,7 +73,8 @@ class CellSpace {
     return static_cast<std::size_t>(((row & (kSide - 1)) << kTileBits) | (column & (kSide - 1)));
   }
   [[nodiscard]] Tile& tile(int column, int row) {
-    const auto at = static_cast<std::size_t>((row >> kTileBits) * tile_columns_ + (column >> kTileBits));
+    const int index = (row >> kTileBits) * tile_columns_ + (column >> kTileBits);
+    const auto at = static_cast<std::size_t>(index);
     Tile* found = tiles_.find(at);
     return found != nullptr ? *found : make_tile(at);
   }

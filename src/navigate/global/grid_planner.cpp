@@ -94,6 +94,7 @@ class GridPlanner : public GlobalPlanner {
   /// The goal itself, or free poses about it.
   [[nodiscard]] NavResult<std::vector<Pose2>> goals(const Call& call) const;
   [[nodiscard]] NavResult<Path> plan_to(Call& call, const Pose2& goal);
+  static void close(Call& call, const Eigen::Vector2d& place_cells);
   [[nodiscard]] Path make_path(const Call& call, const std::vector<Pose2>& poses) const;
   [[nodiscard]] NavError unreachable(const Call& call, const Pose2& goal);
   [[nodiscard]] NavError too_narrow(const Call& call, const Pose2& where) const;
@@ -188,7 +189,6 @@ NavResult<Path> GridPlanner::plan_to(Call& call, const Pose2& goal) {
   const Eigen::Vector2d to = call.in_cells(goal);
   call.traversal.opened = {{from, kOpened_cells}, {to, kOpened_cells}};
   call.traversal.closed.clear();
-  const double closed_cells = std::max(3.0, 0.5 * call.traversal.inscribed_cells);
   std::optional<Pose2> narrow;
   for (int passages = 0; passages < kMaxPassages; ++passages) {
     const GridSearch::Status status = search_.find(call.costs, call.traversal, from, to, call.clock);
@@ -206,9 +206,19 @@ NavResult<Path> GridPlanner::plan_to(Call& call, const Pose2& goal) {
       return interrupted(call.clock, params_, narrow);
     if (refined.status == FootprintRefiner::Status::kFree) return make_path(call, refined.poses);
     if (!narrow) narrow = refined.where;
-    call.traversal.closed.push_back({call.in_cells(*refined.where), closed_cells});
+    close(call, call.in_cells(*refined.where));
   }
   return tl::unexpected<NavError>(too_narrow(call, *narrow));
+}
+
+/// A disc about the place; the more discs lie there already, the larger: the passage is wider than they are.
+void GridPlanner::close(Call& call, const Eigen::Vector2d& place_cells) {
+  const double near_cells = std::max(10.0, 2 * call.traversal.inscribed_cells);
+  const auto before =
+      std::count_if(call.traversal.closed.begin(), call.traversal.closed.end(),
+                    [&](const Disc& disc) { return (disc.middle - place_cells).norm() < near_cells; });
+  const double radius = std::max(3.0, 0.5 * call.traversal.inscribed_cells);
+  call.traversal.closed.push_back({place_cells, std::min(1.0 + static_cast<double>(before), 4.0) * radius});
 }
 
 Path GridPlanner::make_path(const Call& call, const std::vector<Pose2>& poses) const {

@@ -8,9 +8,9 @@ namespace extperfc::navigate {
 namespace {
 
 constexpr int kBlock_cells = 4;
-constexpr double kMaxLine_cells = 400;
+constexpr double kMaxLine_cells = 200;
 /// Of paths of almost the same cost the search follows one. The path's cost grows by at most this factor.
-constexpr double kGreed = 1.01;
+constexpr double kGreed = 1.02;
 
 Cell cell_under(const Eigen::Vector2d& point) {
   return {static_cast<int>(std::floor(point.x())), static_cast<int>(std::floor(point.y()))};

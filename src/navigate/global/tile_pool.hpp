@@ -12,6 +12,7 @@ namespace extperfc::navigate {
 struct SearchNode {
   float path_cost{
       std::numeric_limits<float>::infinity()};  ///< from the search's origin; infinite: not reached
+  float rest{-1};  ///< estimate of the path cost to the search's target; negative: not asked yet
   std::int32_t parent{-1};
   bool settled{false};
 };
