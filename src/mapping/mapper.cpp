@@ -140,7 +140,7 @@ Eigen::Matrix3d Mapper::Impl::covariance(const Tracked& tracked) const {
   const Eigen::Matrix3d tracked_covariance =
       (tracked.information + kSmallestCovariance * Eigen::Matrix3d::Identity()).inverse();
   const Eigen::Matrix3d rotation = rotation_by(wrap_angle(pose().yaw - tracker_.pose().yaw));
-  const Eigen::Matrix3d since_key_frame = rotation * tracked_covariance * rotation.transpose();
+  Eigen::Matrix3d since_key_frame = rotation * tracked_covariance * rotation.transpose();
   if (filter_.frames().empty()) return since_key_frame;
   const Eigen::Matrix3d to_map = rotation_by(filter_.poses().front().yaw);
   return since_key_frame + filter_.covariance() +

@@ -44,11 +44,11 @@ class Office(unittest.TestCase):
 
     def stops_when_killed(self, robot, session):
         """The base's own timeout stops it: no one is left to send zero."""
-        import rosnode
+        import rosgraph
         import xmlrpc.client
         robot.send(Pose(0.0, 3.4, 0.0))
         robot.wait(lambda: robot.status.state == "controlling" and robot.status.speed > 0.2, "the robot to drive", 30)
-        uri = rosnode.get_api_uri(rosnode.rosgraph.Master("/test"), "/nav_manager")
+        uri = rosgraph.Master("/test").lookupNode("/nav_manager")
         pid = xmlrpc.client.ServerProxy(uri).getPid("/test")[2]
         os.kill(pid, signal.SIGKILL)
         begin = robot.now()
