@@ -45,7 +45,7 @@ std::size_t nearest_station(const std::vector<Station>& stations, std::size_t in
 Twist2 Guide::velocity(const std::vector<Station>& stations, std::size_t index, const Pose2& pose,
                        double rate_factor) const {
   const double rate = rate_factor * stations[index].max_rate;
-  const auto ahead = static_cast<std::size_t>(std::max(0.0, rate) * kLead_s / kStationStep_m + 0.5);
+  const auto ahead = static_cast<std::size_t>(std::lround(std::max(0.0, rate) * kLead_s / kStationStep_m));
   const Station& lead = stations[std::min(stations.size() - 1, index + ahead)];
   Station at = stations[index];
   at.dx = lead.dx;

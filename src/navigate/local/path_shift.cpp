@@ -69,7 +69,7 @@ bool PathShift::all_clear(const Surroundings& around, const std::vector<Station>
 /// Number of layers that can be reached.
 std::size_t PathShift::solve(const Surroundings& around, const std::vector<Station>& stations, int half,
                              double remaining_m) {
-  const auto states = static_cast<std::size_t>(2 * half + 1);
+  const auto states = 2 * static_cast<std::size_t>(half) + 1;
   const std::size_t layers = (stations.size() + kStride - 1) / kStride;
   constexpr auto kStep_m = static_cast<float>(kShiftStep_m);
   constexpr float kLayer_m = kStride * static_cast<float>(kStationStep_m);
@@ -108,7 +108,7 @@ std::size_t PathShift::solve(const Surroundings& around, const std::vector<Stati
 }
 
 void PathShift::trace(std::size_t layers, int half) {
-  const auto states = static_cast<std::size_t>(2 * half + 1);
+  const auto states = 2 * static_cast<std::size_t>(half) + 1;
   const auto begin = costs_.begin() + static_cast<std::ptrdiff_t>((layers - 1) * states);
   int state = static_cast<int>(std::min_element(begin, begin + static_cast<std::ptrdiff_t>(states)) - begin);
   shifts_.assign(layers, 0);
