@@ -19,8 +19,11 @@ class NavigatorFaults : public NavigatorTest {
     ASSERT_TRUE(wait_until_it_drives()) << log_.text();
   }
   void expect_reason(const std::string& text) {
-    EXPECT_TRUE(wait_for([&] { return status_.all().back()->reason.find(text) != std::string::npos; }))
-        << status_.all().back()->reason;
+    const auto reason = [&] {
+      const auto all = status_.all();
+      return all.empty() ? std::string() : all.back()->reason;
+    };
+    EXPECT_TRUE(wait_for([&] { return reason().find(text) != std::string::npos; })) << reason();
   }
   void expect_goal_reached() {
     ASSERT_TRUE(wait_for_end()) << log_.text();
