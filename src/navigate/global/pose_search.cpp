@@ -90,7 +90,8 @@ void PoseSearch::lay_out(const std::vector<Pose2>& along) {
     for (int r = std::max(0, row - reach); r <= std::min(rows_ - 1, row + reach); ++r)
       for (int c = std::max(0, column - reach); c <= std::min(columns_ - 1, column + reach); ++c) {
         const int distance = (c - column) * (c - column) + (r - row) * (r - row);
-        const auto at = static_cast<std::size_t>(r * columns_ + c);
+        const auto at =
+            static_cast<std::size_t>(r) * static_cast<std::size_t>(columns_) + static_cast<std::size_t>(c);
         if (distance > reach * reach || distance >= squared[at]) continue;
         squared[at] = distance;
         nearest_[at] = static_cast<std::int16_t>(i);
@@ -101,7 +102,9 @@ void PoseSearch::lay_out(const std::vector<Pose2>& along) {
 
 Pose2 PoseSearch::pose_of(std::int32_t node) const {
   const int place = node / yaws();
-  return {left_m_ + place % columns_ * lattice_.step_m, bottom_m_ + place / columns_ * lattice_.step_m,
+  const int row = place / columns_;
+  const int column = place - row * columns_;
+  return {left_m_ + column * lattice_.step_m, bottom_m_ + row * lattice_.step_m,
           yaw_of_[static_cast<std::size_t>(node % yaws())]};
 }
 
@@ -202,7 +205,9 @@ void PoseSearch::expand(std::int32_t node) {
     const int column = place % columns_ + move.columns;
     const int row = place / columns_ + move.rows;
     if (column < 0 || row < 0 || column >= columns_ || row >= rows_) continue;
-    if (nearest_[static_cast<std::size_t>(row * columns_ + column)] < 0) continue;
+    if (nearest_[static_cast<std::size_t>(row) * static_cast<std::size_t>(columns_) +
+                 static_cast<std::size_t>(column)] < 0)
+      continue;
     offer(node, index(column, row, (yaw + move.yaw_steps + yaws()) % yaws()), move);
   }
 }
