@@ -117,9 +117,9 @@ double CellSpace::line_cost(const Eigen::Vector2d& from, const Eigen::Vector2d& 
   if (!inside(from) || !inside(to)) return kInfinite;
   int column = static_cast<int>(from.x());
   int row = static_cast<int>(from.y());
-  int tile_column = -1;
-  int tile_row = -1;
-  const Tile* current = nullptr;
+  int tile_column = column >> kTileBits;
+  int tile_row = row >> kTileBits;
+  const Tile* current = &tile(column, row);
   const auto weight_at = [&](int c, int r) {  // lines stay in a tile for many cells
     if (c >> kTileBits != tile_column || r >> kTileBits != tile_row) {
       tile_column = c >> kTileBits;

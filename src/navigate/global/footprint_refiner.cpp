@@ -143,14 +143,15 @@ FootprintRefiner::Status FootprintRefiner::replace(std::vector<Pose2>& poses, co
                              footprint_.circumscribed_radius_m()};
   const Section section = narrowest(poses, span);
   where = section.pose;
-  // A footprint as small as a cell may pass beside the line.
-  if (section.closed && footprint_.inscribed_radius_m() >= 2 * costs_.resolution_m) return Status::kBlocked;
+  // A footprint as small as a cell may pass beside the line, and fits the cells' own lattice.
+  const bool small = footprint_.inscribed_radius_m() < 2 * costs_.resolution_m;
+  if (section.closed && !small) return Status::kBlocked;
   for (const SearchExtent& reach : kReaches) {
     const Span wide = widened(poses, span, reach.margin_m);
     const std::vector<Pose2> along(poses.begin() + static_cast<std::ptrdiff_t>(wide.first),
                                    poses.begin() + static_cast<std::ptrdiff_t>(wide.last) + 1);
     const double step_m = std::min(costs_.resolution_m, kMaxStep_m) / reach.steps_per_cell;
-    const bool from_first = reach.from_first || base_ == BaseKind::kDifferential;
+    const bool from_first = reach.from_first || small || base_ == BaseKind::kDifferential;
     const PoseLattice lattice{reach.half_width_m, step_m, reach.yaws,
                               from_first ? along.front() : section.pose};
     PoseSearch search(costs_, traversal_, base_, lattice, check);

@@ -20,8 +20,8 @@ bool walk_line(const Eigen::Vector2d& from, const Eigen::Vector2d& to, Visit vis
   const double length = delta.norm();
   const double column = std::floor(from.x());
   const double row = std::floor(from.y());
-  int left = std::abs(static_cast<int>(std::floor(to.x()) - column)) +
-             std::abs(static_cast<int>(std::floor(to.y()) - row));
+  int columns = std::abs(static_cast<int>(std::floor(to.x()) - column));  // still to cross
+  int rows = std::abs(static_cast<int>(std::floor(to.y()) - row));
   const int right = delta.x() > 0 ? 1 : -1;
   const int up = delta.y() > 0 ? 1 : -1;
   const double per_column = delta.x() != 0 ? length / std::abs(delta.x()) : kInfinite;
@@ -30,13 +30,15 @@ bool walk_line(const Eigen::Vector2d& from, const Eigen::Vector2d& to, Visit vis
       delta.x() != 0 ? (right > 0 ? column + 1 - from.x() : from.x() - column) * per_column : kInfinite;
   double next_row = delta.y() != 0 ? (up > 0 ? row + 1 - from.y() : from.y() - row) * per_row : kInfinite;
   double travelled = 0;
-  for (; left > 0; --left) {
-    const bool along_row = next_column <= next_row;
+  while (columns + rows > 0) {
+    const bool along_row = rows == 0 || (columns > 0 && next_column <= next_row);
     const double next = along_row ? next_column : next_row;
-    if (std::abs(next_column - next_row) < 1e-9 && !corner(right, up)) return false;
+    if (std::abs(next_column - next_row) < 1e-9 && columns > 0 && rows > 0 && !corner(right, up))
+      return false;
     if (!visit(along_row ? right : 0, along_row ? 0 : up, next - travelled)) return false;
     travelled = next;
     (along_row ? next_column : next_row) += along_row ? per_column : per_row;
+    --(along_row ? columns : rows);
   }
   return visit(0, 0, std::max(0.0, length - travelled));
 }

@@ -51,7 +51,7 @@ bool remove_corners(CellSpace& cells, Polyline& line) {
 Polyline split_evenly(const Polyline& line, double spacing) {
   Polyline points{line.front()};
   for (std::size_t i = 1; i < line.size(); ++i) {
-    const Eigen::Vector2d from = line[i - 1];
+    const Eigen::Vector2d& from = line[i - 1];
     const int parts = std::max(1, static_cast<int>(std::ceil((line[i] - from).norm() / spacing)));
     for (int k = 1; k < parts; ++k) points.emplace_back(from + (line[i] - from) * k / parts);
     points.push_back(line[i]);

@@ -14,7 +14,10 @@ PlannerCase grid_planner(const std::string& name, double cost_factor, BaseKind b
           },
           // Where it touches, a differential base follows a lattice of 16 directions.
           base == BaseKind::kDifferential ? 1.25 : 1.02,
-          base == BaseKind::kDifferential ? 2 * kCell_m : kCell_m};
+          base == BaseKind::kDifferential ? 2 * kCell_m : kCell_m,
+          base == BaseKind::kDifferential
+              ? "a differential base smaller than a cell does not find every passage of one cell"
+              : nullptr};
 }
 
 }  // namespace
