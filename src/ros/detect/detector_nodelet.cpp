@@ -197,8 +197,9 @@ void DetectorNodelet::advertise() {
   info_publisher_.publish(info);
 
   transport_ = std::make_unique<image_transport::ImageTransport>(nh);
-  once_.emplace(getPrivateNodeHandle(), DetectOnceService::Callbacks{[this] { update_subscription(); },
-                                                                     [this](Job job) { jobs_.put(std::move(job)); }});
+  once_.emplace(getPrivateNodeHandle(),
+                DetectOnceService::Callbacks{[this] { update_subscription(); },
+                                             [this](Job job) { jobs_.put(std::move(job)); }});
   {
     const std::lock_guard lock(
         subscription_mutex_);  // the callbacks below must not run before all of this is set
