@@ -101,11 +101,13 @@ NavigatorNode::NavigatorNode(const ros::NodeHandle& handle, const ros::NodeHandl
   if (!outline_.problem().empty()) ROS_WARN("%s: %s", name.c_str(), outline_.problem().c_str());
 }
 
+/// Callbacks end first: they use what follows.
 NavigatorNode::~NavigatorNode() {
   stopping_ = true;
   if (control_thread_.joinable()) control_thread_.join();
-  reporter_.reset();
   spinner_.stop();
+  queue_.disable();
+  reporter_.reset();
   reconfigure_.reset();
   plan_service_.shutdown();
   clear_service_.shutdown();
