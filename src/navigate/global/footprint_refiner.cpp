@@ -108,7 +108,10 @@ std::optional<Pose2> FootprintRefiner::freest_across(const Pose2& pose, double d
     for (int k = side > 0 ? 0 : 1; k * step_m <= kMaxAcross_m && best_run < kYaws; ++k) {
       const Eigen::Vector2d at = Eigen::Vector2d(pose.x, pose.y) + side * k * step_m * across;
       const auto cell = costs_.cell_of(at);
-      if (!cell || !traversal_.admits(costs_.at(*cell))) break;
+      if (!cell || !traversal_.admits(costs_.at(*cell))) {
+        if (k * step_m > costs_.resolution_m) break;
+        continue;  // the pose may lie on the edge of such a cell
+      }
       std::array<bool, kYaws> free{};
       for (int yaw = 0; yaw < kYaws; ++yaw)
         free[static_cast<std::size_t>(yaw)] = is_free({at.x(), at.y(), pose.yaw + kTwoPi * yaw / kYaws});

@@ -11,9 +11,14 @@ namespace extperfc::navigate {
 
 namespace {
 
-constexpr int kMaxExpanded = 15000;  // a passage that takes more is given up
-constexpr double kMaxWeight = 2;     // of cells: in a narrow passage all are dear
-constexpr double kGreed = 1.5;  // multiplies the estimate of the rest: a path that passes, not the best one
+constexpr int kMaxExpanded = 15000;  // a passage that takes more is given up, for every kSpan_m of its path
+constexpr double kSpan_m = 2.5;
+constexpr double kPoseStep_m = 0.08;  // of the path, about
+constexpr double kMaxWeight = 2;      // of cells: in a narrow passage all are dear
+/// Multiplies the estimate of the rest; more for long contacts, which need a path that passes rather than the
+/// best.
+constexpr double kGreed = 1.5;
+constexpr double kLongGreed = 2.5;
 constexpr double kPerRadian_m = 0.3;
 constexpr double kBackwards = 2;    // times the cost of a step forwards
 constexpr double kConnect_m = 0.5;  // a differential base drives straight to the end from here
@@ -213,9 +218,12 @@ void PoseSearch::expand(std::int32_t node) {
 }
 
 PoseSearch::Status PoseSearch::find(const std::vector<Pose2>& along, const PlanClock& clock) {
+  const double spans = std::max(1.0, kPoseStep_m * static_cast<double>(along.size()) / kSpan_m);
+  greed_ = spans > 1 ? kLongGreed : kGreed;
   lay_out(along);
   begin();
-  for (int expanded = 1; !open_.empty() && expanded < kMaxExpanded; ++expanded) {
+  const int limit = static_cast<int>(kMaxExpanded * spans);
+  for (int expanded = 1; !open_.empty() && expanded < limit; ++expanded) {
     const std::int32_t node = open_.top().second;
     open_.pop();
     Node& state = nodes_[static_cast<std::size_t>(node)];

@@ -82,6 +82,7 @@ class PoseSearch {
   FootprintCheck check_;
   Pose2 start_;
   Pose2 goal_;
+  double greed_{1};
   double left_m_{0};
   double bottom_m_{0};
   int columns_{0};
