@@ -137,7 +137,7 @@ class Network(WithFolder):
     def test_boxes_map_back_to_the_image(self):
         network = detector.Detector(REPO / "models" / "shapes")
         raw = numpy.zeros((1, 7, 2), numpy.float32)
-        raw[0, :, 0] = (192, 126, 36, 72, 0, 0.9, 0)
+        raw[0, :, 0] = (256, 150, 36, 72, 0, 0.9, 0)
 
         class Fixed:
             def setInput(self, blob):
@@ -147,11 +147,11 @@ class Network(WithFolder):
                 return [raw]
 
         network._net = Fixed()
-        found = network.detect(numpy.zeros((500, 768, 3), numpy.uint8))
+        found = network.detect(numpy.zeros((500, 1024, 3), numpy.uint8))
         self.assertEqual(["cube"], [name for name, _, _ in found])
-        # The image fills 384 x 250 at (0, 19): pixels are doubled.
-        numpy.testing.assert_allclose((348, 142, 420, 286), found[0][2], atol=1e-4)
-        self.assertEqual((348, 142, 420, 286), network.propose(numpy.zeros((500, 768, 3), numpy.uint8))[0][0].corners)
+        # The image fills 512 x 250 at (0, 67): pixels are doubled.
+        numpy.testing.assert_allclose((476, 94, 548, 238), found[0][2], atol=1e-4)
+        self.assertEqual((476, 94, 548, 238), network.propose(numpy.zeros((500, 1024, 3), numpy.uint8))[0][0].corners)
 
 
 if __name__ == "__main__":
