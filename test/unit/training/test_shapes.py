@@ -92,7 +92,7 @@ class Samples(unittest.TestCase):
     def test_letterbox_keeps_the_aspect(self):
         out = samples.letterbox(np.zeros((360, 640, 3), np.uint8), (WIDTH, HEIGHT))
         self.assertEqual(out.shape, (HEIGHT, WIDTH, 3))
-        self.assertTrue((out[:36] == 114).all() and (out[-36:] == 114).all() and (out[36:252] == 0).all())
+        self.assertTrue((out[:48] == 114).all() and (out[-48:] == 114).all() and (out[48:336] == 0).all())
 
     def test_a_missing_image_is_one_clear_error(self):
         with self.assertRaisesRegex(SystemExit, '000001.xml does not exist: render'):
@@ -156,7 +156,7 @@ class Network(unittest.TestCase):
 
     def test_loss_prefers_the_truth(self):
         from extperfc.training.shapes import loss, network
-        centres, strides = network.cells()
+        centres, strides = network.cells(384, 288)
         truth, valid = torch.tensor([[[2., 100, 80, 164, 144]]]), torch.ones(1, 1, dtype=torch.bool)
         gap = torch.cat([centres - truth[0, 0, 1:3], truth[0, 0, 3:] - centres], 1)
         reach = torch.log((gap / strides[:, None]).clamp(min=.05)).t()[None]
