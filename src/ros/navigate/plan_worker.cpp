@@ -16,7 +16,11 @@ using navigate::NavCode;
 
 constexpr navigate::Cost kAvoidedCost = 252;  // the highest that is not blocked
 constexpr double kNearM = 0.3;                // the robot stands here already
-constexpr double kMarginM = 0.03;             // by which the footprint is smaller to call a path blocked
+constexpr double kMarginM = 0.045;            // by which the footprint is smaller to call a path blocked
+// A wall covers every cell that it touches, so a door of the map is up to two cells too narrow. Where there
+// is no path, the footprint is smaller by these parts of a cell; the local planner and the guard see the true
+// gap.
+constexpr double kSmallerByCells[] = {0.5, 0.85};
 
 /// A copy with high costs where plans shall not go unless there is nothing else.
 std::shared_ptr<const CostGrid> with_avoided(const std::shared_ptr<const CostGrid>& costs,
@@ -103,7 +107,13 @@ navigate::NavResult<navigate::Path> PlanWorker::plan(const Scene& scene,
                                                      const navigate::PlanRequest& request) {
   const std::lock_guard lock(planner_mutex_);
   try {
-    return planner_->plan(*scene.costs, *scene.footprint, request);
+    auto path = planner_->plan(*scene.costs, *scene.footprint, request);
+    for (const double part : kSmallerByCells) {
+      if (path || path.error().code != NavCode::kNoPath) break;
+      const auto smaller = scene.footprint->padded(-part * scene.costs->resolution_m);
+      if (auto found = planner_->plan(*scene.costs, smaller, request)) path = std::move(found);
+    }
+    return path;
   } catch (const std::exception& error) {
     return navigate::nav_fail(NavCode::kInvalidRequest,
                               std::string("the global planner failed: ") + error.what());
