@@ -24,6 +24,8 @@ constexpr char kHelp[] =
     "  --only drive     closed loops in generated buildings against the dynamic window approach\n"
     "  --seed N         of the first building that is driven in\n"
     "  --quick          fewer buildings and queries, no large maps\n"
+    "  --floors NAME    of the global plans only those on office, hall, maze, map or growth (maps of 1000 to "
+    "8000 cells)\n"
     "  --map FILE.yaml  a further map, as map_server has them\n"
     "Times are CPU times of one thread.\n";
 
@@ -42,6 +44,8 @@ std::optional<Options> parse(const std::vector<std::string>& arguments) {
       options.plan.quick = options.control.quick = true;
     else if (arguments[i] == "--only" && value)
       options.only = arguments[++i];
+    else if (arguments[i] == "--floors" && value)
+      options.plan.floors = arguments[++i];
     else if (arguments[i] == "--map" && value)
       options.plan.real_map = arguments[++i];
     else if (arguments[i] == "--seed" && value)

@@ -234,7 +234,7 @@ void growth_rows(bool quick, std::vector<Row>& rows) {
     if (quick && side > 2000) continue;
     OfficeParams params;
     params.width = params.height = side;
-    const int count = side > 4000 ? 20 : 50;
+    const int count = side > 2000 ? 20 : 50;
     const Floor floor = make_floor(make_office_map(params, 31), count, 5, false);
     const std::string name = "office " + std::to_string(side) + " x " + std::to_string(side);
     const double before_mib = resident_mib();
@@ -288,24 +288,27 @@ void real_map_rows(const PlanOptions& options, int count, std::vector<Row>& rows
 
 void measure_plans(const PlanOptions& options, std::vector<Row>& rows) {
   const int count = options.quick ? 40 : 100;
-  std::vector<Floor> offices;
-  for (const std::uint64_t seed : {11U, 12U, 13U}) {
-    if (options.quick && seed > 11U) continue;
-    offices.push_back(make_floor(make_office_map({}, seed), count, seed));
+  const auto wanted = [&](const char* floors) { return options.floors.empty() || options.floors == floors; };
+  if (wanted("office")) {
+    std::vector<Floor> offices;
+    for (const std::uint64_t seed : {11U, 12U, 13U})
+      if (!options.quick || seed == 11U)
+        offices.push_back(make_floor(make_office_map({}, seed), count, seed));
+    floor_rows("office 2000 x 2000", offices, true, rows);
+    rrt_rows(offices.front(), rows);
   }
-  floor_rows("office 2000 x 2000", offices, true, rows);
-  rrt_rows(offices.front(), rows);
-  offices.clear();
-  std::vector<Floor> halls;
-  halls.push_back(make_floor(make_hall_map(2000, 21), count, 21));
-  floor_rows("hall 2000 x 2000", halls, false, rows);
-  halls.clear();
-  std::vector<Floor> mazes;
-  mazes.push_back(make_floor(make_maze_map(2000, 1.6, 22), count, 22));
-  floor_rows("maze 2000 x 2000", mazes, false, rows);
-  mazes.clear();
-  real_map_rows(options, count, rows);
-  growth_rows(options.quick, rows);
+  if (wanted("hall")) {
+    std::vector<Floor> halls;
+    halls.push_back(make_floor(make_hall_map(2000, 21), count, 21));
+    floor_rows("hall 2000 x 2000", halls, false, rows);
+  }
+  if (wanted("maze")) {
+    std::vector<Floor> mazes;
+    mazes.push_back(make_floor(make_maze_map(2000, 1.6, 22), count, 22));
+    floor_rows("maze 2000 x 2000", mazes, false, rows);
+  }
+  if (wanted("map")) real_map_rows(options, count, rows);
+  if (wanted("growth")) growth_rows(options.quick, rows);
 }
 
 }  // namespace extperfc::benchmark

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <filesystem>
+#include <string>
 #include <vector>
 
 #include "test/benchmark/report.hpp"
@@ -9,6 +10,7 @@ namespace extperfc::benchmark {
 
 struct PlanOptions {
   bool quick{false};
+  std::string floors;              ///< office, hall, maze, map or growth; empty: all
   std::filesystem::path real_map;  ///< map_server's YAML; empty: none
 };
 
