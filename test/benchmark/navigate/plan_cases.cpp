@@ -7,6 +7,7 @@
 #include <memory>
 #include <string>
 
+#include <malloc.h>
 #include <unistd.h>
 
 #include "extperfc/base/rng.hpp"
@@ -219,7 +220,9 @@ void floor_rows(const std::string& name, const std::vector<Floor>& floors, bool 
                          0));
 }
 
+/// Freed memory is given back before, so that differences count what is kept.
 double resident_mib() {
+  malloc_trim(0);
   long pages = 0;
   long resident = 0;
   if (FILE* file = std::fopen("/proc/self/statm", "r"); file != nullptr) {
