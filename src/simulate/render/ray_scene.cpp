@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cstddef>
+#include <iterator>
 
 #include <embree3/rtcore.h>
 
@@ -36,6 +37,21 @@ void attach_triangles(RTCDevice device, RTCScene bottom, const Mesh& mesh) {
   rtcCommitGeometry(geometry);
   rtcAttachGeometry(bottom, geometry);
   rtcReleaseGeometry(geometry);
+}
+
+/// What a cast may change of lane k, as it was.
+void restore(const RayPacket& before, int k, RayPacket& packet) {
+  packet.ray.far[k] = before.ray.far[k];
+  const Hits& from = before.hit;
+  Hits& to = packet.hit;
+  to.normal_x[k] = from.normal_x[k];
+  to.normal_y[k] = from.normal_y[k];
+  to.normal_z[k] = from.normal_z[k];
+  to.u[k] = from.u[k];
+  to.v[k] = from.v[k];
+  to.triangle[k] = from.triangle[k];
+  to.geometry[k] = from.geometry[k];
+  to.mesh_instance[k] = from.mesh_instance[k];
 }
 
 }  // namespace
@@ -105,8 +121,18 @@ void RayScene::commit() {
 void RayScene::intersect(const LaneMask& active, bool coherent, RayPacket& packet) const {
   RTCIntersectContext context;
   rtcInitIntersectContext(&context);
-  if (coherent) context.flags = RTC_INTERSECT_CONTEXT_FLAG_COHERENT;
-  rtcIntersect16(active.on, top_, &context, reinterpret_cast<RTCRayHit16*>(&packet));
+  const bool whole = std::find(std::begin(active.on), std::end(active.on), 0) == std::end(active.on);
+  if (coherent && whole) context.flags = RTC_INTERSECT_CONTEXT_FLAG_COHERENT;
+  auto* rays = reinterpret_cast<RTCRayHit16*>(&packet);
+  if (whole) {
+    rtcIntersect16(active.on, top_, &context, rays);
+    return;
+  }
+  // With AVX-512, Embree 3.13.5 writes hits to lanes that take no part.
+  const RayPacket before = packet;
+  rtcIntersect16(active.on, top_, &context, rays);
+  for (int k = 0; k < kLanes; ++k)
+    if (active.on[k] == 0) restore(before, k, packet);
 }
 
 void RayScene::occluded(const LaneMask& active, Rays& rays) const {

@@ -68,8 +68,8 @@ class RayScene {
   /// Makes what was added and placed visible to rays.
   void commit();
 
-  /// Nearest hits. `coherent`: the rays start at one point and have about the same direction, which is
-  /// faster.
+  /// Nearest hits; lanes that take no part stay as they are. `coherent`: the rays start at one point and have
+  /// about the same direction, which is faster when all lanes take part.
   void intersect(const LaneMask& active, bool coherent, RayPacket& packet) const;
   /// Sets rays.far to -infinity where something lies between near and far.
   void occluded(const LaneMask& active, Rays& rays) const;
