@@ -3,6 +3,8 @@
 #include <string>
 #include <utility>
 
+#include "scan/field_reader.hpp"
+
 namespace extperfc::scan {
 
 std::size_t bytes_of(NumberType type) {
@@ -60,6 +62,20 @@ Result<void> validate(const CloudView& cloud) {
                                          std::to_string(cloud.row_step) + " bytes announced, but there are " +
                                          std::to_string(cloud.bytes) + " bytes of data");
   return {};
+}
+
+Result<std::vector<Eigen::Vector3f>> points_of(const CloudView& cloud) {
+  if (auto valid = validate(cloud); !valid) return tl::unexpected(valid.error());
+  std::vector<Eigen::Vector3f> points;
+  if (cloud.size() == 0) return points;
+  points.reserve(cloud.size());
+  const AnyField x(cloud, cloud.x);
+  const AnyField y(cloud, cloud.y);
+  const AnyField z(cloud, cloud.z);
+  for_each_point(cloud, [&](const std::uint8_t* point) {
+    points.push_back(Eigen::Vector3d(x(point), y(point), z(point)).cast<float>());
+  });
+  return points;
 }
 
 }  // namespace extperfc::scan

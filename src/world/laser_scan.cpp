@@ -20,12 +20,14 @@ tl::unexpected<Error> wrong(const std::string& what) {
 
 }  // namespace
 
+bool is_return(const LaserScan& scan, float range_m) {
+  return range_m > 0 && range_m >= static_cast<float>(scan.range_min) &&
+         range_m <= static_cast<float>(scan.range_max);
+}
+
 std::size_t count_returns(const LaserScan& scan) {
-  const auto low = static_cast<float>(scan.range_min);
-  const auto high = static_cast<float>(scan.range_max);
-  return static_cast<std::size_t>(std::count_if(scan.ranges.begin(), scan.ranges.end(), [&](float range) {
-    return range >= low && range <= high && range > 0;
-  }));
+  return static_cast<std::size_t>(std::count_if(scan.ranges.begin(), scan.ranges.end(),
+                                                [&](float range_m) { return is_return(scan, range_m); }));
 }
 
 Result<void> validate(const LaserScan& scan) {

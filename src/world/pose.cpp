@@ -20,6 +20,11 @@ Pose to_pose(const Pose2& pose) {
   return make_pose({pose.x, pose.y, 0.0}, {0.0, 0.0, pose.yaw});
 }
 
+Pose2 to_pose2(const Pose& pose) {
+  const auto& rotation = pose.linear();
+  return {pose.translation().x(), pose.translation().y(), std::atan2(rotation(1, 0), rotation(0, 0))};
+}
+
 double wrap_angle(double angle_rad) {
   const double wrapped = std::remainder(angle_rad, kTwoPi);
   return wrapped <= -kPi ? wrapped + kTwoPi : wrapped;
@@ -27,6 +32,18 @@ double wrap_angle(double angle_rad) {
 
 bool is_finite(const Pose2& pose) {
   return std::isfinite(pose.x) && std::isfinite(pose.y) && std::isfinite(pose.yaw);
+}
+
+bool is_finite(const Twist2& twist) {
+  return std::isfinite(twist.vx) && std::isfinite(twist.vy) && std::isfinite(twist.wz);
+}
+
+bool is_zero(const Twist2& twist) {
+  return twist.vx == 0 && twist.vy == 0 && twist.wz == 0;
+}
+
+double distance_m(const Pose2& a, const Pose2& b) {
+  return std::hypot(b.x - a.x, b.y - a.y);
 }
 
 Pose2 compose(const Pose2& a_T_b, const Pose2& b_T_c) {

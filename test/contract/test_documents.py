@@ -32,6 +32,8 @@ PATH = re.compile(r"(?<![\w/.])docs/[\w/]+\.\w+")
 
 def loader(name):
     text = (REPO / f"src/ros/params/{name}.cpp").read_text()
+    if "read_footprint(" in text:
+        text += (REPO / "src/ros/params/read_footprint.cpp").read_text()
     if name == "mapper_params":
         names = re.findall(r'\{"(\w+)", &P::', (REPO / "src/mapping/param_names.cpp").read_text())
         text += "".join(f'read("{key}");' for key in names)

@@ -9,7 +9,7 @@ MODULES = ("detect", "depth", "track", "sources", "simulate", "scan", "translate
            "offline", "arm")
 BELOW = {"base": set(), "world": {"base"}, **{module: {"base", "world"} for module in MODULES}}
 BELOW["offline"] |= {"mapping", "sources"}  # programs that join modules: a recording goes in, a map comes out
-ROS_HEADER = re.compile(r'#include\s*[<"](ros/(?!params|convert|health|detect|depth|track|sources|simulate|scan|translate|mapping|localize|map_server|navigate|explore|offline|arm)|tf2|nodelet/|pluginlib/|'
+ROS_HEADER = re.compile(r'#include\s*[<"](ros/(?!params|convert|health|detect|depth|track|sources|simulate|scan|translate|mapping|localize|map_server|navigate|explore|program|offline|arm)|tf2|nodelet/|pluginlib/|'
                         r'cv_bridge/|image_transport/|diagnostic_updater/|message_filters/|rosbag/|XmlRpc|[a-z_]+_msgs/)')
 PARAMETER_READ = re.compile(r'(?<!")' r"\b(getParam|getParamCached|param\s*<|ros::param::get)\b|\.param\s*\(")
 OWN_HEADER = re.compile(r'#include\s*[<"](?:extperfc/)?(\w+)/[\w/]+\.hpp[>"]')

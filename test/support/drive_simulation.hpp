@@ -92,7 +92,7 @@ struct DriveResult {
   bool reached{false};
   bool blocked{false};
   int contacts{0};         ///< times that the true footprint began to touch a box
-  int person_contacts{0};  ///< times that the robot drove into somebody
+  int person_contacts{0};  ///< times that the robot drove into a person
   int guarded{0};          ///< commands that the guard changed
   double time_s{0};
   double driven_m{0};

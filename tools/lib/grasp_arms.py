@@ -7,7 +7,8 @@ import numpy
 
 import extperfc.arm
 import grasp_scene as scene
-from grasp_robot import Stalled, matrix
+from grasp_robot import matrix
+from ros_session import Stalled
 
 ANSWER_S = 60.0   # [s] of real time for the node to come up
 ACTION_S = 180.0  # simulated seconds after which an action that has not answered is cancelled

@@ -7,15 +7,13 @@ import time
 import numpy
 
 import grasp_scene as scene
+from ros_session import Stalled
+
 from extperfc.robot_description import quaternion_of_rotation
 
 PARKING = {"cube": (-1.5, 1.5), "sphere": (-1.2, 1.5), "cone": (-0.9, 1.5)}  # on the side table
 PARKING_TOP_M = 0.7
 OPTICAL_FRAME = "camera_color_optical_frame"
-
-
-class Stalled(Exception):
-    """What should have happened did not, within a time that is long for every machine."""
 
 
 def matrix(pose):

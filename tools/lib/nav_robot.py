@@ -8,12 +8,9 @@ import numpy
 
 from driven_contacts import PERSON_RADIUS_M, count_episodes, distance_to_footprint
 from pose_errors import Pose
-from sim_robot import Stalled, planar
+from ros_session import Stalled
+from sim_robot import planar
 
-CODES = {0: "success", 100: "invalid_request", 101: "cancelled", 102: "replaced", 200: "start_outside", 201: "goal_outside",
-         202: "start_blocked", 203: "goal_blocked", 204: "goal_unknown", 205: "no_path", 206: "plan_timeout", 300: "blocked",
-         301: "oscillating", 302: "collision_ahead", 400: "no_odometry", 401: "no_transform", 402: "no_scan", 403: "no_map",
-         404: "localization_lost"}
 DONE = (2, 3, 4, 5, 8)  # preempted, succeeded, aborted, rejected, recalled
 
 

@@ -5,10 +5,15 @@ import re
 import signal
 import socket
 import subprocess
+import sys
 import tempfile
 
 _COLOR = re.compile(r"\x1b\[[0-9;]*m")
 _NOISE = re.compile(r"Failed to load nodelet|REQUIRED process|Initiating shutdown|^=+$|bond broken")
+
+
+class Stalled(Exception):
+    """What should have happened did not, within a time that is long for every machine."""
 
 
 def free_port():
@@ -66,3 +71,21 @@ class RosSession:
 
     def __exit__(self, *_):
         self.close()
+
+
+def run_trial(out, body, *failures):
+    """The exit code of `body(session)` with a session that logs into the folder `out`. When it stalls, or raises one of
+    `failures`, the reasons go to stderr and the code is 1."""
+    import rospy
+    out.mkdir(parents=True, exist_ok=True)
+    with RosSession(out / "launch.log") as session:
+        try:
+            return body(session)
+        except (Stalled, *failures) as error:
+            for line in session.errors() or [f"{error}; see {session.log_file}"]:
+                print("error: " + line, file=sys.stderr)
+            return 1
+        except KeyboardInterrupt:
+            return 130
+        finally:
+            rospy.signal_shutdown("done")

@@ -8,12 +8,9 @@ import cv2
 import numpy
 
 from pose_errors import Pose, Track, compose, error, inverse
+from ros_session import Stalled
 
 MIN_CLEARANCE_M = 0.65  # of the robot's middle to what stands around; its corners are 0.57 m away
-
-
-class Stalled(Exception):
-    """What should have happened did not, within a time that is long for every machine."""
 
 
 def planar(pose):

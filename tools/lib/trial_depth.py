@@ -25,8 +25,8 @@ sys.path.insert(0, str(REPO / "src"))
 
 import depth_scores as scores  # noqa: E402
 import grasp_scene as scene  # noqa: E402
-from grasp_robot import OPTICAL_FRAME, GraspRobot, Stalled, matrix  # noqa: E402
-from ros_session import RosSession  # noqa: E402
+from grasp_robot import OPTICAL_FRAME, GraspRobot, matrix  # noqa: E402
+from ros_session import Stalled, run_trial  # noqa: E402
 from sim_arm import SimArm  # noqa: E402
 
 from extperfc import robot_description as rd  # noqa: E402
@@ -292,27 +292,21 @@ def main(argv):
     import rospy
     from demo import wait_for_master
     begin = time.monotonic()
-    with RosSession(options.out / "launch.log") as session:
-        try:
-            session.launch(None,
-                           REPO / "tools" / "lib" / "depth_trial.launch",
-                           config=write_config(options.out),
-                           seed=options.seed,
-                           real_time_factor=options.speed,
-                           model=options.model.resolve(),
-                           estimator=options.estimator)
-            wait_for_master(session, MASTER_S)
-            rospy.set_param("/use_sim_time", True)  # the launch may not have come to it yet, and a node asks once
-            rospy.init_node("trial_depth", disable_signals=True)
-            return report(options, *run(options, session), time.monotonic() - begin)
-        except Stalled as error:
-            for line in session.errors() or [f"{error}; see {session.log_file}"]:
-                print("error: " + line, file=sys.stderr)
-            return 1
-        except KeyboardInterrupt:
-            return 130
-        finally:
-            rospy.signal_shutdown("done")
+
+    def body(session):
+        session.launch(None,
+                       REPO / "tools" / "lib" / "depth_trial.launch",
+                       config=write_config(options.out),
+                       seed=options.seed,
+                       real_time_factor=options.speed,
+                       model=options.model.resolve(),
+                       estimator=options.estimator)
+        wait_for_master(session, MASTER_S)
+        rospy.set_param("/use_sim_time", True)  # the launch may not have come to it yet, and a node asks once
+        rospy.init_node("trial_depth", disable_signals=True)
+        return report(options, *run(options, session), time.monotonic() - begin)
+
+    return run_trial(options.out, body)
 
 
 if __name__ == "__main__":

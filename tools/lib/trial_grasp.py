@@ -19,8 +19,8 @@ import sys
 import numpy
 
 import grasp_scene as scene
-from grasp_robot import GraspRobot, Stalled, matrix
-from ros_session import RosSession
+from grasp_robot import GraspRobot, matrix
+from ros_session import run_trial
 
 REPO = pathlib.Path(__file__).resolve().parents[2]
 WS = pathlib.Path(os.environ.get("EXTPERFC_WS", REPO / ".ws"))
@@ -190,19 +190,9 @@ def report(options, trials):
 
 def main(argv):
     options = parse_arguments(argv)
-    options.out.mkdir(parents=True, exist_ok=True)
     import rospy
-    with RosSession(options.out / "launch.log") as session:
-        try:
-            return report(options, run(options, *start(options, session, rospy)))
-        except (Stalled, scene.NoPlace) as error:
-            for line in session.errors() or [f"{error}; see {session.log_file}"]:
-                print("error: " + line, file=sys.stderr)
-            return 1
-        except KeyboardInterrupt:
-            return 130
-        finally:
-            rospy.signal_shutdown("done")
+    return run_trial(options.out, lambda session: report(options, run(options, *start(options, session, rospy))),
+                     scene.NoPlace)
 
 
 if __name__ == "__main__":

@@ -16,8 +16,8 @@ import sys
 import yaml
 
 from pose_errors import Pose, settled_after
-from ros_session import RosSession
-from sim_robot import SimRobot, Stalled, wander
+from ros_session import Stalled, run_trial
+from sim_robot import SimRobot, wander
 
 REPO = pathlib.Path(__file__).resolve().parents[2]
 WS = pathlib.Path(os.environ.get("EXTPERFC_WS", REPO / ".ws"))
@@ -154,19 +154,9 @@ def report(options, found):
 
 def main(argv):
     options = parse_arguments(argv)
-    options.out.mkdir(parents=True, exist_ok=True)
     import rospy
-    with RosSession(options.out / "launch.log") as session:
-        try:
-            return report(options, run(options, start(options, session, rospy)))
-        except Stalled as error:
-            for line in session.errors() or [f"{error}; see {session.log_file}"]:
-                print("error: " + line, file=sys.stderr)
-            return 1
-        except KeyboardInterrupt:
-            return 130
-        finally:
-            rospy.signal_shutdown("done")
+    options.out.mkdir(parents=True, exist_ok=True)  # start() writes the parameters into it
+    return run_trial(options.out, lambda session: report(options, run(options, start(options, session, rospy))))
 
 
 if __name__ == "__main__":

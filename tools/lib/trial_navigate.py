@@ -21,8 +21,7 @@ import yaml
 from driven_contacts import CHASSIS, TrueMap, reachable
 from nav_robot import NavRobot, random_goal
 from pose_errors import Pose
-from ros_session import RosSession
-from sim_robot import Stalled
+from ros_session import RosSession, Stalled, run_trial
 
 REPO = pathlib.Path(__file__).resolve().parents[2]
 WS = pathlib.Path(os.environ.get("EXTPERFC_WS", REPO / ".ws"))
@@ -293,17 +292,8 @@ def main(argv):
     import rospy
     world = world_of(options)
     true_map = fine_map(options, world)
-    with RosSession(options.out / "launch.log") as session:
-        try:
-            return report(options, run(options, start(options, world, session, rospy), true_map, world))
-        except Stalled as error:
-            for line in session.errors() or [f"{error}; see {session.log_file}"]:
-                print("error: " + line, file=sys.stderr)
-            return 1
-        except KeyboardInterrupt:
-            return 130
-        finally:
-            rospy.signal_shutdown("done")
+    return run_trial(options.out,
+                     lambda session: report(options, run(options, start(options, world, session, rospy), true_map, world)))
 
 
 if __name__ == "__main__":

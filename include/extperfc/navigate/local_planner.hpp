@@ -15,7 +15,7 @@
 
 namespace extperfc::navigate {
 
-/// Somebody who walks: expected to go on with the same velocity.
+/// A person who walks: expected to keep the same velocity.
 struct MovingObstacle {
   Eigen::Vector2d position_m{Eigen::Vector2d::Zero()};  ///< in the grid's frame
   Eigen::Vector2d velocity_m_s{Eigen::Vector2d::Zero()};

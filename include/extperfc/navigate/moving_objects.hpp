@@ -5,6 +5,7 @@
 
 #include <Eigen/Core>
 
+#include "extperfc/navigate/map_explanation.hpp"
 #include "extperfc/world/laser_scan.hpp"
 #include "extperfc/world/occupancy_grid.hpp"
 #include "extperfc/world/pose.hpp"
@@ -37,19 +38,18 @@ class MovingObjectDetector {
   /// Throws std::invalid_argument for parameters out of their range.
   explicit MovingObjectDetector(const MovingObjectParams& params);
 
-  /// Without a map no return is explained. O(cells * cells of the margin).
+  /// Without a map no return is explained. As MapExplanation::set_map().
   void set_map(const OccupancyGrid& map);
   /// Precondition: validate(scan) has a value. O(rays) without clusters, which are few.
   [[nodiscard]] std::vector<MovingCandidate> detect(const LaserScan& scan, const Pose2& map_T_base) const;
 
  private:
   struct Cluster;
-  [[nodiscard]] bool explained(const Eigen::Vector2d& point_m) const;
   [[nodiscard]] std::vector<Cluster> clusters(const LaserScan& scan, const Pose2& map_T_base) const;
   void join(std::vector<Cluster>& clusters) const;
 
   MovingObjectParams params_;
-  OccupancyGrid near_obstacles_;  ///< kOccupied within the margin of an obstacle
+  MapExplanation map_;
 };
 
 }  // namespace extperfc::navigate

@@ -44,6 +44,9 @@ struct NavError {
   std::optional<Pose2> where{};  ///< in the frame of the request
 };
 
+/// "(1.25, -0.50)", for messages.
+[[nodiscard]] std::string place_text(const Pose2& pose);
+
 template <typename T>
 using NavResult = tl::expected<T, NavError>;
 

@@ -54,7 +54,7 @@ struct NavEnd {
   std::vector<std::size_t> missed;  ///< goals of the task that were not reached
 };
 
-/// A plan that somebody else is to make, while the robot drives on.
+/// A request for a plan, which a worker makes while the robot drives on.
 struct PlanWish {
   std::uint64_t id{0};
   PlanRequest request;                ///< in the frame map

@@ -57,6 +57,8 @@ class ObstacleLayer : public CostLayer {
   [[nodiscard]] Result<void> observe(const PointObservation& cloud, const SensorParams& sensor);
   /// The robot stands here: no obstacle in cells whose middle is under the footprint.
   void clear_footprint(const Footprint& footprint, const Pose2& grid_T_base);
+  /// Forgets marks farther than `radius_m` from a point.
+  void clear_beyond(const Eigen::Vector2d& middle_m, double radius_m);
   [[nodiscard]] std::size_t marked_cells() const { return marks_.size(); }
 
   void match(const CostGrid& grid) override;

@@ -14,7 +14,7 @@
 namespace extperfc::navigate {
 
 enum class RecoveryStep {
-  kWait,     ///< for whoever is in front to go on
+  kWait,     ///< until a person in front walks on
   kClear,    ///< forget obstacles that sensors saw, beyond the robot
   kBackOff,  ///< drive back to where it came from, as far as the footprint stays free
   kRotate,   ///< in place, as far as the footprint stays free

@@ -3,6 +3,9 @@
 #include <cstddef>
 #include <cstdint>
 #include <optional>
+#include <vector>
+
+#include <Eigen/Core>
 
 #include "extperfc/base/error.hpp"
 
@@ -45,5 +48,8 @@ struct CloudView {
 
 /// Error when points or fields would lie outside of the data.
 [[nodiscard]] Result<void> validate(const CloudView& cloud);
+
+/// All points [m], row by row; NaN where the cloud has NaN. Errors as of validate().
+[[nodiscard]] Result<std::vector<Eigen::Vector3f>> points_of(const CloudView& cloud);
 
 }  // namespace extperfc::scan

@@ -22,6 +22,9 @@ struct LaserScan {
   std::vector<float> ranges;  ///< [m]
 };
 
+/// Whether a range of the scan counts as that of something that the ray met.
+[[nodiscard]] bool is_return(const LaserScan& scan, float range_m);
+
 /// Rays that met something.
 [[nodiscard]] std::size_t count_returns(const LaserScan& scan);
 

@@ -25,6 +25,9 @@ struct Pose2 {
 
 [[nodiscard]] Pose2 inverse(const Pose2& pose);
 
+/// Of the positions [m].
+[[nodiscard]] double distance_m(const Pose2& a, const Pose2& b);
+
 /// The pose of b in a, both given in the same third frame.
 [[nodiscard]] Pose2 between(const Pose2& a, const Pose2& b);
 
@@ -35,8 +38,15 @@ struct Twist2 {
   double wz{0};  ///< counter-clockwise [rad/s]
 };
 
+[[nodiscard]] bool is_finite(const Twist2& twist);
+
+[[nodiscard]] bool is_zero(const Twist2& twist);
+
 /// The pose in space at z = 0.
 [[nodiscard]] Pose to_pose(const Pose2& pose);
+
+/// The pose seen from above: x, y and the direction of the x axis.
+[[nodiscard]] Pose2 to_pose2(const Pose& pose);
 
 /// The angle in (-pi, pi].
 [[nodiscard]] double wrap_angle(double angle_rad);

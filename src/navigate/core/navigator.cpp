@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 #include <utility>
 
 #include "extperfc/base/demand.hpp"
@@ -23,18 +22,8 @@ constexpr double kMovedRad = 0.005;
 constexpr double kNearGoalM = 1.0;  // where the yaw counts as a part of what is left
 constexpr double kMetresPerRad = 0.3;
 
-double distance_m(const Pose2& a, const Pose2& b) {
-  return std::hypot(a.x - b.x, a.y - b.y);
-}
-
 bool all_finite(const std::vector<Pose2>& poses) {
   return std::all_of(poses.begin(), poses.end(), [](const Pose2& pose) { return is_finite(pose); });
-}
-
-std::string place_of(const Pose2& pose) {
-  char text[64];
-  (void)std::snprintf(text, sizeof(text), "(%.2f, %.2f)", pose.x, pose.y);
-  return text;
 }
 
 /// Neither time nor another path would help.
@@ -388,7 +377,7 @@ void Navigator::recover(const NavError& cause, const NavigatorInput& input, Outp
       params_.recovery_enabled ? recovery_.begin(cause, view_of(input)) : std::optional<std::string>();
   if (!begun) {
     auto error = cause;
-    error.message = "gave up at " + place_of(input.map_T_base) + " after " +
+    error.message = "gave up at " + place_text(input.map_T_base) + " after " +
                     std::to_string(recovery_.count()) + " recoveries: " + cause.message;
     if (!error.where) error.where = input.map_T_base;
     return goal_done(error, output);

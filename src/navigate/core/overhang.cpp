@@ -4,6 +4,8 @@
 #include <limits>
 #include <variant>
 
+#include "navigate/costs/polygon.hpp"
+
 namespace extperfc::navigate {
 
 namespace {
@@ -30,16 +32,9 @@ Eigen::AlignedBox3d box_of(const Geometry& geometry) {
 }
 
 bool holds(const Footprint& footprint, const Eigen::Vector2d& point_m) {
-  const auto inside = [&](const std::vector<Eigen::Vector2d>& part) {
-    for (std::size_t i = 0; i < part.size(); ++i) {
-      const Eigen::Vector2d edge = part[(i + 1) % part.size()] - part[i];
-      const Eigen::Vector2d to = point_m - part[i];
-      if (edge.x() * to.y() - edge.y() * to.x() < 0) return false;
-    }
-    return true;
-  };
-  const auto& parts = footprint.convex_parts_m();
-  return std::any_of(parts.begin(), parts.end(), inside);
+  constexpr double kOnEdgeM = 1e-6;
+  return contains(footprint.corners_m(), point_m) ||
+         distance_to_edges_m(footprint.corners_m(), point_m) < kOnEdgeM;
 }
 
 double position_of(const Joint& joint, const std::map<std::string, double>& positions) {

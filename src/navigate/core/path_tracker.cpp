@@ -13,10 +13,6 @@ constexpr double kSearchBackM = 0.5;
 constexpr double kLostM = 0.75;        // farther from the path: the whole of it is searched
 constexpr double kCheckEveryM = 0.05;  // poses nearer to each other are not checked again
 
-double distance_m(const Pose2& a, const Pose2& b) {
-  return std::hypot(a.x - b.x, a.y - b.y);
-}
-
 }  // namespace
 
 void PathTracker::set(Path path) {

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 #include <utility>
 
 #include "extperfc/base/demand.hpp"
@@ -19,10 +18,6 @@ constexpr double kReachedM = 0.05;
 constexpr double kMinMotionM = 0.1;  // shorter ways back do not help
 constexpr double kDeepestM = 0.12;   // of an overlap that a motion may start with
 constexpr double kDepthStepM = 0.02;
-
-double distance_m(const Pose2& a, const Pose2& b) {
-  return std::hypot(a.x - b.x, a.y - b.y);
-}
 
 std::vector<RecoveryStep> ladder(NavCode cause) {
   using S = RecoveryStep;
@@ -143,10 +138,8 @@ std::optional<std::string> Recovery::begin(const NavError& cause, const Recovery
 }
 
 std::string Recovery::reason(const NavError& cause, const Pose2& map_T_base) const {
-  char place[64];
-  (void)std::snprintf(place, sizeof(place), "(%.2f, %.2f)", map_T_base.x, map_T_base.y);
-  return std::string(to_string(step_)) + " at " + place + ", because of " + to_string(cause.code) + ": " +
-         cause.message;
+  return std::string(to_string(step_)) + " at " + place_text(map_T_base) + ", because of " +
+         to_string(cause.code) + ": " + cause.message;
 }
 
 void Recovery::helped() {

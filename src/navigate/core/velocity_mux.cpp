@@ -1,6 +1,5 @@
 #include "extperfc/navigate/velocity_mux.hpp"
 
-#include <cmath>
 #include <set>
 #include <utility>
 
@@ -42,7 +41,7 @@ VelocityMux::VelocityMux(std::vector<VelocitySource> sources, const VelocityLimi
     : sources_(std::move(sources)), limits_(limits), commands_(sources_.size()) {}
 
 bool VelocityMux::command(std::size_t source, const Twist2& velocity, double now_s) {
-  if (!std::isfinite(velocity.vx) || !std::isfinite(velocity.vy) || !std::isfinite(velocity.wz)) return false;
+  if (!is_finite(velocity)) return false;
   commands_[source] = {limited(velocity, limits_), now_s};
   return true;
 }

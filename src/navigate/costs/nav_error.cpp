@@ -1,5 +1,8 @@
 #include "extperfc/navigate/nav_error.hpp"
 
+#include <array>
+#include <cstdio>
+
 namespace extperfc::navigate {
 
 const char* to_string(NavCode code) {
@@ -44,6 +47,12 @@ const char* to_string(NavCode code) {
       return "localization_lost";
   }
   return "unknown";
+}
+
+std::string place_text(const Pose2& pose) {
+  std::array<char, 64> text{};
+  (void)std::snprintf(text.data(), text.size(), "(%.2f, %.2f)", pose.x, pose.y);
+  return text.data();
 }
 
 }  // namespace extperfc::navigate

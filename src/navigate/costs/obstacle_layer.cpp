@@ -31,7 +31,7 @@ struct Range {
 };
 
 Range range_of(const LaserScan& scan, float range_m, bool inf_is_valid) {
-  if (range_m > 0 && range_m >= scan.range_min && range_m <= scan.range_max) return {true, true, range_m};
+  if (is_return(scan, range_m)) return {true, true, range_m};
   if (range_m > scan.range_max && inf_is_valid) return {true, false, scan.range_max};
   return {};
 }
@@ -220,6 +220,11 @@ void ObstacleLayer::clear_footprint(const Footprint& footprint, const Pose2& gri
       return true;
     });
   }
+}
+
+void ObstacleLayer::clear_beyond(const Vector2d& middle_m, double radius_m) {
+  for (std::size_t slot = marks_.size(); slot-- > 0;)
+    if ((shape_.middle_of(cell_at(marks_[slot].index)) - middle_m).norm() > radius_m) erase(slot);
 }
 
 void ObstacleLayer::match(const CostGrid& grid) {

@@ -16,8 +16,8 @@ namespace extperfc::navigate {
 /// Square blocks of cells as nodes of a search, so that a search takes a 16th or a 64th of the nodes. The
 /// cells of a block that hang together are a part; a block may have two parts, each a node (further ones
 /// count to the second), and parts are neighbours where their cells touch: what is separated in the cells is
-/// separated here. A block weighs as much as its cheapest cell. Points are in blocks. Node = (row * 2^15 +
-/// column) * 2 + part.
+/// separated here. A block weighs as much as its cells in the mean. Points are in blocks. Node = (row * 2^15
+/// + column) * 2 + part.
 class BlockSpace {
  public:
   /// Forgets the last search. Both must live until the next call. block_cells: 2, 4 or 8.

@@ -41,10 +41,6 @@ std::pair<int, int> longest_run(const std::array<bool, kCount>& values) {
   return longest;
 }
 
-double apart_m(const Pose2& a, const Pose2& b) {
-  return std::hypot(a.x - b.x, a.y - b.y);
-}
-
 }  // namespace
 
 bool FootprintRefiner::is_free(const Pose2& pose) const {
@@ -55,7 +51,7 @@ bool FootprintRefiner::is_free(const Pose2& pose) const {
 bool FootprintRefiner::is_free_along(const Pose2& from, const Pose2& to) const {
   if (!traversal_.admits(kUnknownCost)) return contact_along(costs_, footprint_, from, to) == Contact::kFree;
   const double yaw = wrap_angle(to.yaw - from.yaw);
-  const double motion_m = apart_m(from, to) + std::abs(yaw) * footprint_.circumscribed_radius_m();
+  const double motion_m = distance_m(from, to) + std::abs(yaw) * footprint_.circumscribed_radius_m();
   const double steps = std::max(1.0, std::ceil(motion_m / (0.5 * costs_.resolution_m)));
   for (double k = 0; k <= steps; ++k) {
     const double part = k / steps;
@@ -77,7 +73,7 @@ std::optional<FootprintRefiner::Span> FootprintRefiner::last_contact(const std::
                                                                      std::size_t end) const {
   std::optional<Span> span;
   for (std::size_t i = end; i-- > 1;) {
-    if (span && apart_m(poses[i], poses[span->first]) > kApart_m) break;
+    if (span && distance_m(poses[i], poses[span->first]) > kApart_m) break;
     if (is_free_along(poses[i - 1], poses[i])) continue;
     span = Span{i - 1, span ? span->last : i};
   }
@@ -89,11 +85,11 @@ FootprintRefiner::Span FootprintRefiner::widened(const std::vector<Pose2>& poses
   Span wide = span;
   for (double passed_m = 0; wide.first > 0; --wide.first) {
     if (passed_m >= margin_m && is_free(poses[wide.first])) break;
-    passed_m += std::max(1e-3, apart_m(poses[wide.first], poses[wide.first - 1]));
+    passed_m += std::max(1e-3, distance_m(poses[wide.first], poses[wide.first - 1]));
   }
   for (double passed_m = 0; wide.last + 1 < poses.size(); ++wide.last) {
     if (passed_m >= margin_m && is_free(poses[wide.last])) break;
-    passed_m += std::max(1e-3, apart_m(poses[wide.last], poses[wide.last + 1]));
+    passed_m += std::max(1e-3, distance_m(poses[wide.last], poses[wide.last + 1]));
   }
   return wide;
 }
@@ -180,7 +176,7 @@ std::vector<Pose2> FootprintRefiner::straightened(const std::vector<Pose2>& pose
   std::vector<Pose2> out{poses.front()};
   for (std::size_t at = 0; at + 1 < poses.size();) {
     std::size_t to = at + 1;
-    while (to + 1 < poses.size() && apart_m(poses[at], poses[to + 1]) <= kMax_m) ++to;
+    while (to + 1 < poses.size() && distance_m(poses[at], poses[to + 1]) <= kMax_m) ++to;
     while (to > at + 1 && !passes(poses[at], poses[to])) to = at + (to - at) / 2;
     out.push_back(poses[to]);
     at = to;

@@ -45,8 +45,8 @@ class FootprintRefiner {
   };
   [[nodiscard]] std::optional<Span> last_contact(const std::vector<Pose2>& poses, std::size_t end) const;
   [[nodiscard]] Span widened(const std::vector<Pose2>& poses, const Span& span, double margin_m) const;
-  /// A free pose where the footprint has most freedom to rotate, on the line across the path at a pose; empty
-  /// when there is none: the passage is closed for this footprint.
+  /// A free pose where the footprint has most freedom to rotate, on the line across the path at a pose;
+  /// empty: the passage is closed for this footprint.
   [[nodiscard]] std::optional<Pose2> freest_across(const Pose2& pose, double direction) const;
   struct Section {
     bool closed{false};

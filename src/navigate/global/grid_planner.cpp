@@ -26,12 +26,6 @@ constexpr double kUnknownAs = 100;      // the cost of an unknown cell that is a
 constexpr double kBeside_cells = 0.75;  // half a cell's diagonal, and the rounding of its cost
 constexpr double kOpened_cells = 2.5;   // inscribed cells that a base may leave or enter at the ends
 
-std::string place(const Pose2& pose) {
-  std::array<char, 64> text{};
-  std::snprintf(text.data(), text.size(), "(%.2f, %.2f)", pose.x, pose.y);
-  return text.data();
-}
-
 void validate(const GridPlannerParams& params) {
   const auto within = [](double value, double low, double high) { return value >= low && value <= high; };
   demand(params.neutral_cost > 0 && params.neutral_cost <= 252, "neutral_cost must be in (0, 252]");
@@ -49,7 +43,7 @@ tl::unexpected<NavError> interrupted(const PlanClock& clock, const GridPlannerPa
   std::snprintf(text.data(), text.size(), "no path within %g s: raise max_time or plan to a nearer goal",
                 params.max_time_s);
   std::string message = text.data();
-  if (narrow) message += "; the footprint does not pass near " + place(*narrow);
+  if (narrow) message += "; the footprint does not pass near " + place_text(*narrow);
   return nav_fail(NavCode::kPlanTimeout, message, narrow);
 }
 
@@ -129,12 +123,13 @@ std::optional<NavError> GridPlanner::wrong_request(const CostGrid& costs, const 
   if (costs.empty()) return NavError{NavCode::kStartOutside, "the map has no cells", request.start};
   const auto outside = [&](const Pose2& pose) { return !costs.cell_of({pose.x, pose.y}); };
   if (outside(request.start))
-    return NavError{NavCode::kStartOutside,
-                    "start " + place(request.start) + " is outside the map: localize the robot in this map",
-                    request.start};
+    return NavError{
+        NavCode::kStartOutside,
+        "start " + place_text(request.start) + " is outside the map: localize the robot in this map",
+        request.start};
   if (outside(request.goal))
     return NavError{NavCode::kGoalOutside,
-                    "goal " + place(request.goal) + " is outside the map: choose a goal inside",
+                    "goal " + place_text(request.goal) + " is outside the map: choose a goal inside",
                     request.goal};
   return std::nullopt;
 }
@@ -144,7 +139,7 @@ std::optional<NavError> GridPlanner::blocked_start(const Call& call) const {
   if (call.refiner.is_free(start)) return std::nullopt;
   const bool obstacle = contact(call.costs, call.footprint, start) == Contact::kObstacle;
   return NavError{NavCode::kStartBlocked,
-                  std::string("the footprint at the start ") + place(start) + " touches " +
+                  std::string("the footprint at the start ") + place_text(start) + " touches " +
                       (obstacle ? "an obstacle: clear the cost map or move the robot away from it"
                                 : "unknown space: allow unknown space or map it first"),
                   start};
@@ -160,7 +155,7 @@ NavResult<std::vector<Pose2>> GridPlanner::goals(const Call& call) const {
   if (!near.empty()) return near;
   const bool obstacle = contact(call.costs, call.footprint, goal) == Contact::kObstacle;
   return nav_fail(obstacle ? NavCode::kGoalBlocked : NavCode::kGoalUnknown,
-                  std::string("the footprint at the goal ") + place(goal) + " touches " +
+                  std::string("the footprint at the goal ") + place_text(goal) + " touches " +
                       (obstacle ? "an obstacle" : "unknown space") +
                       (tolerance_m > 0 ? ", and so it does all about it" : "") +
                       ": choose a free goal or a larger tolerance",
@@ -234,17 +229,18 @@ Path GridPlanner::make_path(const Call& call, const std::vector<Pose2>& poses) c
 
 NavError GridPlanner::too_narrow(const Call& call, const Pose2& where) const {
   return {NavCode::kNoPath,
-          "no path from " + place(call.request.start) + " to " + place(call.request.goal) +
-              ": the footprint does not pass near " + place(where) +
+          "no path from " + place_text(call.request.start) + " to " + place_text(call.request.goal) +
+              ": the footprint does not pass near " + place_text(where) +
               "; clear that passage or choose another goal",
           where};
 }
 
 /// Where a path of minimal cost through obstacles first meets one.
 NavError GridPlanner::unreachable(const Call& call, const Pose2& goal) {
-  NavError error{
-      NavCode::kNoPath,
-      "no path from " + place(call.request.start) + " to " + place(goal) + ": they are not connected", goal};
+  NavError error{NavCode::kNoPath,
+                 "no path from " + place_text(call.request.start) + " to " + place_text(goal) +
+                     ": they are not connected",
+                 goal};
   CellSpace cells;
   cells.begin(call.costs, call.traversal);
   Traversal through = call.traversal;
@@ -257,8 +253,8 @@ NavError GridPlanner::unreachable(const Call& call, const Pose2& goal) {
   const auto first = first_blocked(cells, search_.path());
   if (!first) return error;
   error.where = call.in_metres(*first);
-  error.message = "no path from " + place(call.request.start) + " to " + place(goal) + ": blocked at " +
-                  place(*error.where) +
+  error.message = "no path from " + place_text(call.request.start) + " to " + place_text(goal) +
+                  ": blocked at " + place_text(*error.where) +
                   "; clear that passage, map what is unknown there or choose another goal";
   return error;
 }

@@ -9,7 +9,9 @@ namespace {
 
 constexpr int kBlock_cells = 4;
 constexpr double kMaxLine_cells = 200;
-/// Of paths of almost the same cost the search follows one. The path's cost grows by at most this factor.
+/// Multiplies the estimate of the rest, so that of paths of almost the same cost the search follows one.
+/// Blocks weigh their mean, so the estimate may be too large and the path's cost is not bounded by this
+/// factor.
 constexpr double kGreed = 1.02;
 
 Cell cell_under(const Eigen::Vector2d& point) {

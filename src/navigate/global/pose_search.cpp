@@ -41,10 +41,6 @@ constexpr std::array<std::array<int, 2>, 16> kDirections{{{{1, 0}},
                                                           {{1, -1}},
                                                           {{2, -1}}}};
 
-double apart_m(const Pose2& a, const Pose2& b) {
-  return std::hypot(a.x - b.x, a.y - b.y);
-}
-
 double apart_rad(const Pose2& a, const Pose2& b) {
   return std::abs(wrap_angle(a.yaw - b.yaw));
 }
@@ -121,11 +117,11 @@ bool PoseSearch::is_free(std::int32_t node) {
 
 float PoseSearch::rest_of(const Pose2& pose) const {
   const double greed = base_ == BaseKind::kHolonomic ? kGreed : 1.0;
-  return static_cast<float>(greed * (apart_m(pose, goal_) + kPerRadian_m * apart_rad(pose, goal_)));
+  return static_cast<float>(greed * (distance_m(pose, goal_) + kPerRadian_m * apart_rad(pose, goal_)));
 }
 
 bool PoseSearch::reaches_goal(const Pose2& pose) const {
-  const double distance_m = apart_m(pose, goal_);
+  const double distance_m = extperfc::distance_m(pose, goal_);
   if (base_ == BaseKind::kHolonomic)
     return distance_m < 1.5 * lattice_.step_m && apart_rad(pose, goal_) < 1.5 * kTwoPi / yaws() &&
            check_.is_free_along(pose, goal_);
@@ -158,7 +154,7 @@ void PoseSearch::begin() {
     for (int corner = 0; corner < 4; ++corner) {
       const std::int32_t node = index(left + corner % 2, low + corner / 2, yaw);
       const Pose2 pose = pose_of(node);
-      const double distance_m = apart_m(pose, start_);
+      const double distance_m = extperfc::distance_m(pose, start_);
       // A differential base begins exactly at the start: its lattice is anchored there.
       if (base_ == BaseKind::kDifferential && distance_m > 1e-6) continue;
       if (apart_rad(pose, start_) > 1.01 * spacing || !check_.is_free_along(start_, pose)) continue;
@@ -171,7 +167,7 @@ void PoseSearch::begin() {
 /// Of two free poses: at steps of half a cell of any corner's motion.
 bool PoseSearch::is_free_between(const Pose2& from, const Pose2& to) const {
   const double yaw = wrap_angle(to.yaw - from.yaw);
-  const double motion_m = apart_m(from, to) + std::abs(yaw) * check_.radius_m;
+  const double motion_m = distance_m(from, to) + std::abs(yaw) * check_.radius_m;
   const double steps = std::ceil(motion_m / (0.5 * costs_.resolution_m) - 1e-6);
   for (double k = 1; k < steps; ++k) {
     const double part = k / steps;
@@ -191,7 +187,7 @@ void PoseSearch::offer(std::int32_t from, std::int32_t to, const Move& move) {
   if (move.yaw_steps == 0) {
     const auto cell = costs_.cell_of({next.x, next.y});
     const auto weight = static_cast<double>(cell ? traversal_.weight[costs_.at(*cell)] : 0.0F);
-    cost = apart_m(here, next) * (weight > 0 ? std::min(weight, kMaxWeight) : kMaxWeight);
+    cost = distance_m(here, next) * (weight > 0 ? std::min(weight, kMaxWeight) : kMaxWeight);
     const Eigen::Vector2d ahead(std::cos(here.yaw), std::sin(here.yaw));
     if (base_ == BaseKind::kDifferential && ahead.x() * (next.x - here.x) + ahead.y() * (next.y - here.y) < 0)
       cost *= kBackwards;
@@ -244,7 +240,7 @@ PoseSearch::Status PoseSearch::find(const std::vector<Pose2>& along, const PlanC
 std::vector<Pose2> PoseSearch::poses() const {
   std::vector<Pose2> out{goal_};
   const Pose2 last = pose_of(reached_);
-  if (base_ == BaseKind::kDifferential && apart_m(last, goal_) > 1e-9) {
+  if (base_ == BaseKind::kDifferential && distance_m(last, goal_) > 1e-9) {
     const double yaw = std::atan2(goal_.y - last.y, goal_.x - last.x);
     out.push_back({goal_.x, goal_.y, yaw});
     out.push_back({last.x, last.y, yaw});

@@ -9,7 +9,7 @@ namespace extperfc::navigate {
 namespace {
 
 constexpr double kMoves_m_s = 0.25;       // slower people stand
-constexpr double kPersonMargin_m = 0.12;  // about somebody who moves, in which cells are theirs
+constexpr double kPersonMargin_m = 0.12;  // about a person who moves: lethal cells inside are that person
 constexpr int kMaxReach = 100;            // cells: squares fit 16 bits
 
 }  // namespace

@@ -34,8 +34,8 @@ class ClearanceField {
   void build(const CostGrid& costs, const Eigen::Vector2d& middle_m, double half_side_m,
              const std::vector<MovingObstacle>& people);
 
-  /// From a point to the nearest obstacle's cell [m], within a cell; kReach_m where there is none so near
-  /// and outside the square.
+  /// From a point to the nearest obstacle's cell [m], within a cell; at most kReach_m, also outside the
+  /// square.
   [[nodiscard]] float distance(float x_m, float y_m) const {
     const int column = static_cast<int>((x_m - left_m_) * cells_per_m_);
     const int row = static_cast<int>((y_m - bottom_m_) * cells_per_m_);

@@ -8,18 +8,16 @@
 #include "extperfc/base/demand.hpp"
 #include "extperfc/base/math.hpp"
 
+#include "navigate/costs/polygon.hpp"
+
 namespace extperfc::navigate {
 
 namespace {
 
 constexpr double kNever = std::numeric_limits<double>::infinity();
-constexpr double kStraight_rad_s = 1e-6;  // smaller rotations are none
+constexpr double kStraight_rad_s = 1e-6;  // slower rotations count as straight motion
 constexpr double kStop = 0.05;            // commands slowed to less than this part are stops
-constexpr double kClosing_m_s = 1e-3;     // slower motion towards a point inside the margin is none
-
-double cross(const Eigen::Vector2d& a, const Eigen::Vector2d& b) {
-  return a.x() * b.y() - a.y() * b.x();
-}
+constexpr double kClosing_m_s = 1e-3;     // slower motion towards a point inside the margin is ignored
 
 /// Signed distances of a point from the lines of a counter-clockwise polygon's edges: above 0 outside.
 struct Depth {
@@ -92,14 +90,6 @@ double time_of(const std::vector<Eigen::Vector2d>& bare_m, const std::vector<Eig
   if (std::abs(twist.wz) < kStraight_rad_s) return straight_time(corners_m, point_m, velocity);
   const Eigen::Vector2d centre(-twist.vy / twist.wz, twist.vx / twist.wz);
   return arc_time(corners_m, point_m, centre, -twist.wz);
-}
-
-bool is_zero(const Twist2& twist) {
-  return twist.vx == 0 && twist.vy == 0 && twist.wz == 0;
-}
-
-bool is_finite(const Twist2& twist) {
-  return std::isfinite(twist.vx) && std::isfinite(twist.vy) && std::isfinite(twist.wz);
 }
 
 void demand_range(double value, double low, bool low_included, double high, const char* what) {

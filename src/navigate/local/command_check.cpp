@@ -2,7 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
+
+#include "navigate/costs/polygon.hpp"
 
 namespace extperfc::navigate {
 
@@ -25,19 +26,7 @@ bool at_rest(const Twist2& twist) {
 
 double distance_m(const Footprint& footprint, const Eigen::Vector2d& point_m) {
   const auto& corners_m = footprint.corners_m();
-  bool inside = false;
-  double nearest2 = std::numeric_limits<double>::infinity();
-  for (std::size_t i = 0, j = corners_m.size() - 1; i < corners_m.size(); j = i++) {
-    const Eigen::Vector2d& a = corners_m[j];
-    const Eigen::Vector2d& b = corners_m[i];
-    const Eigen::Vector2d edge = b - a;
-    const double part = std::clamp((point_m - a).dot(edge) / edge.squaredNorm(), 0.0, 1.0);
-    nearest2 = std::min(nearest2, (point_m - a - part * edge).squaredNorm());
-    if ((a.y() > point_m.y()) == (b.y() > point_m.y())) continue;
-    const double crossing = a.x() + (point_m.y() - a.y()) / edge.y() * edge.x();
-    if (point_m.x() < crossing) inside = !inside;
-  }
-  return inside ? 0 : std::sqrt(nearest2);
+  return contains(corners_m, point_m) ? 0 : distance_to_edges_m(corners_m, point_m);
 }
 
 bool CommandCheck::people_free(const Pose2& pose, double time_s, double speed_m_s) const {

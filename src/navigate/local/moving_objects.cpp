@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdint>
 #include <iterator>
 #include <optional>
 #include <utility>
@@ -13,8 +12,6 @@
 namespace extperfc::navigate {
 
 namespace {
-
-constexpr std::int8_t kObstacle = 65;  // per cent, as map_server's threshold
 
 /// The smallest circle's stand-in: about the middle of the box around the points.
 struct Extent {
@@ -36,9 +33,8 @@ Extent extent_of(const std::vector<Eigen::Vector2d>& points_m) {
 }
 
 std::optional<double> range_of(const LaserScan& scan, std::size_t ray, double max_range_m) {
-  const double range_m = scan.ranges[ray];
-  const bool counts = std::isfinite(range_m) && range_m >= scan.range_min && range_m <= scan.range_max;
-  if (!counts || range_m > max_range_m) return std::nullopt;
+  const float range_m = scan.ranges[ray];
+  if (!is_return(scan, range_m) || range_m > max_range_m) return std::nullopt;
   return range_m;
 }
 
@@ -64,30 +60,7 @@ MovingObjectDetector::MovingObjectDetector(const MovingObjectParams& params) : p
 }
 
 void MovingObjectDetector::set_map(const OccupancyGrid& map) {
-  near_obstacles_ = map;
-  std::fill(near_obstacles_.cells.begin(), near_obstacles_.cells.end(), OccupancyGrid::kFree);
-  const auto reach = static_cast<std::int64_t>(params_.map_margin_m / map.resolution_m);
-  const auto width = static_cast<std::int64_t>(map.width);
-  const auto height = static_cast<std::int64_t>(map.height);
-  for (std::int64_t row = 0; row < height; ++row)
-    for (std::int64_t column = 0; column < width; ++column) {
-      if (map.cells[static_cast<std::size_t>(row * width + column)] < kObstacle) continue;
-      for (std::int64_t r = std::max<std::int64_t>(0, row - reach); r <= std::min(height - 1, row + reach);
-           ++r) {
-        const auto half =
-            static_cast<std::int64_t>(std::sqrt(static_cast<double>(reach * reach - (r - row) * (r - row))));
-        const std::int64_t left = std::max<std::int64_t>(0, column - half);
-        const std::int64_t right = std::min(width - 1, column + half);
-        const auto begin = near_obstacles_.cells.begin() + r * width;
-        std::fill(begin + left, begin + right + 1, OccupancyGrid::kOccupied);
-      }
-    }
-}
-
-bool MovingObjectDetector::explained(const Eigen::Vector2d& point_m) const {
-  if (near_obstacles_.empty()) return false;
-  const auto cell = near_obstacles_.cell_of(point_m.x(), point_m.y());
-  return cell && near_obstacles_.at(cell->column, cell->row) == OccupancyGrid::kOccupied;
+  map_.set_map(map, params_.map_margin_m);
 }
 
 std::vector<MovingObjectDetector::Cluster> MovingObjectDetector::clusters(const LaserScan& scan,
@@ -109,7 +82,7 @@ std::vector<MovingObjectDetector::Cluster> MovingObjectDetector::clusters(const 
     Cluster& cluster = result.back();
     cluster.points_m.push_back(point);
     cluster.last_ray = ray;
-    if (explained(point)) ++cluster.explained;
+    if (map_.explains(point)) ++cluster.explained;
     before_m = *range_m;
   }
   // A sweep of a full revolution begins where it ends.

@@ -66,10 +66,6 @@ void demand_valid(const MppiParams& params) {
   demand_range(params.blocked_after_s, 0.1, 60, "blocked_after_s");
 }
 
-bool is_finite(const Twist2& twist) {
-  return std::isfinite(twist.vx) && std::isfinite(twist.vy) && std::isfinite(twist.wz);
-}
-
 bool is_finite(const MovingObstacle& person) {
   return person.position_m.allFinite() && person.velocity_m_s.allFinite() && std::isfinite(person.radius_m) &&
          person.radius_m >= 0;
@@ -166,7 +162,7 @@ std::optional<NavError> MppiPlanner::refusal(const CostGrid& costs, const LocalS
   const auto invalid = [](const char* what) { return NavError{NavCode::kInvalidRequest, what, {}}; };
   if (window_.empty()) return invalid("the local planner has no path: set one first");
   if (costs.empty()) return invalid("the local cost map is empty: wait for its first update");
-  if (!extperfc::is_finite(state.pose) || !is_finite(state.velocity))
+  if (!extperfc::is_finite(state.pose) || !extperfc::is_finite(state.velocity))
     return invalid("pose or velocity of the base is not finite: check odometry and transforms");
   if (!std::all_of(state.people.begin(), state.people.end(), [](const auto& p) { return is_finite(p); }))
     return invalid("a person's position, velocity or radius is not finite: check the tracker");

@@ -8,7 +8,7 @@ namespace extperfc::navigate {
 namespace {
 
 constexpr float kSide_m = 0.25F;      // standard deviation of discomfort beside and behind a person
-constexpr float kFront_s = 0.7F;      // the same before: so far as somebody walks meanwhile
+constexpr float kFront_s = 0.7F;      // the same in front, as the distance walked in this time
 constexpr float kSpread_m_s = 0.12F;  // growth of a position's uncertainty
 constexpr float kMaxSpread_m = 0.25F;
 constexpr float kCutOff = 3.0F;  // standard deviations

@@ -17,7 +17,8 @@ class PeopleCost {
   void set(const std::vector<MovingObstacle>& people, const Eigen::Vector2d& middle_m, float body_m,
            float inscribed_m, int steps, float step_s);
   [[nodiscard]] bool empty() const { return persons_ == 0; }
-  /// 0: far from everybody, 1: at arm's length, more before somebody who walks; kTouches and more: touches.
+  /// 0: far from all people, 1: at arm's length, more in front of a person who walks; kTouches and more:
+  /// touches.
   [[nodiscard]] float at(std::size_t step, float x_m, float y_m) const;
 
   static constexpr float kTouches = 20;

@@ -53,8 +53,7 @@ Result<LaserScan> to_laser_scan(const sensor_msgs::LaserScan& message, const Pos
   scan.angle_increment = sense * static_cast<double>(message.angle_increment);
   scan.range_min = static_cast<double>(message.range_min);
   scan.range_max = static_cast<double>(message.range_max);
-  scan.base_T_sensor = {base_T_scanner.translation().x(), base_T_scanner.translation().y(),
-                        std::atan2(rotation(1, 0), rotation(0, 0))};
+  scan.base_T_sensor = to_pose2(base_T_scanner);
   scan.ranges = message.ranges;
   if (auto valid = validate(scan); !valid) return tl::unexpected(valid.error());
   return scan;

@@ -108,7 +108,7 @@ void Explorer::explore(const ExploreGoal& goal, ExploreResult& result) {
     end(result, ExploreResult::NO_NAVIGATOR, "no action server move_base: start the navigator");
     return;
   }
-  navigate::Exploration exploration(params_.outline(), params_.frontiers, *bounds_m);
+  navigate::Exploration exploration(params_.footprint.padded(), params_.frontiers, *bounds_m);
   Drive ended = Drive::kReached;
   while (const auto frontier = choose(exploration, result)) {
     ended = drive(exploration, *frontier);

@@ -138,9 +138,7 @@ bool LocalizerEngine::jumped(const Odometry& now) const {
 Result<Pose2> LocalizerEngine::odometry_at(const ros::Time& stamp) {
   const auto odom_T_base = transform_at(params_.odom_frame, params_.base_frame, stamp);
   if (!odom_T_base) return tl::unexpected(odom_T_base.error());
-  const auto& rotation = odom_T_base->linear();
-  return Pose2{odom_T_base->translation().x(), odom_T_base->translation().y(),
-               std::atan2(rotation(1, 0), rotation(0, 0))};
+  return to_pose2(*odom_T_base);
 }
 
 /// Polls in wall time: tf2's own wait would not end while simulated time stands still.

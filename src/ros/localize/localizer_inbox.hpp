@@ -1,9 +1,8 @@
 #pragma once
 
-#include <condition_variable>
+#include <atomic>
 #include <cstdint>
 #include <memory>
-#include <mutex>
 #include <optional>
 #include <utility>
 #include <variant>
@@ -12,6 +11,7 @@
 #include <ros/time.h>
 #include <sensor_msgs/LaserScan.h>
 
+#include "extperfc/base/pending_work.hpp"
 #include "extperfc/world/occupancy_grid.hpp"
 #include "extperfc/world/pose.hpp"
 
@@ -42,65 +42,39 @@ struct Work {
 class LocalizerInbox {
  public:
   void put_map(MapPtr map, std::optional<Placement> placement = std::nullopt) {
-    change([&](Work& work) {
+    pending_.change([&](Work& work) {
       work.map = std::move(map);
       if (placement) work.placement = std::move(placement);
     });
   }
   void put_placement(Placement placement) {
-    change([&](Work& work) { work.placement = std::move(placement); });
+    pending_.change([&](Work& work) { work.placement = std::move(placement); });
   }
   void put_force() {
-    change([](Work& work) { work.force = true; });
+    pending_.change([](Work& work) { work.force = true; });
   }
   void put_time_jump() {
-    change([](Work& work) {
+    pending_.change([](Work& work) {
       work.time_ran_back = true;
       work.scan.reset();  // of the time before
     });
   }
   void put_scan(sensor_msgs::LaserScanConstPtr scan) {
-    change([&](Work& work) {
+    pending_.change([&](Work& work) {
       if (work.scan) ++dropped_;
       work.scan = std::move(scan);
     });
   }
 
   /// Waits for work. No value: closed.
-  [[nodiscard]] std::optional<Work> take() {
-    std::unique_lock lock(mutex_);
-    ready_.wait(lock, [this] { return waiting_ || closed_; });
-    if (closed_) return std::nullopt;
-    return std::exchange(waiting_, std::nullopt);
-  }
-
-  void close() {
-    const std::lock_guard lock(mutex_);
-    closed_ = true;
-    ready_.notify_all();
-  }
-
+  [[nodiscard]] std::optional<Work> take() { return pending_.take(); }
+  void close() { pending_.close(); }
   /// Scans that were replaced before the worker took them.
-  [[nodiscard]] std::uint64_t dropped() const {
-    const std::lock_guard lock(mutex_);
-    return dropped_;
-  }
+  [[nodiscard]] std::uint64_t dropped() const { return dropped_; }
 
  private:
-  template <typename Change>
-  void change(const Change& apply) {
-    const std::lock_guard lock(mutex_);
-    if (closed_) return;
-    if (!waiting_) waiting_.emplace();
-    apply(*waiting_);
-    ready_.notify_one();
-  }
-
-  mutable std::mutex mutex_;
-  std::condition_variable ready_;
-  std::optional<Work> waiting_;
-  std::uint64_t dropped_{0};
-  bool closed_{false};
+  PendingWork<Work> pending_;
+  std::atomic<std::uint64_t> dropped_{0};
 };
 
 }  // namespace extperfc::ros_localize

@@ -1,9 +1,8 @@
 #pragma once
 
-#include <condition_variable>
+#include <atomic>
 #include <cstdint>
 #include <deque>
-#include <mutex>
 #include <optional>
 #include <utility>
 
@@ -11,6 +10,8 @@
 #include <nav_msgs/OccupancyGrid.h>
 #include <sensor_msgs/LaserScan.h>
 #include <sensor_msgs/PointCloud2.h>
+
+#include "extperfc/base/pending_work.hpp"
 
 namespace extperfc::ros_navigate {
 
@@ -28,30 +29,30 @@ struct CostWork {
 class CostInbox {
  public:
   void put_map(nav_msgs::OccupancyGridConstPtr map) {
-    change([&](CostWork& work) {
+    pending_.change([&](CostWork& work) {
       work.map = std::move(map);
       work.map_updates.clear();
     });
   }
   void put_map_update(map_msgs::OccupancyGridUpdateConstPtr update) {
-    change([&](CostWork& work) {
+    pending_.change([&](CostWork& work) {
       if (work.map_updates.size() < kMaxUpdates) work.map_updates.push_back(std::move(update));
     });
   }
   void put_scan(sensor_msgs::LaserScanConstPtr scan) {
-    change([&](CostWork& work) {
+    pending_.change([&](CostWork& work) {
       if (work.scan) ++dropped_;
       work.scan = std::move(scan);
     });
   }
   void put_cloud(sensor_msgs::PointCloud2ConstPtr cloud) {
-    change([&](CostWork& work) {
+    pending_.change([&](CostWork& work) {
       if (work.cloud) ++dropped_;
       work.cloud = std::move(cloud);
     });
   }
   void put_forget() {
-    change([](CostWork& work) {
+    pending_.change([](CostWork& work) {
       work.forget = true;
       work.scan.reset();
       work.cloud.reset();
@@ -59,40 +60,16 @@ class CostInbox {
   }
 
   /// Waits for work. No value: closed.
-  [[nodiscard]] std::optional<CostWork> take() {
-    std::unique_lock lock(mutex_);
-    ready_.wait(lock, [this] { return waiting_ || closed_; });
-    if (closed_) return std::nullopt;
-    return std::exchange(waiting_, std::nullopt);
-  }
-  void close() {
-    const std::lock_guard lock(mutex_);
-    closed_ = true;
-    ready_.notify_all();
-  }
+  [[nodiscard]] std::optional<CostWork> take() { return pending_.take(); }
+  void close() { pending_.close(); }
   /// Scans and clouds that were replaced before the worker took them.
-  [[nodiscard]] std::uint64_t dropped() const {
-    const std::lock_guard lock(mutex_);
-    return dropped_;
-  }
+  [[nodiscard]] std::uint64_t dropped() const { return dropped_; }
 
  private:
   static constexpr std::size_t kMaxUpdates = 100;
 
-  template <typename Change>
-  void change(const Change& apply) {
-    const std::lock_guard lock(mutex_);
-    if (closed_) return;
-    if (!waiting_) waiting_.emplace();
-    apply(*waiting_);
-    ready_.notify_one();
-  }
-
-  mutable std::mutex mutex_;
-  std::condition_variable ready_;
-  std::optional<CostWork> waiting_;
-  std::uint64_t dropped_{0};
-  bool closed_{false};
+  PendingWork<CostWork> pending_;
+  std::atomic<std::uint64_t> dropped_{0};
 };
 
 }  // namespace extperfc::ros_navigate

@@ -5,13 +5,13 @@
 #include <utility>
 
 #include <ros/console.h>
-#include <sensor_msgs/point_cloud2_iterator.h>
 #include <tf2_eigen/tf2_eigen.h>
 
 #include "extperfc/base/stopwatch.hpp"
 
 #include "ros/convert/laser_scan.hpp"
 #include "ros/convert/occupancy_grid.hpp"
+#include "ros/convert/scan.hpp"
 
 namespace extperfc::ros_navigate {
 
@@ -22,11 +22,6 @@ using navigate::NavCode;
 using navigate::NavError;
 
 constexpr double kTransformWaitS = 0.1;  // of wall time
-
-Pose2 planar(const Pose& pose) {
-  const auto& r = pose.linear();
-  return {pose.translation().x(), pose.translation().y(), std::atan2(r(1, 0), r(0, 0))};
-}
 
 }  // namespace
 
@@ -40,7 +35,7 @@ CostMaps::CostMaps(const ros::NodeHandle& handle, const ros_params::NavigatorNod
       callbacks_(std::move(callbacks)),
       costs_(params.costs),
       limits_(params.limits),
-      footprint_(params.outline().padded(params.footprint_padding_m)) {}
+      footprint_(params.footprint.padded()) {}
 
 CostMaps::~CostMaps() {
   stop();
@@ -150,7 +145,10 @@ void CostMaps::work_off(const CostWork& work) {
     if (work.map) take_map(*work.map);
     for (const auto& update : work.map_updates) take_update(*update);
     if (work.cloud) done = take_cloud(*work.cloud);
-    if (work.scan && done) done = take_scan(*work.scan);
+    if (work.scan) {
+      auto taken = take_scan(*work.scan);
+      if (!taken) done = std::move(taken);
+    }
   } catch (const std::exception& error) {
     done = fail(ErrorCode::kFailed, error.what());
   }
@@ -212,34 +210,37 @@ Result<void> CostMaps::take_scan(const sensor_msgs::LaserScan& message) {
   if (!scan) return tl::unexpected(scan.error());
   PlacedScan placed;
   placed.scan = std::move(*scan);
-  placed.odom_T_base = planar(*odom_T_base);
+  placed.odom_T_base = to_pose2(*odom_T_base);
   placed.height_m = base_T_scanner->translation().z();
   const auto map_T_odom = transform_at(global_frame_, odom_frame_, ros::Time(0));
-  if (map_T_odom) placed.map_T_odom = planar(*map_T_odom);
+  if (map_T_odom) placed.map_T_odom = to_pose2(*map_T_odom);
   {
     const std::lock_guard lock(mutex_);
     last_stamp_ = stamp;
     last_scan_ = placed;
-    observe(placed);
+    if (auto seen = observe(placed); !seen) return seen;
   }
   callbacks_.on_scan(placed);
   return {};
 }
 
-void CostMaps::observe(const PlacedScan& placed) {
+Result<void> CostMaps::observe(const PlacedScan& placed) {
   const Pose2 odom_T_sensor = compose(placed.odom_T_base, placed.scan.base_T_sensor);
   local_.map->centre_on({placed.odom_T_base.x, placed.odom_T_base.y});
   if (auto seen = local_.obstacles->observe(placed.scan, odom_T_sensor, placed.height_m, sensor()); !seen)
-    scan_problem_ = seen.error().message;
+    return seen;
   local_.obstacles->clear_footprint(footprint_, placed.odom_T_base);
-  local_.zones->set_pose(inverse(placed.map_T_odom));
+  if (placed.map_T_odom) local_.zones->set_pose(inverse(*placed.map_T_odom));
   (void)local_.map->update(placed.scan.stamp_s);
   local_snapshot_ = std::make_shared<const CostGrid>(local_.map->grid());
-  if (global_.map) observe_globally(placed, compose(placed.map_T_odom, odom_T_sensor));
+  if (global_.map && placed.map_T_odom) observe_globally(placed, *placed.map_T_odom);
+  return {};
 }
 
 /// Every ray clears; what the map does not explain marks.
-void CostMaps::observe_globally(const PlacedScan& placed, const Pose2& map_T_sensor) {
+void CostMaps::observe_globally(const PlacedScan& placed, const Pose2& map_T_odom) {
+  const Pose2 map_T_base = compose(map_T_odom, placed.odom_T_base);
+  const Pose2 map_T_sensor = compose(map_T_base, placed.scan.base_T_sensor);
   auto clears = sensor();
   clears.marks = false;
   auto marks = sensor();
@@ -247,11 +248,15 @@ void CostMaps::observe_globally(const PlacedScan& placed, const Pose2& map_T_sen
   (void)global_.obstacles->observe(placed.scan, map_T_sensor, placed.height_m, clears);
   (void)global_.obstacles->observe(explanation_.unexplained(placed.scan, map_T_sensor), map_T_sensor,
                                    placed.height_m, marks);
-  global_.obstacles->clear_footprint(footprint_, compose(placed.map_T_odom, placed.odom_T_base));
+  global_.obstacles->clear_footprint(footprint_, map_T_base);
   if (!global_.map->update(placed.scan.stamp_s).empty()) global_snapshot_.reset();
 }
 
 Result<void> CostMaps::take_cloud(const sensor_msgs::PointCloud2& message) {
+  const auto view = ros_convert::to_cloud_view(message);
+  if (!view) return fail(view.error().code, cloud_subscriber_.getTopic() + ": " + view.error().message);
+  auto points = scan::points_of(*view);
+  if (!points) return fail(points.error().code, cloud_subscriber_.getTopic() + ": " + points.error().message);
   const auto odom_T_sensor = transform_at(odom_frame_, message.header.frame_id, message.header.stamp);
   if (!odom_T_sensor) return tl::unexpected(odom_T_sensor.error());
   const auto map_T_odom = transform_at(global_frame_, odom_frame_, ros::Time(0));
@@ -259,13 +264,9 @@ Result<void> CostMaps::take_cloud(const sensor_msgs::PointCloud2& message) {
   cloud.stamp_s = message.header.stamp.toSec();
   cloud.sensor_m = odom_T_sensor->translation();
   const Eigen::Isometry3f transform = odom_T_sensor->cast<float>();
-  cloud.points_m.reserve(message.width * message.height);
-  sensor_msgs::PointCloud2ConstIterator<float> x(message, "x");
-  sensor_msgs::PointCloud2ConstIterator<float> y(message, "y");
-  sensor_msgs::PointCloud2ConstIterator<float> z(message, "z");
-  for (; x != x.end(); ++x, ++y, ++z) cloud.points_m.push_back(transform * Eigen::Vector3f(*x, *y, *z));
+  cloud.points_m = std::move(*points);
+  for (auto& point : cloud.points_m) point = transform * point;
   const std::lock_guard lock(mutex_);
-  last_stamp_ = std::max(last_stamp_, message.header.stamp);
   if (auto seen = local_.obstacles->observe(cloud, sensor()); !seen) return seen;
   if (!global_.map || !map_T_odom) return {};
   const Pose& map_T_sensor = *map_T_odom;
@@ -323,11 +324,20 @@ double CostMaps::speed_factor(const Pose2& map_T_base) const {
   return global_.zones ? global_.zones->speed_factor_at({map_T_base.x, map_T_base.y}) : 1.0;
 }
 
-void CostMaps::clear() {
+void CostMaps::clear(double beyond_m) {
   const std::lock_guard lock(mutex_);
-  local_.map->clear();
-  if (global_.map) global_.map->clear();
-  if (last_scan_) observe(*last_scan_);
+  if (beyond_m > 0 && last_scan_) {
+    const Pose2& odom_T_base = last_scan_->odom_T_base;
+    local_.obstacles->clear_beyond({odom_T_base.x, odom_T_base.y}, beyond_m);
+    if (global_.map && last_scan_->map_T_odom) {
+      const Pose2 map_T_base = compose(*last_scan_->map_T_odom, odom_T_base);
+      global_.obstacles->clear_beyond({map_T_base.x, map_T_base.y}, beyond_m);
+    }
+  } else {
+    local_.map->clear();
+    if (global_.map) global_.map->clear();
+  }
+  if (last_scan_) (void)observe(*last_scan_);  // it was taken before
 }
 
 void CostMaps::forget() {

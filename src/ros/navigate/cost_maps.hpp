@@ -13,6 +13,7 @@
 #include "extperfc/navigate/cost_map.hpp"
 #include "extperfc/navigate/footprint.hpp"
 #include "extperfc/navigate/inflation_layer.hpp"
+#include "extperfc/navigate/map_explanation.hpp"
 #include "extperfc/navigate/nav_error.hpp"
 #include "extperfc/navigate/obstacle_layer.hpp"
 #include "extperfc/navigate/static_layer.hpp"
@@ -21,7 +22,6 @@
 
 #include "ros/health/stream_health.hpp"
 #include "ros/navigate/cost_inbox.hpp"
-#include "ros/navigate/map_explanation.hpp"
 #include "ros/navigate/placed_scan.hpp"
 #include "ros/params/navigator_params.hpp"
 
@@ -58,8 +58,9 @@ class CostMaps {
   /// Factor of the speed zones [0, 1].
   [[nodiscard]] double speed_factor(const Pose2& map_T_base) const;
 
-  /// Forgets what sensors saw; what the latest scan saw is marked again at once.
-  void clear();
+  /// Forgets what sensors saw farther than `beyond_m` from the robot (0: everything); what the latest scan
+  /// saw is marked again at once.
+  void clear(double beyond_m = 0);
   /// As clear(), and scans that wait are of another time.
   void forget();
   void set_footprint(const navigate::Footprint& footprint);
@@ -84,8 +85,8 @@ class CostMaps {
   void take_update(const map_msgs::OccupancyGridUpdate& message);
   [[nodiscard]] Result<void> take_scan(const sensor_msgs::LaserScan& message);
   [[nodiscard]] Result<void> take_cloud(const sensor_msgs::PointCloud2& message);
-  void observe(const PlacedScan& placed);
-  void observe_globally(const PlacedScan& placed, const Pose2& map_T_sensor);
+  [[nodiscard]] Result<void> observe(const PlacedScan& placed);
+  void observe_globally(const PlacedScan& placed, const Pose2& map_T_odom);
   [[nodiscard]] Result<Pose> transform_at(const std::string& target, const std::string& source,
                                           const ros::Time& stamp) const;
   [[nodiscard]] navigate::Inflation inflation() const;
@@ -106,14 +107,13 @@ class CostMaps {
   ros_params::DataLimits limits_;
   navigate::Footprint footprint_;
   navigate::Zones zones_;
-  MapExplanation explanation_;
+  navigate::MapExplanation explanation_;
   Layers local_;
   Layers global_;
   GridPtr local_snapshot_;
   mutable GridPtr global_snapshot_;  ///< null: older than the map
   std::optional<PlacedScan> last_scan_;
-  ros::Time last_stamp_;  ///< of the newest data of any sensor
-  std::string scan_problem_;
+  ros::Time last_stamp_;  ///< of the newest scan
   std::string map_problem_;
 
   std::atomic<bool> map_changed_{false};

@@ -23,7 +23,7 @@ class CostMapPublisher {
 
   CostMapPublisher(ros::NodeHandle handle, const std::string& topic, std::string frame);
   void publish(const GridPtr& grid, const ros::Time& stamp);
-  /// Whether somebody listens, or nothing was published yet.
+  /// Whether it has subscribers, or was never published.
   [[nodiscard]] bool wanted() const { return !grid_ || whole_.getNumSubscribers() > 0; }
 
  private:

@@ -3,6 +3,7 @@
 #include <utility>
 #include <vector>
 
+#include <extperfc/NavCode.h>
 #include <ros/console.h>
 
 namespace extperfc::ros_navigate {
@@ -11,6 +12,29 @@ namespace {
 
 using navigate::NavCode;
 using navigate::NavEnd;
+
+constexpr bool is(NavCode code, int constant) {
+  return static_cast<int>(code) == constant;
+}
+static_assert(is(NavCode::kSuccess, extperfc::NavCode::SUCCESS));
+static_assert(is(NavCode::kInvalidRequest, extperfc::NavCode::INVALID_REQUEST));
+static_assert(is(NavCode::kCancelled, extperfc::NavCode::CANCELLED));
+static_assert(is(NavCode::kReplaced, extperfc::NavCode::REPLACED));
+static_assert(is(NavCode::kStartOutside, extperfc::NavCode::START_OUTSIDE));
+static_assert(is(NavCode::kGoalOutside, extperfc::NavCode::GOAL_OUTSIDE));
+static_assert(is(NavCode::kStartBlocked, extperfc::NavCode::START_BLOCKED));
+static_assert(is(NavCode::kGoalBlocked, extperfc::NavCode::GOAL_BLOCKED));
+static_assert(is(NavCode::kGoalUnknown, extperfc::NavCode::GOAL_UNKNOWN));
+static_assert(is(NavCode::kNoPath, extperfc::NavCode::NO_PATH));
+static_assert(is(NavCode::kPlanTimeout, extperfc::NavCode::PLAN_TIMEOUT));
+static_assert(is(NavCode::kBlocked, extperfc::NavCode::BLOCKED));
+static_assert(is(NavCode::kOscillating, extperfc::NavCode::OSCILLATING));
+static_assert(is(NavCode::kCollisionAhead, extperfc::NavCode::COLLISION_AHEAD));
+static_assert(is(NavCode::kNoOdometry, extperfc::NavCode::NO_ODOMETRY));
+static_assert(is(NavCode::kNoTransform, extperfc::NavCode::NO_TRANSFORM));
+static_assert(is(NavCode::kNoScan, extperfc::NavCode::NO_SCAN));
+static_assert(is(NavCode::kNoMap, extperfc::NavCode::NO_MAP));
+static_assert(is(NavCode::kLocalizationLost, extperfc::NavCode::LOCALIZATION_LOST));
 
 std::string text_of(const NavEnd& end) {
   return std::string(to_string(end.error.code)) + ": " + end.error.message;

@@ -9,10 +9,6 @@ namespace {
 
 constexpr auto kSilence = std::chrono::milliseconds(300);  // of the control cycle, of wall time
 
-bool is_zero(const Twist2& velocity) {
-  return velocity.vx == 0 && velocity.vy == 0 && velocity.wz == 0;
-}
-
 }  // namespace
 
 GuardThread::GuardThread(const navigate::GuardParams& params, Send send)

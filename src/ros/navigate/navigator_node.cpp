@@ -273,7 +273,7 @@ void NavigatorNode::send(const navigate::NavigatorOutput& output, const RobotSta
 void NavigatorNode::act(navigate::NavigatorOutput& output, const ros::Time& now) {
   if (!output.event.empty()) ROS_INFO("navigator: %s", output.event.c_str());
   if (output.plan) planning_->ask(std::move(*output.plan));
-  if (output.clear_beyond_m) costs_.clear();
+  if (output.clear_beyond_m) costs_.clear(*output.clear_beyond_m);
   if (output.new_path) display_.global_plan(*output.new_path, now);
   if (output.end) finish(*output.end);
 }

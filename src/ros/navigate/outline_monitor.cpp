@@ -15,8 +15,8 @@ constexpr double kMinChangeRad = 0.01;
 
 OutlineMonitor::OutlineMonitor(ros::NodeHandle handle, const ros::NodeHandle& private_handle,
                                const ros_params::NavigatorNodeParams& params)
-    : base_(params.outline()),
-      padding_m_(params.footprint_padding_m),
+    : base_(params.footprint.outline()),
+      padding_m_(params.footprint.padding_m),
       footprint_(std::make_shared<const navigate::Footprint>(base_.padded(padding_m_))),
       bare_(std::make_shared<const navigate::Footprint>(base_)) {
   if (!params.arms.enabled) return;
@@ -73,8 +73,8 @@ double OutlineMonitor::overhang_m() const {
 
 void OutlineMonitor::set_params(const ros_params::NavigatorNodeParams& params) {
   const std::lock_guard lock(mutex_);
-  base_ = params.outline();
-  padding_m_ = params.footprint_padding_m;
+  base_ = params.footprint.outline();
+  padding_m_ = params.footprint.padding_m;
   rebuild();
 }
 

@@ -33,8 +33,8 @@ std::vector<Eigen::Vector2d> points_of(const LaserScan& scan) {
   std::vector<Eigen::Vector2d> points;
   points.reserve(scan.ranges.size());
   for (std::size_t i = 0; i < scan.ranges.size(); ++i) {
+    if (!is_return(scan, scan.ranges[i])) continue;
     const double range = scan.ranges[i];
-    if (!(range >= scan.range_min && range <= scan.range_max)) continue;
     const double angle = scan.angle_min + static_cast<double>(i) * scan.angle_increment;
     const Pose2 end = compose(scan.base_T_sensor, {range * std::cos(angle), range * std::sin(angle), 0});
     points.emplace_back(end.x, end.y);
@@ -58,10 +58,10 @@ void PeopleTracker::forget() {
 }
 
 void PeopleTracker::update(const PlacedScan& placed) {
-  if (!params_.enabled) return;
+  if (!params_.enabled || !placed.map_T_odom) return;
   const std::lock_guard lock(mutex_);
-  const auto candidates = detector_.detect(placed.scan, compose(placed.map_T_odom, placed.odom_T_base));
-  const Pose2 odom_T_map = inverse(placed.map_T_odom);
+  const auto candidates = detector_.detect(placed.scan, compose(*placed.map_T_odom, placed.odom_T_base));
+  const Pose2 odom_T_map = inverse(*placed.map_T_odom);
   std::vector<track::Observation> observations;
   observations.reserve(candidates.size());
   for (const auto& candidate : candidates) {

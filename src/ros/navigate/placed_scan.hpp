@@ -1,5 +1,6 @@
 #pragma once
 
+#include <optional>
 #include <vector>
 
 #include <Eigen/Core>
@@ -12,9 +13,9 @@ namespace extperfc::ros_navigate {
 /// A scan and where the robot was when it was taken.
 struct PlacedScan {
   LaserScan scan;
-  Pose2 odom_T_base;   ///< at its stamp
-  Pose2 map_T_odom;    ///< the latest
-  double height_m{0};  ///< of its plane above the floor
+  Pose2 odom_T_base;                  ///< at its stamp
+  std::optional<Pose2> map_T_odom{};  ///< the latest; empty: not known yet
+  double height_m{0};                 ///< of its plane above the floor
 };
 
 /// End points of the rays that met something, in the base's frame [m].

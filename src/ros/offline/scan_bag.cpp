@@ -31,11 +31,6 @@ using sources::ScanRecord;
 
 constexpr std::size_t kMaxComplaints = 10;
 
-Pose2 planar(const Pose& pose) {
-  return {pose.translation().x(), pose.translation().y(),
-          std::atan2(pose.linear()(1, 0), pose.linear()(0, 0))};
-}
-
 /// The laser scan of a message of either type; no value for other types.
 std::optional<sensor_msgs::LaserScan> scan_of(const rosbag::MessageInstance& message) {
   if (const auto scan = message.instantiate<sensor_msgs::LaserScan>()) return *scan;
@@ -203,7 +198,7 @@ void ScanBag::use(const rosbag::MessageInstance& message) {
 void ScanBag::use_transforms(const tf2_msgs::TFMessage& message, bool is_static) {
   transforms_->add(message, is_static);
   const auto odometry = transforms_->newest(options_.odom_frame, options_.base_frame);
-  if (odometry && odometry->stamp_s > 0) pairing_.add_odometry(odometry->stamp_s, planar(odometry->pose));
+  if (odometry && odometry->stamp_s > 0) pairing_.add_odometry(odometry->stamp_s, to_pose2(odometry->pose));
 }
 
 void ScanBag::use_scan(const sensor_msgs::LaserScan& message) {

@@ -97,16 +97,10 @@ void read_start(ParamReader& reader, LocalizerNodeParams& params) {
   params.initial_pose.yaw = wrap_angle(params.initial_pose.yaw);
 }
 
-void read_frame(ParamReader& reader, const std::string& key, std::string& frame) {
-  reader.read(key, frame);
-  if (!frame.empty() && frame.front() == '/') frame.erase(0, 1);  // tf1 style; tf2 refuses a leading slash
-  if (frame.empty()) reader.complain(key + " must be the name of a frame, not empty");
-}
-
 void read_node(ParamReader& reader, LocalizerNodeParams& params) {
-  read_frame(reader, "odom_frame_id", params.odom_frame);
-  read_frame(reader, "base_frame_id", params.base_frame);
-  read_frame(reader, "global_frame_id", params.global_frame);
+  reader.read_frame("odom_frame_id", params.odom_frame);
+  reader.read_frame("base_frame_id", params.base_frame);
+  reader.read_frame("global_frame_id", params.global_frame);
   reader.read("map_file", params.map_file);
   reader.read("use_map_topic", params.use_map_topic);
   reader.read("first_map_only", params.first_map_only);

@@ -24,17 +24,10 @@ constexpr const char* kWithoutEffect[] = {
     "ogain",         "lskip",        "xmin",          "ymin",         "xmax",          "ymax",
     "llsamplerange", "llsamplestep", "lasamplerange", "lasamplestep", "inverted_laser"};
 
-/// tf's first version wrote "/map" for what tf2 calls "map".
-void read_frame(ParamReader& reader, const std::string& key, std::string& frame) {
-  reader.read(key, frame);
-  if (!frame.empty() && frame.front() == '/') frame.erase(0, 1);
-  if (frame.empty()) reader.complain(key + " must be the name of a frame, not empty");
-}
-
 void read_frames(ParamReader& reader, MapperNodeletParams& params) {
-  read_frame(reader, "base_frame", params.base_frame);
-  read_frame(reader, "odom_frame", params.odom_frame);
-  read_frame(reader, "map_frame", params.map_frame);
+  reader.read_frame("base_frame", params.base_frame);
+  reader.read_frame("odom_frame", params.odom_frame);
+  reader.read_frame("map_frame", params.map_frame);
   if (params.base_frame == params.map_frame || params.odom_frame == params.map_frame ||
       params.odom_frame == params.base_frame)
     reader.complain("base_frame, odom_frame and map_frame must be three different frames");

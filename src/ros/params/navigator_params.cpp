@@ -1,11 +1,6 @@
 #include "ros/params/navigator_params.hpp"
 
-#include <cmath>
-
 #include <ros/package.h>
-#include <yaml-cpp/yaml.h>
-
-#include "ros/params/list_reader.hpp"
 
 namespace extperfc::ros_params {
 
@@ -31,48 +26,14 @@ constexpr const char* kWithoutMeaning[] = {"clearing_rotation_allowed",
                                            "conservative_reset",
                                            "aggressive_reset"};
 
-void read_frame(ParamReader& reader, const std::string& key, std::string& frame) {
-  reader.read(key, frame);
-  if (!frame.empty() && frame.front() == '/') frame.erase(0, 1);  // tf1 style; tf2 refuses a leading slash
-  if (frame.empty()) reader.complain(key + " must be the name of a frame, not empty");
-}
-
 void read_frames(ParamReader& reader, NavigatorNodeParams& params) {
-  read_frame(reader, "global_frame", params.global_frame);
-  read_frame(reader, "odom_frame", params.odom_frame);
-  read_frame(reader, "robot_base_frame", params.base_frame);
+  reader.read_frame("global_frame", params.global_frame);
+  reader.read_frame("odom_frame", params.odom_frame);
+  reader.read_frame("robot_base_frame", params.base_frame);
   if (params.base_frame == params.odom_frame || params.odom_frame == params.global_frame ||
       params.base_frame == params.global_frame)
     reader.complain("global_frame, odom_frame and robot_base_frame must be three different frames, but are " +
                     params.global_frame + ", " + params.odom_frame + ", " + params.base_frame);
-}
-
-/// "[[0.4, 0.3], [0.4, -0.3], ...]" as costmap_2d has it, or a list of lists in YAML.
-void read_footprint(ParamReader& reader, const ros::NodeHandle& handle, NavigatorNodeParams& params) {
-  reader.read("robot_radius", params.robot_radius_m, {0.01, 10.0});
-  reader.read("footprint_padding", params.footprint_padding_m, {0.0, 1.0});
-  reader.accept("footprint");
-  XmlRpc::XmlRpcValue given;
-  if (!handle.getParam("footprint", given)) return;
-  try {
-    const auto text =
-        given.getType() == XmlRpc::XmlRpcValue::TypeString ? static_cast<std::string>(given) : given.toXml();
-    if (given.getType() == XmlRpc::XmlRpcValue::TypeString) {
-      if (text.empty()) return;
-      for (const auto& corner : YAML::Load(text))
-        params.footprint.emplace_back(corner[0].as<double>(), corner[1].as<double>());
-    } else {
-      for (int i = 0; i < given.size(); ++i)
-        params.footprint.emplace_back(*Entry(given[i][0]).number({-10, 10}),
-                                      *Entry(given[i][1]).number({-10, 10}));
-    }
-  } catch (const std::exception&) {
-    return reader.complain("footprint must be a list of corners [[x, y], ...] in m");
-  } catch (const XmlRpc::XmlRpcException&) {
-    return reader.complain("footprint must be a list of corners [[x, y], ...] in m");
-  }
-  if (const auto made = navigate::Footprint::make(params.footprint); !made)
-    reader.complain("footprint: " + made.error().message);
 }
 
 void read_limits(ParamReader& reader, navigate::VelocityLimits& limits) {
@@ -190,16 +151,11 @@ void read_base(ParamReader& reader, NavigatorNodeParams& params) {
 
 }  // namespace
 
-navigate::Footprint NavigatorNodeParams::outline() const {
-  if (footprint.empty()) return navigate::Footprint::circle(robot_radius_m);
-  return *navigate::Footprint::make(footprint);
-}
-
 Result<NavigatorNodeParams> load_navigator_params(const ros::NodeHandle& private_handle) {
   NavigatorNodeParams params;
   ParamReader reader(private_handle);
   read_frames(reader, params);
-  read_footprint(reader, private_handle, params);
+  read_footprint(reader, private_handle, params.footprint);
   read_base(reader, params);
   read_behaviour(reader, params);
   read_planners(reader, params);

@@ -14,6 +14,7 @@
 #include "extperfc/navigate/navigator.hpp"
 #include "extperfc/navigate/overhang.hpp"
 
+#include "ros/params/read_footprint.hpp"
 #include "ros/params/param_reader.hpp"
 
 namespace extperfc::ros_params {
@@ -60,9 +61,7 @@ struct NavigatorNodeParams {
   double controller_frequency_hz{20};
   std::string base_global_planner{"extperfc/GridPlanner"};
   std::string base_local_planner{"extperfc/MppiPlanner"};
-  std::vector<Eigen::Vector2d> footprint;  ///< corners [m]; empty: a circle
-  double robot_radius_m{0.46};
-  double footprint_padding_m{0.02};
+  FootprintParams footprint;
   navigate::BaseKind base{navigate::BaseKind::kHolonomic};
   navigate::NavigatorParams navigator;
   navigate::GridPlannerParams global;
@@ -75,9 +74,6 @@ struct NavigatorNodeParams {
   double timeout_s{5.0};           ///< silence after which diagnostics warn
   std::vector<std::string> notes;  ///< parameters of move_base without effect here; one line each
   std::vector<ReadParam> read;     ///< for dynamic_reconfigure
-
-  /// Of the parameters, without padding.
-  [[nodiscard]] navigate::Footprint outline() const;
 };
 
 /// Reads `private_handle`; every problem is reported at once.

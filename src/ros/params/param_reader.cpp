@@ -91,6 +91,12 @@ void ParamReader::read(const std::string& key, double& value, Range<double> rang
   params_.push_back({key, value, range.low, range.high});
 }
 
+void ParamReader::read_frame(const std::string& key, std::string& frame) {
+  read(key, frame);
+  if (!frame.empty() && frame.front() == '/') frame.erase(0, 1);
+  if (frame.empty()) complain(key + " must be the name of a frame, not empty");
+}
+
 void ParamReader::require(const std::string& key, std::string& value, const std::string& remedy) {
   read(key, value);
   if (given_.count(key) == 0 || value.empty()) errors_.push_back(ns_ + "/" + key + " is not set: " + remedy);

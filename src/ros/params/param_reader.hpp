@@ -37,6 +37,9 @@ class ParamReader {
   void read(const std::string& key, int& value, Range<int> range);
   void read(const std::string& key, double& value, Range<double> range);
 
+  /// The name of a frame, not empty; without the slash that tf's first version wrote before it.
+  void read_frame(const std::string& key, std::string& frame);
+
   /// As read(), but an unset key is an error that ends with `remedy`.
   void require(const std::string& key, std::string& value, const std::string& remedy);
 

@@ -38,7 +38,7 @@ BaseInterface::BaseInterface(ros::NodeHandle handle, SimHost& host,
 
 void BaseInterface::on_command(const geometry_msgs::TwistConstPtr& message) {
   const Twist2 velocity{message->linear.x, message->linear.y, message->angular.z};
-  if (!std::isfinite(velocity.vx + velocity.vy + velocity.wz)) {
+  if (!is_finite(velocity)) {
     if (refused_++ == 0) ROS_WARN("cmd_vel has numbers that are not finite: ignored");
     return;
   }

@@ -43,7 +43,7 @@ MobileBase::MobileBase(const BaseParams& params, const Pose2& start, std::uint64
 }
 
 void MobileBase::command(const Twist2& velocity, double now_s) {
-  if (!std::isfinite(velocity.vx) || !std::isfinite(velocity.vy) || !std::isfinite(velocity.wz)) return;
+  if (!is_finite(velocity)) return;
   // The direction is kept: a vector that is too long is shortened as a whole.
   const double longest = std::max({1.0, std::hypot(velocity.vx, velocity.vy) / params_.max_speed_m_s,
                                    std::abs(velocity.wz) / params_.max_yaw_rate_rad_s});

@@ -99,10 +99,6 @@ sensor_msgs::LaserScan cast(const OccupancyGrid& map, const Pose2& map_T_scanner
   return scan;
 }
 
-double distance_m(const Pose2& a, const Pose2& b) {
-  return std::hypot(a.x - b.x, a.y - b.y);
-}
-
 double yaw_difference_rad(const Pose2& a, const Pose2& b) {
   return std::abs(wrap_angle(a.yaw - b.yaw));
 }

@@ -31,7 +31,6 @@ namespace extperfc::ros_test {
 [[nodiscard]] sensor_msgs::LaserScan cast(const OccupancyGrid& map, const Pose2& map_T_scanner,
                                           const std::string& frame, const ros::Time& stamp);
 
-[[nodiscard]] double distance_m(const Pose2& a, const Pose2& b);
 [[nodiscard]] double yaw_difference_rad(const Pose2& a, const Pose2& b);
 
 /// The nodelet, a map, and a robot with exact odometry in a separate frame and a scanner, in simulated

@@ -1,5 +1,6 @@
 // The nodelet as clients of move_base see it.
 #include <cmath>
+#include <cstdlib>
 
 #include <geometry_msgs/PolygonStamped.h>
 #include <map_msgs/OccupancyGridUpdate.h>
@@ -172,6 +173,21 @@ TEST_F(NavigatorTest, AnUnknownPlannerIsRefused) {
   EXPECT_FALSE(
       manager_.load("/navigator", "navigator", {{"base_global_planner", std::string("navfn/NavfnROS")}}));
   EXPECT_TRUE(log_.wait("base_global_planner navfn/NavfnROS"));
+}
+
+TEST_F(NavigatorTest, AUsersOwnPlannerIsLoaded) {
+  const std::string packages = std::getenv("ROS_PACKAGE_PATH");
+  ASSERT_EQ(setenv("ROS_PACKAGE_PATH", (packages + ":" EXTPERFC_OWN_PLANNER).c_str(), 1), 0);
+  load({{"base_global_planner", std::string("own_planner/StraightPlanner")}});
+  setenv("ROS_PACKAGE_PATH", packages.c_str(), 1);
+  nav_msgs::GetPlan call;
+  call.request.start = goal(-4, -2).target_pose;
+  call.request.goal = goal(3, 3).target_pose;
+  ASSERT_TRUE(ros::service::call("move_base/make_plan", call));
+  EXPECT_EQ(call.response.plan.poses.size(), 101U) << "straight, through a wall";
+  client_.sendGoal(goal(0, 0));
+  ASSERT_TRUE(wait_for_end()) << log_.text();
+  EXPECT_EQ(client_.getState(), State::SUCCEEDED) << text();
 }
 
 TEST_F(NavigatorTest, FilesForMoveBaseLoadWithANote) {

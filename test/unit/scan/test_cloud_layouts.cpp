@@ -95,6 +95,18 @@ TEST(CloudLayouts, RingsWithoutRingField) {
   EXPECT_NE(refused.error().message.find("ring"), std::string::npos) << refused.error().message;
 }
 
+TEST(CloudLayouts, PointsAlone) {
+  for (const bool big_endian : {false, true}) {
+    const CloudBuilder cloud(kPoints, big_endian);
+    const auto points = points_of(cloud.view());
+    ASSERT_TRUE(points);
+    ASSERT_EQ(points->size(), kPoints.size());
+    for (std::size_t i = 0; i < kPoints.size(); ++i)
+      EXPECT_EQ((*points)[i], Eigen::Vector3f(kPoints[i].x, kPoints[i].y, kPoints[i].z));
+  }
+  EXPECT_TRUE(points_of(CloudView{})->empty());
+}
+
 TEST(CloudLayouts, DamagedOnesAreRefused) {
   const CloudBuilder cloud(kPoints);
   const auto good = cloud.view();
@@ -114,6 +126,7 @@ TEST(CloudLayouts, DamagedOnesAreRefused) {
     const auto refused = validate(damaged[i]);
     ASSERT_FALSE(refused) << i;
     EXPECT_EQ(refused.error().code, ErrorCode::kCorrupt);
+    EXPECT_FALSE(points_of(damaged[i])) << i;
     auto converter = CloudToScan::make(open_params());
     PlanarScans scans;
     EXPECT_FALSE(converter->convert(damaged[i], {{0, Pose::Identity()}}, {}, scans)) << i;

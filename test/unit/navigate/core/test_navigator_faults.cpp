@@ -11,10 +11,6 @@
 namespace extperfc::navigate::test {
 namespace {
 
-bool is_zero(const Twist2& velocity) {
-  return velocity.vx == 0 && velocity.vy == 0 && velocity.wz == 0;
-}
-
 TEST(NavigatorFaults, ItStandsWhileDataAreMissingAndGoesOnAfterwards) {
   for (const auto code : {NavCode::kNoOdometry, NavCode::kNoTransform, NavCode::kNoScan, NavCode::kNoMap,
                           NavCode::kLocalizationLost}) {

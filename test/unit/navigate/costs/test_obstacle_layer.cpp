@@ -52,6 +52,15 @@ class Obstacles : public testing::Test {
   std::unique_ptr<ObstacleLayer> layer;
 };
 
+TEST_F(Obstacles, KeepsWhatIsNearWhenItClearsBeyond) {
+  scan(1, {1.02F, 3.02F});
+  ASSERT_EQ(layer->marked_cells(), 2U);
+  layer->clear_beyond({0, 0}, 2);
+  EXPECT_EQ(layer->marked_cells(), 1U);
+  EXPECT_EQ(cost_at(1.02, 0), kLethalCost);
+  EXPECT_EQ(cost_at(3.02 * std::cos(0.01), 3.02 * std::sin(0.01)), kFreeCost);
+}
+
 TEST_F(Obstacles, ReturnMarksItsCell) {
   scan(1, {2.02F});
   EXPECT_EQ(layer->marked_cells(), 1U);

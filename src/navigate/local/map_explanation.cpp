@@ -1,14 +1,14 @@
-#include "ros/navigate/map_explanation.hpp"
+#include "extperfc/navigate/map_explanation.hpp"
 
 #include <algorithm>
 #include <cmath>
 #include <limits>
 
-namespace extperfc::ros_navigate {
+namespace extperfc::navigate {
 
 namespace {
 
-constexpr std::int8_t kLethalPercent = 65;
+constexpr std::int8_t kObstacle = 65;  // per cent, as map_server's threshold
 
 }  // namespace
 
@@ -18,7 +18,7 @@ void MapExplanation::set_map(const OccupancyGrid& map, double margin_m) {
   const auto reach = static_cast<std::size_t>(std::ceil(margin_m / map.resolution_m));
   for (std::size_t row = 0; row < map.height; ++row)
     for (std::size_t column = 0; column < map.width; ++column) {
-      if (map.at(column, row) < kLethalPercent) continue;
+      if (map.at(column, row) < kObstacle) continue;
       const std::size_t left = column - std::min(column, reach);
       const std::size_t right = std::min(map.width - 1, column + reach);
       for (std::size_t r = row - std::min(row, reach); r <= std::min(map.height - 1, row + reach); ++r)
@@ -28,19 +28,22 @@ void MapExplanation::set_map(const OccupancyGrid& map, double margin_m) {
     }
 }
 
+bool MapExplanation::explains(const Eigen::Vector2d& point_m) const {
+  if (near_.empty()) return false;
+  const auto cell = near_.cell_of(point_m.x(), point_m.y());
+  return cell && near_.at(cell->column, cell->row) == OccupancyGrid::kOccupied;
+}
+
 LaserScan MapExplanation::unexplained(const LaserScan& scan, const Pose2& map_T_sensor) const {
   LaserScan rest = scan;
-  if (near_.empty()) return rest;
   for (std::size_t i = 0; i < rest.ranges.size(); ++i) {
-    const double range = rest.ranges[i];
-    if (!(range >= scan.range_min && range <= scan.range_max)) continue;
+    if (!is_return(scan, rest.ranges[i])) continue;
+    const double range_m = rest.ranges[i];
     const double angle = map_T_sensor.yaw + scan.angle_min + static_cast<double>(i) * scan.angle_increment;
-    const auto cell =
-        near_.cell_of(map_T_sensor.x + range * std::cos(angle), map_T_sensor.y + range * std::sin(angle));
-    if (cell && near_.at(cell->column, cell->row) == OccupancyGrid::kOccupied)
+    if (explains({map_T_sensor.x + range_m * std::cos(angle), map_T_sensor.y + range_m * std::sin(angle)}))
       rest.ranges[i] = std::numeric_limits<float>::quiet_NaN();
   }
   return rest;
 }
 
-}  // namespace extperfc::ros_navigate
+}  // namespace extperfc::navigate

@@ -1,0 +1,148 @@
+// Obstacles that only a cloud shows, and arms that stick out.
+#include <algorithm>
+#include <cmath>
+#include <functional>
+#include <limits>
+
+#include <geometry_msgs/PolygonStamped.h>
+#include <sensor_msgs/JointState.h>
+#include <sensor_msgs/point_cloud2_iterator.h>
+
+#include "test/ros/navigate/navigator_test.hpp"
+
+namespace extperfc::ros_test {
+namespace {
+
+using State = actionlib::SimpleClientGoalState;
+
+/// Publishes again and again while something else is waited for.
+template <typename Publish>
+bool wait_while(const Publish& publish, const std::function<bool()>& condition, double patience_s) {
+  return wait_for(
+      [&] {
+        publish();
+        return condition();
+      },
+      patience_s);
+}
+
+/// A box of 0.3 x 0.6 m at (-0.45, 0) in the map, from `low_m` to `high_m`, too low or too high for the
+/// scanner.
+sensor_msgs::PointCloud2 box_cloud(float low_m, float high_m, const ros::Time& stamp) {
+  sensor_msgs::PointCloud2 cloud;
+  cloud.header.frame_id = "map";
+  cloud.header.stamp = stamp;
+  sensor_msgs::PointCloud2Modifier modifier(cloud);
+  modifier.setPointCloud2FieldsByString(1, "xyz");
+  constexpr int kAcross = 31;
+  constexpr int kLevels = 4;
+  modifier.resize(kAcross * kLevels + 1);
+  sensor_msgs::PointCloud2Iterator<float> x(cloud, "x");
+  sensor_msgs::PointCloud2Iterator<float> y(cloud, "y");
+  sensor_msgs::PointCloud2Iterator<float> z(cloud, "z");
+  for (int i = 0; i < kAcross * kLevels; ++i, ++x, ++y, ++z) {
+    *x = -0.6F;
+    *y = -0.3F + 0.02F * static_cast<float>(i % kAcross);
+    *z = low_m + (high_m - low_m) * static_cast<float>(i / kAcross) / (kLevels - 1);
+  }
+  *x = *y = *z = std::numeric_limits<float>::quiet_NaN();  // as depth cameras give them
+  return cloud;
+}
+
+class NavigatorClouds : public NavigatorTest {
+ protected:
+  /// Drives across the box; the greatest distance from the straight line on the way.
+  double detour_m(float low_m, float high_m) {
+    load();
+    client_.sendGoal(goal(0.4, 0));
+    double greatest_m = 0;
+    const bool ended = wait_while(
+        [&] {
+          publisher_.publish(box_cloud(low_m, high_m, robot_.now()));
+          if (robot_.pose().x < -0.2) greatest_m = std::max(greatest_m, std::abs(robot_.pose().y));
+        },
+        [&] { return client_.getState().isDone(); }, 40);
+    EXPECT_TRUE(ended) << log_.text();
+    EXPECT_EQ(client_.getState(), State::SUCCEEDED) << text();
+    return greatest_m;
+  }
+
+  ros::Publisher publisher_{handle_.advertise<sensor_msgs::PointCloud2>("obstacle_points", 1)};
+};
+
+TEST_F(NavigatorClouds, AnObstacleThatTheScannerDoesNotSeeIsDrivenAround) {
+  EXPECT_GT(detour_m(0.2F, 0.5F), 0.5) << "half of the box and half of the base are 0.55 m";
+}
+
+TEST_F(NavigatorClouds, FloorAndCeilingAreNoObstacles) {
+  EXPECT_LT(detour_m(0.0F, 0.05F), 0.2);
+}
+
+TEST_F(NavigatorClouds, ACloudWithoutPointsIsReportedAndHarmsNothing) {
+  load();
+  sensor_msgs::PointCloud2 cloud;
+  cloud.header.frame_id = "map";
+  cloud.header.stamp = robot_.now();
+  cloud.width = cloud.height = 1;
+  publisher_.publish(cloud);
+  EXPECT_TRUE(log_.wait("/obstacle_points: the cloud has no field 'x'"));
+  client_.sendGoal(goal(0.4, 0));
+  ASSERT_TRUE(wait_for_end()) << log_.text();
+  EXPECT_EQ(client_.getState(), State::SUCCEEDED) << text();
+}
+
+/// A base with one arm of 0.9 m to its left, which a joint folds backwards along the base.
+constexpr const char* kRobot = R"(<robot name="one_arm">
+  <link name="base_link"/>
+  <link name="arm"><collision><origin xyz="0.45 0 0"/><geometry><box size="0.9 0.06 0.06"/></geometry></collision></link>
+  <joint name="shoulder" type="revolute"><parent link="base_link"/><child link="arm"/><origin xyz="0 0 0.6"/>
+    <axis xyz="0 0 1"/><limit lower="-3.2" upper="3.2" effort="1" velocity="1"/></joint>
+</robot>)";
+
+class NavigatorArm : public NavigatorTest {
+ protected:
+  NavigatorArm() { ros::param::set("/robot_description", kRobot); }
+  ~NavigatorArm() override { ros::param::del("/robot_description"); }
+
+  /// Greatest distance between corners of the published footprint [m].
+  double length_with(double shoulder_rad) {
+    sensor_msgs::JointState joints;
+    joints.name = {"shoulder"};
+    joints.position = {shoulder_rad};
+    footprints_.clear();
+    double length_m = 0;
+    (void)wait_while([&] { publisher_.publish(joints); },
+                     [&] {
+                       if (footprints_.count() < 15) return false;
+                       length_m = 0;
+                       const auto pose = footprints_.all().back();
+                       for (const auto& a : pose->polygon.points)
+                         for (const auto& b : pose->polygon.points)
+                           length_m = std::max(length_m, std::hypot<double>(a.x - b.x, a.y - b.y));
+                       return true;
+                     },
+                     10);
+    return length_m;
+  }
+
+  ros::Publisher publisher_{handle_.advertise<sensor_msgs::JointState>("joint_states", 5)};
+  Inbox<geometry_msgs::PolygonStamped> footprints_{"move_base/local_costmap/footprint"};
+};
+
+TEST_F(NavigatorArm, AnArmThatSticksOutBelongsToTheFootprint) {
+  load({{"arm_outline", true}});
+  EXPECT_GT(length_with(M_PI), 1.15) << "0.3 m before the middle, 0.9 m behind it: " << log_.text();
+  EXPECT_GT(length_with(M_PI / 2), 1.1) << "0.25 m to the right, 0.9 m to the left";
+  EXPECT_LT(length_with(M_PI / 2), 1.35);
+  // A place beside the wall that suits the base, but not the arm.
+  client_.sendGoal(goal(0.5, -3.4, 3 * M_PI / 2));
+  ASSERT_TRUE(wait_for_end()) << log_.text();
+  EXPECT_EQ(client_.getState(), State::ABORTED) << "the arm would be in the wall";
+  (void)length_with(M_PI);
+  client_.sendGoal(goal(0.5, -3.4, 3 * M_PI / 2));
+  ASSERT_TRUE(wait_for_end()) << log_.text();
+  EXPECT_EQ(client_.getState(), State::SUCCEEDED) << text();
+}
+
+}  // namespace
+}  // namespace extperfc::ros_test
