@@ -23,12 +23,12 @@ namespace extperfc::navigate {
 namespace {
 
 constexpr double kMaxDt_s = 1.0;
-constexpr double kIdle_m_s = 0.02;     // slower commands do not move a base
-constexpr double kIdle_rad_s = 0.04;   // the same
-constexpr double kRest_m_s = 0.05;     // measured speed at rest: odometry is noisy
-constexpr double kRest_rad_s = 0.1;    // the same
-constexpr double kNoise_m_s = 0.05;    // of measured velocities
-constexpr double kDoubtFactor = 0.35;  // of the speed limits where the footprint seems to touch
+constexpr double kIdle_m_s = 0.02;    // slower commands do not move a base
+constexpr double kIdle_rad_s = 0.04;  // the same
+constexpr double kRest_m_s = 0.05;    // measured speed at rest: odometry is noisy
+constexpr double kRest_rad_s = 0.1;   // the same
+constexpr double kNoise_m_s = 0.05;   // of measured velocities
+constexpr double kGapPart = 0.7;  // of the speed where the footprint nearly touches, where it seems to touch
 constexpr double kDoubtAfter_s = 0.25;
 constexpr std::size_t kMaxDoubt = 2;
 constexpr double kDoubtLength_m = 1.2;
@@ -113,13 +113,11 @@ class MppiPlanner : public LocalPlanner {
   /// What holds for one cycle.
   struct Cycle {
     const CostGrid& costs;
-    const Footprint& footprint;  ///< perhaps a shrunk one
-    std::size_t depth;           ///< its index
-    std::size_t touching;        ///< index of the largest that is free at the pose
+    std::size_t depth;     ///< index of the footprint that is used
+    std::size_t touching;  ///< index of the largest that is free at the pose
     const LocalState& state;
     Twist2 current;
     double dt_s;
-    double speed_factor;
     bool with_candidates;
   };
 
@@ -129,9 +127,11 @@ class MppiPlanner : public LocalPlanner {
   [[nodiscard]] Twist2 current_velocity(const LocalState& state, double dt_s) const;
   [[nodiscard]] std::optional<Twist2> admitted(const Cycle& cycle, const Twist2& wanted) const;
   [[nodiscard]] std::optional<LocalCommand> drive_to_goal(const Cycle& cycle);
-  [[nodiscard]] LocalCommand follow_path(const Cycle& cycle);
+  [[nodiscard]] LocalCommand follow_path(Cycle cycle);
   [[nodiscard]] LocalCommand stop(const Cycle& cycle);
   [[nodiscard]] LocalCommand escape(const Cycle& cycle);
+  [[nodiscard]] const Footprint& footprint(const Cycle& cycle) const { return footprints_.at(cycle.depth); }
+  [[nodiscard]] bool find_way(Cycle& cycle);
   /// Whether the path is blocked within the window.
   bool prepare_stations(const Cycle& cycle);
   void drop_stations_outside(const Cycle& cycle);
@@ -192,19 +192,16 @@ NavResult<LocalCommand> MppiPlanner::command(const CostGrid& costs, const Footpr
   const std::size_t touching = footprints_.depth(costs, state.pose);
   const bool deep = touching > ShrunkFootprints::kExplained;
   const std::size_t depth = std::max(touching, doubt(state));
-  const double factor = depth > 0 ? std::min(kDoubtFactor, state.speed_factor) : state.speed_factor;
-  const std::size_t index = deep ? 0 : depth;
-  const Cycle cycle{costs,          footprints_.at(index),         index, touching,
-                    state,          current_velocity(state, dt_s), dt_s,  factor,
-                    with_candidates};
+  const Cycle cycle{costs, deep ? 0 : depth, touching, state, current_velocity(state, dt_s),
+                    dt_s,  with_candidates};
   window_.locate(state.pose);
   if (deep && !approach_.settled()) return finished(cycle, escape(cycle));
   if (auto at_goal = drive_to_goal(cycle)) return finished(cycle, std::move(*at_goal));
   return finished(cycle, follow_path(cycle));
 }
 
-/// A gap that cells and noise make too narrow is tried with smaller and smaller footprints, slowly: when the
-/// base has stood before it for a while, until it has left it behind.
+/// When the base has stood for a while, it goes on with a smaller footprint until it has left the place
+/// behind.
 std::size_t MppiPlanner::doubt(const LocalState& state) {
   if (idle_s_ > kDoubtAfter_s * static_cast<double>(doubt_ + 1) && doubt_ < kMaxDoubt) {
     ++doubt_;
@@ -218,8 +215,8 @@ std::size_t MppiPlanner::doubt(const LocalState& state) {
 /// The command that `wanted` leads to within the limits, if the base can brake from it without a contact.
 std::optional<Twist2> MppiPlanner::admitted(const Cycle& cycle, const Twist2& wanted) const {
   const Twist2 command =
-      limited_change(wanted, cycle.current, params_.limits, cycle.dt_s, cycle.speed_factor);
-  const CommandCheck check(cycle.costs, cycle.footprint, cycle.state, braking_);
+      limited_change(wanted, cycle.current, params_.limits, cycle.dt_s, cycle.state.speed_factor);
+  const CommandCheck check(cycle.costs, footprint(cycle), cycle.state, braking_);
   if (!check.free(cycle.current, command, cycle.dt_s)) return std::nullopt;
   return command;
 }
@@ -248,7 +245,7 @@ std::optional<LocalCommand> MppiPlanner::drive_to_goal(const Cycle& cycle) {
 
 /// The rolling cost map ends somewhere: stations beyond are for later cycles.
 void MppiPlanner::drop_stations_outside(const Cycle& cycle) {
-  const double reach_m = cycle.footprint.circumscribed_radius_m() + cycle.costs.resolution_m;
+  const double reach_m = footprint(cycle).circumscribed_radius_m() + cycle.costs.resolution_m;
   const Eigen::Vector2d low = cycle.costs.origin_m.array() + reach_m;
   const Eigen::Vector2d high =
       cycle.costs.origin_m +
@@ -263,36 +260,49 @@ void MppiPlanner::drop_stations_outside(const Cycle& cycle) {
   stations_.resize(static_cast<std::size_t>(kept));
 }
 
+/// A gap that cells and noise make too narrow is passed with a smaller footprint, slowly. False when the path
+/// is blocked for these, too; the cycle then keeps its own.
+bool MppiPlanner::find_way(Cycle& cycle) {
+  const Pose2& pose = cycle.state.pose;
+  const double half_side_m =
+      params_.limits.max_vx_m_s * params_.horizon_s + footprint(cycle).circumscribed_radius_m() + 0.5;
+  field_.build(cycle.costs, {pose.x, pose.y}, half_side_m, cycle.state.people);
+  const std::size_t own = cycle.depth;
+  for (; cycle.depth <= std::max(own, kMaxDoubt); ++cycle.depth)
+    if (!prepare_stations(cycle)) return true;
+  cycle.depth = own;
+  return !prepare_stations(cycle);
+}
+
 bool MppiPlanner::prepare_stations(const Cycle& cycle) {
   const Pose2& pose = cycle.state.pose;
   const double speed = params_.limits.max_vx_m_s;
   const double length_m = speed * params_.horizon_s + 0.5 * speed * speed / params_.limits.acc_x_m_s2 + 0.4;
-  const double half_side_m = speed * params_.horizon_s + cycle.footprint.circumscribed_radius_m() + 0.5;
-  field_.build(cycle.costs, {pose.x, pose.y}, half_side_m, cycle.state.people);
-  outline_ = Outline(cycle.footprint);
+  outline_ = Outline(footprint(cycle));
   window_.stations(pose, length_m, stations_);
   const bool ends = window_.remaining_m() <= length_m;
   const std::size_t all = stations_.size();
   drop_stations_outside(cycle);
   const bool whole = stations_.size() == all;
-  const auto blocked = shift_.apply({field_, outline_, cycle.footprint, pose}, params_.max_shift_m,
+  const auto blocked = shift_.apply({field_, outline_, footprint(cycle), pose}, params_.max_shift_m,
                                     window_.remaining_m(), stations_);
-  rules_ = {params_.limits, cycle.speed_factor, params_.narrow_speed_m_s, params_.wide_clearance_m,
+  const double narrow_m_s = (cycle.depth > 0 ? kGapPart : 1) * params_.narrow_speed_m_s;
+  rules_ = {params_.limits, cycle.state.speed_factor, narrow_m_s, params_.wide_clearance_m,
             (ends && whole) || blocked.has_value()};
   fill_speed_profile(rules_, field_, outline_, stations_);
   return blocked.has_value();
 }
 
-LocalCommand MppiPlanner::follow_path(const Cycle& cycle) {
-  const bool blocked = prepare_stations(cycle);
+LocalCommand MppiPlanner::follow_path(Cycle cycle) {
+  const bool found = find_way(cycle);
   const Pose2& pose = cycle.state.pose;
-  if (blocked && cycle.depth > cycle.touching) return stop(cycle);  // a wall, not a gap
-  const double body_m =
-      0.5 * (cycle.footprint.inscribed_radius_m() + cycle.footprint.circumscribed_radius_m());
+  const Footprint& used = footprint(cycle);
+  if (!found && cycle.depth > cycle.touching) return stop(cycle);  // a wall, not a gap
+  const double body_m = 0.5 * (used.inscribed_radius_m() + used.circumscribed_radius_m());
   people_.set(cycle.state.people, {pose.x, pose.y}, static_cast<float>(body_m),
-              static_cast<float>(cycle.footprint.inscribed_radius_m()), rollouts_.steps(),
+              static_cast<float>(used.inscribed_radius_m()), rollouts_.steps(),
               static_cast<float>(params_.step_s));
-  rollouts_.run({stations_, field_, outline_, cycle.footprint, people_, rules_, pose, cycle.current});
+  rollouts_.run({stations_, field_, outline_, used, people_, rules_, pose, cycle.current});
   rollouts_.update_mean();
   LocalCommand out = best_admitted(cycle);
   if (cycle.with_candidates) show_candidates(cycle, out);

@@ -3,6 +3,7 @@
 #include <ros/console.h>
 #include <ros/init.h>
 #include <ros/node_handle.h>
+#include <ros/this_node.h>
 
 namespace extperfc::ros_program {
 
