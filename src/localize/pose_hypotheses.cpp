@@ -17,13 +17,20 @@ constexpr std::size_t kFound = 200;         // poses of a search, most of them i
 constexpr std::size_t kMaxHypotheses = 24;  // hypotheses
 constexpr double kSame_m = 0.4;             // nearer poses are the same
 constexpr double kSame_rad = 0.3;
+constexpr double kAtEstimate_m = 0.12;  // the same as the estimate, which was refined itself
+constexpr double kAtEstimate_rad = 0.08;
+constexpr double kBetter = 0.05;  // agreement of a pose near the estimate that is worth a test
 constexpr double kIndependentBeams = 30;
 constexpr double kMaxPerScan = 3;  // of evidence
 constexpr double kMaxOfPoor = 1;   // the same for a hypothesis that explains the scan less well than usual
 constexpr double kRejected = -3;
 
+bool near(const Pose2& a, const Pose2& b, double within_m, double within_rad) {
+  return distance_m(a, b) < within_m && std::abs(wrap_angle(a.yaw - b.yaw)) < within_rad;
+}
+
 bool same_pose(const Pose2& a, const Pose2& b) {
-  return std::hypot(a.x - b.x, a.y - b.y) < kSame_m && std::abs(wrap_angle(a.yaw - b.yaw)) < kSame_rad;
+  return near(a, b, kSame_m, kSame_rad);
 }
 
 /// One pose of each bin, the most crowded bins first.
@@ -61,6 +68,30 @@ void PoseHypotheses::refine_pose(const MapModel& map_model, const Beams& all_bea
   hypothesis.agreement = map_model.agreement(all_beams, hypothesis.pose);
 }
 
+/// Where wheels turn and the robot does not, it stands near the estimate, but farther off than a match
+/// reaches.
+void PoseHypotheses::add_near(const MapModel& map_model, const Beams& all_beams, const Pose2& estimate,
+                              double at_estimate) {
+  PoseHypothesis best{estimate, at_estimate + kBetter, 0};
+  bool found = false;
+  for (const double yaw : {-0.4, -0.2, 0.0, 0.2, 0.4})
+    for (const double x : {-0.3, 0.0, 0.3})
+      for (const double y : {-0.3, 0.0, 0.3}) {
+        PoseHypothesis hypothesis{compose(estimate, {x, y, yaw}), 0, 0};
+        refine_pose(map_model, all_beams, hypothesis);
+        if (hypothesis.agreement <= best.agreement) continue;
+        best = hypothesis;
+        found = true;
+      }
+  const auto known = [&](const PoseHypothesis& other) {
+    return near(best.pose, other.pose, kAtEstimate_m, kAtEstimate_rad);
+  };
+  if (!found || near(best.pose, estimate, kAtEstimate_m, kAtEstimate_rad) ||
+      std::any_of(hypotheses_.begin(), hypotheses_.end(), known))
+    return;
+  hypotheses_.push_back(best);
+}
+
 void PoseHypotheses::add_found(const MapModel& map_model, const Beams& beams, const Beams& all_beams,
                                const Pose2& estimate, Rng& rng) {
   for (const Pose2& pose : distinct(search_scan(map_model, beams, kTries, kFound, rng), kMaxHypotheses)) {
@@ -77,6 +108,7 @@ void PoseHypotheses::add_found(const MapModel& map_model, const Beams& beams, co
 void PoseHypotheses::test(const MapModel& map_model, const Beams& beams, const Beams& all_beams,
                           const Pose2& estimate, double at_estimate, double usual, Rng& rng) {
   for (PoseHypothesis& hypothesis : hypotheses_) refine_pose(map_model, all_beams, hypothesis);
+  add_near(map_model, all_beams, estimate, at_estimate);
   add_found(map_model, beams, all_beams, estimate, rng);
   for (PoseHypothesis& hypothesis : hypotheses_) {
     const double max_gain = hypothesis.agreement >= usual ? kMaxPerScan : kMaxOfPoor;
@@ -85,7 +117,8 @@ void PoseHypotheses::test(const MapModel& map_model, const Beams& beams, const B
   }
   const auto gone =
       std::remove_if(hypotheses_.begin(), hypotheses_.end(), [&](const PoseHypothesis& hypothesis) {
-        return hypothesis.evidence <= kRejected || same_pose(hypothesis.pose, estimate);
+        return hypothesis.evidence <= kRejected ||
+               near(hypothesis.pose, estimate, kAtEstimate_m, kAtEstimate_rad);
       });
   hypotheses_.erase(gone, hypotheses_.end());
   std::stable_sort(hypotheses_.begin(), hypotheses_.end(),

@@ -36,6 +36,7 @@ class PoseHypotheses {
   [[nodiscard]] bool empty() const { return hypotheses_.empty(); }
 
  private:
+  void add_near(const MapModel& map_model, const Beams& all_beams, const Pose2& estimate, double at_estimate);
   void add_found(const MapModel& map_model, const Beams& beams, const Beams& all_beams, const Pose2& estimate,
                  Rng& rng);
   void refine_pose(const MapModel& map_model, const Beams& all_beams, PoseHypothesis& hypothesis) const;

@@ -22,6 +22,8 @@ class Drive {
     odom_ = compose(odom_, {step.x + rng_.normal(0, 0.03) * distance,
                             step.y + rng_.normal(0, 0.03) * distance, step.yaw + rng_.normal(0, 0.005)});
   }
+  /// The robot stands against something: only its wheels move.
+  void slip(const Pose2& step) { odom_ = compose(odom_, step); }
   /// The robot is carried: odometry does not notice.
   void carry_to(const Pose2& pose) { truth_ = pose; }
 

@@ -85,6 +85,26 @@ TEST(Lost, WithoutRecoveryTheRobotStaysWhereItIsThoughtToBe) {
   EXPECT_LT(apart_m(localizer->estimate().pose, wrong), 3);
 }
 
+TEST(Lost, WheelsThatTurnWhileTheRobotIsStuck) {
+  const Plan plan = building();
+  auto params = test_params();
+  params.odom_alpha1 = params.odom_alpha2 = params.odom_alpha3 = params.odom_alpha4 = params.odom_alpha5 =
+      0.005;
+  auto localizer = Localizer::make(params, plan.map());
+  ASSERT_TRUE(localizer);
+  for (const Pose2& start : start_poses())
+    for (const double turn : {0.35, -0.35}) {
+      Drive drive(plan, start, 28);
+      ASSERT_TRUE(localizer->set_pose(start, 0.002 * Eigen::Matrix3d::Identity()));
+      for (int i = 0; i < 10; ++i) ASSERT_TRUE(localizer->update(drive.scan(), drive.odom(), true));
+      drive.slip({0.25, 0, turn});
+      const auto updates = updates_until_found(*localizer, drive, 20);
+      EXPECT_TRUE(updates) << start.x << " " << start.y << ": " << localizer->estimate().pose.x << " "
+                           << localizer->estimate().pose.y << " " << localizer->estimate().pose.yaw;
+      RecordProperty("updates", updates.value_or(-1));
+    }
+}
+
 TEST(Lost, PeopleAroundARobotThatStandsDoNotMoveIt) {
   const Plan plan = building();
   auto localizer = Localizer::make(test_params(), plan.map());
