@@ -11,14 +11,16 @@ from pose_errors import Pose
 from ros_session import Stalled
 from sim_robot import planar
 
+BUMP_M = PERSON_RADIUS_M + 0.1  # of a person's middle from the footprint, where the base stands against that person
 DONE = (2, 3, 4, 5, 8)  # preempted, succeeded, aborted, rejected, recalled
 
 
 class Drive:
     """What happened on the path to one goal."""
 
-    def __init__(self, goal, state, text, samples, people, planned_m):
+    def __init__(self, goal, state, text, samples, people, planned_m, bumps=()):
         self.goal, self.state, self.text, self.planned_m = goal, state, text, planned_m
+        self.bumps = bumps      # stamps at which the base began to stand against something
         self.samples = samples  # (stamp, Pose) of the truth
         self.people = people    # (stamp, [(x, y), ...])
 
@@ -41,22 +43,35 @@ class Drive:
                 abs(math.remainder(here.yaw - self.goal.yaw, 2 * math.pi)))
 
     def contacts(self, true_map):
-        """How often the footprint began to touch the true map."""
-        return count_episodes([true_map.touches(pose) for _, pose in self.samples])
+        """How often the footprint began to touch the true map, or stood against something that is no person. A base that
+        meets something stands before it is inside: the map alone would not show it."""
+        touched = count_episodes([true_map.touches(pose) for _, pose in self.samples])
+        return max(touched, sum(not self._at_person(stamp, BUMP_M) for stamp in self.bumps))
+
+    def _at_person(self, stamp, within_m):
+        """Whether a person stood within this distance of the footprint."""
+        if not self.people:
+            return False
+        people = min(self.people, key=lambda entry: abs(entry[0] - stamp))[1]
+        pose = min(self.samples, key=lambda entry: abs(entry[0] - stamp))[1]
+        return any(distance_to_footprint(pose, x, y) < within_m for x, y in people)
 
     def person_contacts(self):
         """How often a person and the footprint began to touch while the robot drove, and while it stood."""
-        flags, stamps = [], [stamp for stamp, _ in self.samples]
+        driving = standing = 0
+        was_near, stamps = False, [stamp for stamp, _ in self.samples]
         for stamp, people in self.people:
             index = min(int(numpy.searchsorted(stamps, stamp)), len(stamps) - 1)
             pose = self.samples[index][1]
             near = any(distance_to_footprint(pose, x, y) < PERSON_RADIUS_M for x, y in people)
             before = self.samples[max(0, index - 5)]
             moved = math.hypot(pose.x - before[1].x, pose.y - before[1].y)
-            speed = moved / max(1e-3, stamps[index] - before[0])
-            flags.append((near, speed > 0.05))
-        driving = count_episodes([near and moving for near, moving in flags])
-        return driving, count_episodes([near for near, _ in flags]) - driving
+            moving = moved / max(1e-3, stamps[index] - before[0]) > 0.05
+            driving += near and not was_near and moving
+            standing += near and not was_near and not moving
+            was_near = near
+        bumped = sum(self._at_person(stamp, BUMP_M) for stamp in self.bumps)
+        return max(driving, bumped), standing
 
 
 class NavRobot:
@@ -68,11 +83,12 @@ class NavRobot:
         import move_base_msgs.msg
         import nav_msgs.msg
         import rospy
+        import std_msgs.msg
         import vision_msgs.msg
 
         self.rospy, self.messages, self.alive = rospy, move_base_msgs.msg, alive
         self.lock = threading.Lock()
-        self.samples, self.people, self.paths = [], [], []
+        self.samples, self.people, self.paths, self.bumps = [], [], [], []
         self.status = None  # the navigator's
         self.last_twist = None
         self.states = {}    # of goals, by id
@@ -84,6 +100,7 @@ class NavRobot:
         rospy.Subscriber("move_base/global_plan", nav_msgs.msg.Path, self._on_path)
         rospy.Subscriber("navigation_status", extperfc.msg.NavigationStatus, self._on_status)
         rospy.Subscriber("sim/truth/odom", nav_msgs.msg.Odometry, self._on_truth, queue_size=200)
+        rospy.Subscriber("sim/truth/blocked", std_msgs.msg.Bool, self._on_blocked)
         rospy.Subscriber("sim/truth/map", nav_msgs.msg.OccupancyGrid, self._on_map)
         rospy.Subscriber("sim/truth/objects", vision_msgs.msg.Detection3DArray, self._on_objects, queue_size=20)
         self.person_ids = None
@@ -94,6 +111,11 @@ class NavRobot:
     def _on_truth(self, message):
         with self.lock:
             self.samples.append((message.header.stamp.to_sec(), planar(message.pose.pose)))
+
+    def _on_blocked(self, message):
+        with self.lock:
+            if message.data and self.samples:
+                self.bumps.append(self.samples[-1][0])
 
     def _on_objects(self, message):
         if self.person_ids is None:
@@ -156,7 +178,7 @@ class NavRobot:
         """Drives to a goal and returns the Drive. `limit_s`: of simulated time; cancelled afterwards. `meanwhile` is called
         with every true pose until it returns True."""
         with self.lock:
-            del self.samples[:-1], self.people[:], self.paths[:]
+            del self.samples[:-1], self.people[:], self.paths[:], self.bumps[:]
         begin, deadline = self.now(), time.monotonic() + real_s
         name = self.send(goal)
         cancelled = False
@@ -180,8 +202,8 @@ class NavRobot:
             state = (state[0], f"not reached in {limit_s:.0f} s: {self.status.reason}")
         with self.lock:
             planned = float(numpy.linalg.norm(numpy.diff(self.paths[0], axis=0), axis=1).sum()) if self.paths else 0.0
-            samples, people = list(self.samples), list(self.people)
-        return Drive(goal, *state, samples, people, planned)
+            samples, people, bumps = list(self.samples), list(self.people), list(self.bumps)
+        return Drive(goal, *state, samples, people, planned, bumps)
 
 
 def random_goal(rng, places, here, min_m=3.0):

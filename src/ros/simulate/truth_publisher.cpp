@@ -4,6 +4,7 @@
 
 #include <nav_msgs/OccupancyGrid.h>
 #include <nav_msgs/Odometry.h>
+#include <std_msgs/Bool.h>
 #include <vision_msgs/Detection3DArray.h>
 #include <vision_msgs/VisionInfo.h>
 
@@ -49,6 +50,7 @@ TruthPublisher::TruthPublisher(ros::NodeHandle handle, const ros::NodeHandle& pr
       objects_ticker_(params.objects_rate_hz),
       markers_ticker_(params.markers_rate_hz),
       odom_publisher_(handle.advertise<nav_msgs::Odometry>("sim/truth/odom", 10)),
+      blocked_publisher_(handle.advertise<std_msgs::Bool>("sim/truth/blocked", 5, kLatched)),
       objects_publisher_(handle.advertise<vision_msgs::Detection3DArray>("sim/truth/objects", 5)),
       map_publisher_(handle.advertise<nav_msgs::OccupancyGrid>("sim/truth/map", 1, kLatched)),
       vision_info_publisher_(
@@ -106,6 +108,7 @@ void TruthPublisher::advertise_markers(ros::NodeHandle& handle) {
 void TruthPublisher::after_step(const simulate::Simulator& simulator, const ros::Time& stamp) {
   const double time_s = simulator.time_s();
   stamp_ = stamp;
+  publish_blocked(simulator.base_state().blocked);
   if (odom_ticker_.due(time_s) && odom_publisher_.getNumSubscribers() > 0)
     publish_odometry(simulator.base_state(), stamp);
   const bool objects = objects_ticker_.due(time_s) && objects_publisher_.getNumSubscribers() > 0;
@@ -116,6 +119,14 @@ void TruthPublisher::after_step(const simulate::Simulator& simulator, const ros:
   if (!markers) return;
   if (auto moved = markers_.moved(snapshot, stamp); !moved.markers.empty())
     markers_publisher_.publish(boost::make_shared<visualization_msgs::MarkerArray>(std::move(moved)));
+}
+
+void TruthPublisher::publish_blocked(bool blocked) {
+  if (blocked_ == blocked) return;
+  blocked_ = blocked;
+  const auto message = boost::make_shared<std_msgs::Bool>();
+  message->data = blocked ? 1U : 0U;
+  blocked_publisher_.publish(message);
 }
 
 void TruthPublisher::publish_odometry(const simulate::BaseState& base, const ros::Time& stamp) {

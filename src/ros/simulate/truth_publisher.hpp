@@ -1,5 +1,6 @@
 #pragma once
 
+#include <optional>
 #include <vector>
 
 #include <Eigen/Geometry>
@@ -23,6 +24,7 @@ namespace extperfc::ros_simulate {
 ///                          results[0].id is the class; bbox encloses the body and has its axes;
 ///                          results[0].pose is bbox.center, as with box_depth: a cone's centre of mass lies a
 ///                          quarter of its height lower
+///   sim/truth/blocked      std_msgs/Bool, latched, at changes: the base stands against something
 ///   sim/truth/map          nav_msgs/OccupancyGrid, latched: the floor plan at the start
 ///   sim/truth/vision_info  vision_msgs/VisionInfo, latched: where the class names are
 ///   sim/world_markers      visualization_msgs/MarkerArray: everything to each new subscriber, then what
@@ -51,6 +53,7 @@ class TruthPublisher {
   void advertise_markers(ros::NodeHandle& handle);
   void after_step(const simulate::Simulator& simulator, const ros::Time& stamp);
   void publish_odometry(const simulate::BaseState& base, const ros::Time& stamp);
+  void publish_blocked(bool blocked);
   void publish_objects(const simulate::Snapshot& snapshot, const ros::Time& stamp);
 
   SimHost& host_;
@@ -60,7 +63,9 @@ class TruthPublisher {
   Ticker objects_ticker_;
   Ticker markers_ticker_;
   ros::Time stamp_{ros::Time(1.0)};  ///< of the last step; simulation thread
+  std::optional<bool> blocked_;      ///< published last; simulation thread
   ros::Publisher odom_publisher_;
+  ros::Publisher blocked_publisher_;
   ros::Publisher objects_publisher_;
   ros::Publisher map_publisher_;
   ros::Publisher vision_info_publisher_;
