@@ -22,8 +22,9 @@ class Overhang {
   [[nodiscard]] static Result<Overhang> make(const RobotModel& robot, const std::string& base_link,
                                              double max_height_m);
 
-  /// Points [m] of the base's frame that the footprint does not hold: corners of boxes around the links'
-  /// collision shapes. Joints that are not given are at 0, or at the limit nearest to it. O(links).
+  /// Points [m] of the base's frame that the footprint does not hold: points around the links' collision
+  /// shapes, whose convex hull holds those. Joints that are not given are at 0, or at the limit nearest to
+  /// it. O(links).
   [[nodiscard]] std::vector<Eigen::Vector2d> points(const std::map<std::string, double>& positions,
                                                     const Footprint& footprint) const;
 

@@ -1,8 +1,10 @@
 #include "extperfc/navigate/overhang.hpp"
 
 #include <algorithm>
-#include <limits>
+#include <cmath>
 #include <variant>
+
+#include "extperfc/base/math.hpp"
 
 #include "navigate/costs/polygon.hpp"
 
@@ -10,25 +12,48 @@ namespace extperfc::navigate {
 
 namespace {
 
-/// Half of the edges of the box about a shape; a mesh that is not in memory is the box that its scale spans.
-Eigen::AlignedBox3d box_of(const Geometry& geometry) {
-  const auto around = [](double x, double y, double z) {
-    return Eigen::AlignedBox3d(Eigen::Vector3d(-x, -y, -z), Eigen::Vector3d(x, y, z));
-  };
-  if (const auto* box = std::get_if<Box>(&geometry))
-    return around(box->size_m.x() / 2, box->size_m.y() / 2, box->size_m.z() / 2);
-  if (const auto* cylinder = std::get_if<Cylinder>(&geometry))
-    return around(cylinder->radius_m, cylinder->radius_m, cylinder->length_m / 2);
-  if (const auto* sphere = std::get_if<Sphere>(&geometry))
-    return around(sphere->radius_m, sphere->radius_m, sphere->radius_m);
-  if (const auto* cone = std::get_if<Cone>(&geometry))
-    return around(cone->radius_m, cone->radius_m, cone->height_m / 2);
-  const auto& mesh = std::get<TriangleMesh>(geometry);
-  if (!mesh.triangles) return around(mesh.scale.x(), mesh.scale.y(), mesh.scale.z());
-  Eigen::AlignedBox3d all;
-  for (const auto& triangle : *mesh.triangles)
-    for (const auto& corner : triangle) all.extend(corner.cast<double>().cwiseProduct(mesh.scale).eval());
-  return all;
+constexpr int kCirclePoints = 12;
+
+/// Corners of a polygon around a circle about the z axis.
+void add_circle(double radius_m, double z_m, std::vector<Eigen::Vector3d>& points) {
+  const double outer_m = radius_m / std::cos(kPi / kCirclePoints);
+  for (int i = 0; i < kCirclePoints; ++i) {
+    const double angle = kTwoPi * i / kCirclePoints;
+    points.emplace_back(outer_m * std::cos(angle), outer_m * std::sin(angle), z_m);
+  }
+}
+
+void add_box(const Eigen::AlignedBox3d& box, std::vector<Eigen::Vector3d>& points) {
+  for (int corner = 0; corner < 8; ++corner)
+    points.push_back(box.corner(static_cast<Eigen::AlignedBox3d::CornerType>(corner)));
+}
+
+/// Points whose convex hull holds a shape: those of a round one lie up to 4 % of its radius outside. A mesh
+/// is the box around it; one that is not in memory the box that its scale spans.
+std::vector<Eigen::Vector3d> points_around(const Geometry& geometry) {
+  std::vector<Eigen::Vector3d> points;
+  if (const auto* box = std::get_if<Box>(&geometry)) {
+    add_box({-box->size_m / 2, box->size_m / 2}, points);
+  } else if (const auto* cylinder = std::get_if<Cylinder>(&geometry)) {
+    for (const double z_m : {-cylinder->length_m / 2, cylinder->length_m / 2})
+      add_circle(cylinder->radius_m, z_m, points);
+  } else if (const auto* sphere = std::get_if<Sphere>(&geometry)) {
+    const Eigen::Vector3d half = Eigen::Vector3d::Constant(sphere->radius_m);
+    add_box({-half, half}, points);
+  } else if (const auto* cone = std::get_if<Cone>(&geometry)) {
+    add_circle(cone->radius_m, -cone->height_m / 2, points);
+    points.emplace_back(0, 0, cone->height_m / 2);
+  } else {
+    const auto& mesh = std::get<TriangleMesh>(geometry);
+    Eigen::AlignedBox3d all;
+    if (!mesh.triangles)
+      all = Eigen::AlignedBox3d(-mesh.scale, mesh.scale);
+    else
+      for (const auto& triangle : *mesh.triangles)
+        for (const auto& corner : triangle) all.extend(corner.cast<double>().cwiseProduct(mesh.scale).eval());
+    if (!all.isEmpty()) add_box(all, points);
+  }
+  return points;
 }
 
 bool holds(const Footprint& footprint, const Eigen::Vector2d& point_m) {
@@ -64,12 +89,8 @@ std::vector<Eigen::Vector2d> Overhang::points(const std::map<std::string, double
   for (std::size_t i = 0; i < robot_.links().size(); ++i)
     for (const auto& shape : robot_.links()[i].collisions) {
       const Pose base_T_shape = base_T_root * poses[i] * shape.body_T_shape;
-      const auto box = box_of(shape.geometry);
-      if (box.isEmpty()) continue;
-      std::vector<Eigen::Vector3d> corners;
-      corners.reserve(8);
-      for (int corner = 0; corner < 8; ++corner)
-        corners.push_back(base_T_shape * box.corner(static_cast<Eigen::AlignedBox3d::CornerType>(corner)));
+      auto corners = points_around(shape.geometry);
+      for (auto& corner : corners) corner = base_T_shape * corner;
       const bool low = std::any_of(corners.begin(), corners.end(), [&](const Eigen::Vector3d& corner) {
         return corner.z() <= max_height_m_;
       });

@@ -82,7 +82,7 @@ std::vector<MovingObjectDetector::Cluster> MovingObjectDetector::clusters(const 
     Cluster& cluster = result.back();
     cluster.points_m.push_back(point);
     cluster.last_ray = ray;
-    if (map_.explains(point)) ++cluster.explained;
+    if (map_.explains(point, 0)) ++cluster.explained;
     before_m = *range_m;
   }
   // A sweep of a full revolution begins where it ends.

@@ -284,7 +284,8 @@ bool MppiPlanner::prepare_stations(const Cycle& cycle) {
   const std::size_t all = stations_.size();
   drop_stations_outside(cycle);
   const bool whole = stations_.size() == all;
-  const auto blocked = shift_.apply({field_, outline_, footprint(cycle), pose}, params_.max_shift_m,
+  const auto blocked = shift_.apply({field_, outline_, footprint(cycle), pose},
+                                    {params_.max_shift_m, params_.base == BaseKind::kHolonomic},
                                     window_.remaining_m(), stations_);
   const double narrow_m_s = (cycle.depth > 0 ? kGapPart : 1) * params_.narrow_speed_m_s;
   rules_ = {params_.limits, cycle.state.speed_factor, narrow_m_s, params_.wide_clearance_m,

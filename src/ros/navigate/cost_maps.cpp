@@ -12,6 +12,7 @@
 #include "ros/convert/laser_scan.hpp"
 #include "ros/convert/occupancy_grid.hpp"
 #include "ros/convert/scan.hpp"
+#include "ros/navigate/plan_worker.hpp"
 
 namespace extperfc::ros_navigate {
 
@@ -92,6 +93,14 @@ navigate::Inflation CostMaps::inflation() const {
   return {inscribed_m, std::max(costs_.inflation_radius_m, inscribed_m), costs_.cost_scaling_factor};
 }
 
+/// Plans may be made with a smaller footprint: what it does not touch must not count as touched.
+navigate::Inflation CostMaps::global_inflation(double resolution_m) const {
+  navigate::Inflation inflation = this->inflation();
+  inflation.inscribed_radius_m =
+      std::max(0.0, inflation.inscribed_radius_m - kSmallestByCells * resolution_m);
+  return inflation;
+}
+
 navigate::SensorParams CostMaps::sensor() const {
   navigate::SensorParams sensor;
   sensor.obstacle_range_m = costs_.obstacle_range_m;
@@ -127,7 +136,7 @@ void CostMaps::build_global(const CostGrid& grid) {
   if (costs_.decay_s > 0) obstacles.unseen_decay_s = std::max(costs_.decay_s, obstacles.decay_s);
   obstacles.frees_unknown = true;
   global_.obstacles = std::make_shared<navigate::ObstacleLayer>(obstacles);
-  global_.inflation = std::make_shared<navigate::InflationLayer>(inflation());
+  global_.inflation = std::make_shared<navigate::InflationLayer>(global_inflation(grid.resolution_m));
   global_.zones = std::make_shared<navigate::ZoneLayer>();
   global_.zones->set_zones(zones_);
   global_.map = std::make_unique<navigate::CostMap>(grid);
@@ -353,14 +362,14 @@ void CostMaps::set_footprint(const navigate::Footprint& footprint) {
   const std::lock_guard lock(mutex_);
   footprint_ = footprint;
   if (local_.inflation) local_.inflation->set(inflation());
-  if (global_.inflation) global_.inflation->set(inflation());
+  if (global_.inflation) global_.inflation->set(global_inflation(global_.map->grid().resolution_m));
 }
 
 void CostMaps::set_costs(const ros_params::CostMapParams& costs) {
   const std::lock_guard lock(mutex_);
   costs_ = costs;
   if (local_.inflation) local_.inflation->set(inflation());
-  if (global_.inflation) global_.inflation->set(inflation());
+  if (global_.inflation) global_.inflation->set(global_inflation(global_.map->grid().resolution_m));
 }
 
 void CostMaps::set_limits(const ros_params::DataLimits& limits) {

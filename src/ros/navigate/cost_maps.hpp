@@ -90,6 +90,7 @@ class CostMaps {
   [[nodiscard]] Result<Pose> transform_at(const std::string& target, const std::string& source,
                                           const ros::Time& stamp) const;
   [[nodiscard]] navigate::Inflation inflation() const;
+  [[nodiscard]] navigate::Inflation global_inflation(double resolution_m) const;
   [[nodiscard]] navigate::SensorParams sensor() const;
 
   ros::NodeHandle handle_;

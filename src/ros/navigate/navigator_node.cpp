@@ -127,7 +127,7 @@ Result<void> NavigatorNode::start() {
   planning_ = std::make_unique<PlanWorker>(
       std::move(*global),
       [this] {
-        return PlanWorker::Scene{costs_.global(), outline_.bare()};
+        return PlanWorker::Scene{costs_.global(), outline_.bare(), params_.global.base};
       },
       [this](navigate::PlanAnswer answer) {
         const std::lock_guard lock(mutex_);

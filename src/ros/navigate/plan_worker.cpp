@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "extperfc/base/stopwatch.hpp"
+#include "extperfc/navigate/way_out.hpp"
 
 namespace extperfc::ros_navigate {
 
@@ -20,7 +21,7 @@ constexpr double kMarginM = 0.045;            // by which the footprint is small
 // A wall covers every cell that it touches, so a door of the map is up to two cells too narrow. Where there
 // is no path, the footprint is smaller by these parts of a cell; the local planner and the guard see the true
 // gap.
-constexpr double kSmallerByCells[] = {0.5, 0.85};
+constexpr double kSmallerByCells[] = {0.5, kSmallestByCells};
 
 /// A copy with high costs where plans shall not go unless there is nothing else.
 std::shared_ptr<const CostGrid> with_avoided(const std::shared_ptr<const CostGrid>& costs,
@@ -107,17 +108,32 @@ navigate::NavResult<navigate::Path> PlanWorker::plan(const Scene& scene,
                                                      const navigate::PlanRequest& request) {
   const std::lock_guard lock(planner_mutex_);
   try {
-    auto path = planner_->plan(*scene.costs, *scene.footprint, request);
-    for (const double part : kSmallerByCells) {
-      if (path || path.error().code != NavCode::kNoPath) break;
-      const auto smaller = scene.footprint->padded(-part * scene.costs->resolution_m);
-      if (auto found = planner_->plan(*scene.costs, smaller, request)) path = std::move(found);
-    }
+    auto path = plan_from_free(scene, request);
+    if (path || path.error().code != NavCode::kStartBlocked) return path;
+    const auto out = way_out(*scene.costs, *scene.footprint, request.start, scene.base);
+    if (!out) return path;
+    auto after = request;
+    after.start = out->poses.back();
+    path = plan_from_free(scene, after);
+    if (!path) return path;
+    path->poses.insert(path->poses.begin(), out->poses.begin(), out->poses.end() - 1);
+    path->cost += out->cost;
     return path;
   } catch (const std::exception& error) {
     return navigate::nav_fail(NavCode::kInvalidRequest,
                               std::string("the global planner failed: ") + error.what());
   }
+}
+
+navigate::NavResult<navigate::Path> PlanWorker::plan_from_free(const Scene& scene,
+                                                               const navigate::PlanRequest& request) {
+  auto path = planner_->plan(*scene.costs, *scene.footprint, request);
+  for (const double part : kSmallerByCells) {
+    if (path || path.error().code != NavCode::kNoPath) break;
+    const auto smaller = scene.footprint->padded(-part * scene.costs->resolution_m);
+    if (auto found = planner_->plan(*scene.costs, smaller, request)) path = std::move(found);
+  }
+  return path;
 }
 
 }  // namespace extperfc::ros_navigate

@@ -16,6 +16,9 @@
 
 namespace extperfc::ros_navigate {
 
+/// By this part of a cell of the map the footprint is smaller at most when plans are made.
+inline constexpr double kSmallestByCells = 0.85;
+
 /// Makes plans in a thread, so that the control cycle never waits. The newest wish cancels the one under way.
 class PlanWorker {
  public:
@@ -23,6 +26,7 @@ class PlanWorker {
   struct Scene {
     std::shared_ptr<const navigate::CostGrid> costs;
     std::shared_ptr<const navigate::Footprint> footprint;
+    navigate::BaseKind base{navigate::BaseKind::kHolonomic};
   };
   using Look = std::function<Scene()>;
   using OnAnswer = std::function<void(navigate::PlanAnswer)>;
@@ -42,6 +46,8 @@ class PlanWorker {
   [[nodiscard]] navigate::PlanAnswer answer(const navigate::PlanWish& wish);
   [[nodiscard]] navigate::NavResult<navigate::Path> plan(const Scene& scene,
                                                          const navigate::PlanRequest& request);
+  [[nodiscard]] navigate::NavResult<navigate::Path> plan_from_free(const Scene& scene,
+                                                                   const navigate::PlanRequest& request);
 
   const Look look_;
   const OnAnswer on_answer_;

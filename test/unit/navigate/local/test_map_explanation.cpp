@@ -19,23 +19,31 @@ OccupancyGrid map_with_a_post() {
 }
 
 TEST(MapExplanation, WithoutAMapNothingIsExplained) {
-  EXPECT_FALSE(MapExplanation().explains({2.05, 2.05}));
+  EXPECT_FALSE(MapExplanation().explains({2.05, 2.05}, 0));
 }
 
 TEST(MapExplanation, ExplainsWhatIsWithinTheMarginAlongEachAxis) {
   MapExplanation explanation;
   explanation.set_map(map_with_a_post(), 0.2);
   for (const Eigen::Vector2d& near : {Eigen::Vector2d(2.05, 2.05), {2.25, 2.25}, {1.85, 2.05}, {2.05, 1.81}})
-    EXPECT_TRUE(explanation.explains(near)) << near.transpose();
+    EXPECT_TRUE(explanation.explains(near, 0)) << near.transpose();
   for (const Eigen::Vector2d& far : {Eigen::Vector2d(2.35, 2.05), {2.05, 1.75}, {-1, 2}, {9, 9}})
-    EXPECT_FALSE(explanation.explains(far)) << far.transpose();
+    EXPECT_FALSE(explanation.explains(far, 0)) << far.transpose();
+}
+
+TEST(MapExplanation, TheMarginGrowsWithTheRange) {
+  MapExplanation explanation;
+  explanation.set_map(map_with_a_post(), 0.1);
+  EXPECT_FALSE(explanation.explains({2.35, 2.05}, 0));
+  EXPECT_TRUE(explanation.explains({2.35, 2.05}, 5)) << "two degrees are 0.17 m there";
+  EXPECT_FALSE(explanation.explains({2.55, 2.05}, 5));
 }
 
 TEST(MapExplanation, TakesExplainedReturnsOutOfAScan) {
   MapExplanation explanation;
   explanation.set_map(map_with_a_post(), 0.0);
   LaserScan scan;
-  scan.angle_increment = 0.1;
+  scan.angle_increment = 0.5;
   scan.range_min = 0.1;
   scan.range_max = 8;
   scan.ranges = {1.05F, 1.05F, std::numeric_limits<float>::infinity(), 0.05F};
