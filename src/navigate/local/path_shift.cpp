@@ -39,8 +39,9 @@ Normal normal_of(const Station& at) {
 }  // namespace
 
 PathShift::Offset PathShift::States::offset(int state) const {
-  return {static_cast<float>((state / yaws() - half_shifts) * kShiftStep_m),
-          static_cast<float>((state % yaws() - half_yaws) * kYawStep_rad)};
+  const int shift = state / yaws() - half_shifts;
+  const int yaw = state % yaws() - half_yaws;
+  return {static_cast<float>(shift * kShiftStep_m), static_cast<float>(yaw * kYawStep_rad)};
 }
 
 float PathShift::node_cost(const Surroundings& around, const Station& at, const Offset& offset,

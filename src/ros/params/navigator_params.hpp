@@ -14,8 +14,8 @@
 #include "extperfc/navigate/navigator.hpp"
 #include "extperfc/navigate/overhang.hpp"
 
-#include "ros/params/read_footprint.hpp"
 #include "ros/params/param_reader.hpp"
+#include "ros/params/read_footprint.hpp"
 
 namespace extperfc::ros_params {
 
