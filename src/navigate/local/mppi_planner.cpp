@@ -131,7 +131,7 @@ class MppiPlanner : public LocalPlanner {
   [[nodiscard]] LocalCommand stop(const Cycle& cycle);
   [[nodiscard]] LocalCommand escape(const Cycle& cycle);
   [[nodiscard]] const Footprint& footprint(const Cycle& cycle) const { return footprints_.at(cycle.depth); }
-  [[nodiscard]] bool find_way(Cycle& cycle);
+  [[nodiscard]] bool find_passage(Cycle& cycle);
   /// Whether the path is blocked within the window.
   bool prepare_stations(const Cycle& cycle);
   void drop_stations_outside(const Cycle& cycle);
@@ -262,7 +262,7 @@ void MppiPlanner::drop_stations_outside(const Cycle& cycle) {
 
 /// A gap that cells and noise make too narrow is passed with a smaller footprint, slowly. False when the path
 /// is blocked for these, too; the cycle then keeps its own.
-bool MppiPlanner::find_way(Cycle& cycle) {
+bool MppiPlanner::find_passage(Cycle& cycle) {
   const Pose2& pose = cycle.state.pose;
   const double half_side_m =
       params_.limits.max_vx_m_s * params_.horizon_s + footprint(cycle).circumscribed_radius_m() + 0.5;
@@ -295,7 +295,7 @@ bool MppiPlanner::prepare_stations(const Cycle& cycle) {
 }
 
 LocalCommand MppiPlanner::follow_path(Cycle cycle) {
-  const bool found = find_way(cycle);
+  const bool found = find_passage(cycle);
   const Pose2& pose = cycle.state.pose;
   const Footprint& used = footprint(cycle);
   if (!found && cycle.depth > cycle.touching) return stop(cycle);  // a wall, not a gap

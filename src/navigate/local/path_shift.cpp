@@ -15,12 +15,12 @@ constexpr float kDoubt_m = 0.13F;     // below it the grid is asked: the field i
 constexpr float kShiftWeight = 1.0F;  // per m^2
 constexpr float kYawWeight = 0.5F;    // per rad^2
 constexpr float kClearanceWeight = 0.15F;
-constexpr float kKeepWeight = 0.5F;     // per m^2: stays where it was
-constexpr float kKeepYawWeight = 0.2F;  // per rad^2
-constexpr float kSlopeWeight = 0.25F;   // per (m/m)^2
-constexpr float kTurnWeight = 0.03F;    // per (rad/m)^2
-constexpr float kEnd_m = 0.6F;          // of the path, where the goal's own pose counts
-constexpr float kEndWeight = 30;        // per m^2
+constexpr float kKeepWeight = 0.5F;       // per m^2: stays where it was
+constexpr float kKeepYawWeight = 0.2F;    // per rad^2
+constexpr float kSlopeWeight = 0.25F;     // per (m/m)^2
+constexpr float kRotationWeight = 0.03F;  // per (rad/m)^2
+constexpr float kEnd_m = 0.6F;            // of the path, where the goal's own pose counts
+constexpr float kEndWeight = 30;          // per m^2
 constexpr float kBlocked = std::numeric_limits<float>::infinity();
 constexpr float kLayer_m = kStride * static_cast<float>(kStationStep_m);
 
@@ -81,7 +81,7 @@ bool PathShift::all_clear(const Surroundings& around, const std::vector<Station>
   return node_cost(around, stations.back(), {}, kEnd_m) <= 0;
 }
 
-/// The cheapest way to a state from the layer before it.
+/// The cheapest step to a state from the layer before it.
 PathShift::Step PathShift::best_step(const States& states, std::size_t layer, int state) const {
   if (layer == 0) return {0, state};
   constexpr auto kStep_m = static_cast<float>(kShiftStep_m);
@@ -93,9 +93,9 @@ PathShift::Step PathShift::best_step(const States& states, std::size_t layer, in
   for (int s = std::max(0, shift - kMaxStep); s <= std::min(states.shifts() - 1, shift + kMaxStep); ++s) {
     const float slope = static_cast<float>(shift - s) * kStep_m / kLayer_m;
     for (int y = std::max(0, yaw - 1); y <= std::min(states.yaws() - 1, yaw + 1); ++y) {
-      const float turn = static_cast<float>(yaw - y) * kStep_rad / kLayer_m;
+      const float rotation = static_cast<float>(yaw - y) * kStep_rad / kLayer_m;
       const int from = s * states.yaws() + y;
-      const float cost = before[from] + kSlopeWeight * slope * slope + kTurnWeight * turn * turn;
+      const float cost = before[from] + kSlopeWeight * slope * slope + kRotationWeight * rotation * rotation;
       if (cost < best.cost) best = {cost, from};
     }
   }
@@ -118,10 +118,10 @@ std::size_t PathShift::solve(const Surroundings& around, const std::vector<Stati
       if (step.cost == kBlocked) continue;
       const Offset offset = states.offset(state);
       const float shifted = offset.shift_m - kept.shift_m;
-      const float turned = offset.yaw_rad - kept.yaw_rad;
+      const float rotated = offset.yaw_rad - kept.yaw_rad;
       const std::size_t node = layer * count + static_cast<std::size_t>(state);
       costs_[node] = step.cost + node_cost(around, at, offset, remaining_m - at.s) +
-                     kKeepWeight * shifted * shifted + kKeepYawWeight * turned * turned;
+                     kKeepWeight * shifted * shifted + kKeepYawWeight * rotated * rotated;
       from_[node] = step.from;
       reached = reached || costs_[node] < kBlocked;
     }
@@ -165,7 +165,7 @@ std::optional<float> PathShift::apply(const Surroundings& around, const Limits& 
     last_.clear();
     return std::nullopt;
   }
-  const States states{static_cast<int>(limits.max_shift_m / kShiftStep_m), limits.turns ? kYawSteps : 0};
+  const States states{static_cast<int>(limits.max_shift_m / kShiftStep_m), limits.rotates ? kYawSteps : 0};
   const std::size_t all = (stations.size() + kStride - 1) / kStride;
   const std::size_t layers = solve(around, stations, states, remaining_m);
   const bool blocked = layers < all;

@@ -9,7 +9,7 @@
 
 namespace extperfc::navigate {
 
-/// Moves the path ahead sideways, by up to `max_shift_m`, and turns its headings a little, to where the
+/// Moves the path ahead sideways, by up to `max_shift_m`, and rotates its headings a little, to where the
 /// footprint has clearance: the middle of a door that the map shows a little elsewhere, along its walls; the
 /// free side of a chair that the map does not show. Least sum over stations by dynamic programming (Viterbi)
 /// over shifts of kShiftStep_m and headings of kYawStep_rad. O(stations * shifts * headings).
@@ -28,7 +28,7 @@ class PathShift {
   };
   struct Limits {
     double max_shift_m{0};
-    bool turns{false};  ///< headings may change: a differential base's follow from its path
+    bool rotates{false};  ///< headings may change: a differential base's follow from its path
   };
 
   /// Shifts the stations in place and cuts them where no shift passes. Returns the length up to there; empty:

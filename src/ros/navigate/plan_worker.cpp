@@ -5,7 +5,7 @@
 #include <utility>
 
 #include "extperfc/base/stopwatch.hpp"
-#include "extperfc/navigate/way_out.hpp"
+#include "extperfc/navigate/escape_path.hpp"
 
 namespace extperfc::ros_navigate {
 
@@ -110,7 +110,7 @@ navigate::NavResult<navigate::Path> PlanWorker::plan(const Scene& scene,
   try {
     auto path = plan_from_free(scene, request);
     if (path || path.error().code != NavCode::kStartBlocked) return path;
-    const auto out = way_out(*scene.costs, *scene.footprint, request.start, scene.base);
+    const auto out = escape_path(*scene.costs, *scene.footprint, request.start, scene.base);
     if (!out) return path;
     auto after = request;
     after.start = out->poses.back();

@@ -93,11 +93,11 @@ TEST(Lost, WheelsThatTurnWhileTheRobotIsStuck) {
   auto localizer = Localizer::make(params, plan.map());
   ASSERT_TRUE(localizer);
   for (const Pose2& start : start_poses())
-    for (const double turn : {0.35, -0.35}) {
+    for (const double yaw : {0.35, -0.35}) {
       Drive drive(plan, start, 28);
       ASSERT_TRUE(localizer->set_pose(start, 0.002 * Eigen::Matrix3d::Identity()));
       for (int i = 0; i < 10; ++i) ASSERT_TRUE(localizer->update(drive.scan(), drive.odom(), true));
-      drive.slip({0.25, 0, turn});
+      drive.slip({0.25, 0, yaw});
       const auto updates = updates_until_found(*localizer, drive, 20);
       EXPECT_TRUE(updates) << start.x << " " << start.y << ": " << localizer->estimate().pose.x << " "
                            << localizer->estimate().pose.y << " " << localizer->estimate().pose.yaw;

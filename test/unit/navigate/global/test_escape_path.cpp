@@ -4,7 +4,7 @@
 #include <gtest/gtest.h>
 
 #include "extperfc/base/rng.hpp"
-#include "extperfc/navigate/way_out.hpp"
+#include "extperfc/navigate/escape_path.hpp"
 
 namespace extperfc::navigate {
 namespace {
@@ -23,8 +23,8 @@ Footprint base() {
   return *Footprint::make({{0.4, 0.3}, {-0.4, 0.3}, {-0.4, -0.3}, {0.4, -0.3}});
 }
 
-void expect_way(const CostGrid& grid, const Pose2& start, BaseKind kind) {
-  const auto path = way_out(grid, base(), start, kind);
+void expect_escape(const CostGrid& grid, const Pose2& start, BaseKind kind) {
+  const auto path = escape_path(grid, base(), start, kind);
   ASSERT_TRUE(path) << start.x << " " << start.y << " " << start.yaw;
   EXPECT_EQ(contact(grid, base(), path->poses.back()), Contact::kFree);
   for (std::size_t i = 1; i < path->poses.size(); ++i) {
@@ -38,7 +38,7 @@ void expect_way(const CostGrid& grid, const Pose2& start, BaseKind kind) {
   EXPECT_LE(length_m(*path), 0.41);
 }
 
-TEST(WayOut, AwayFromAWallInAnyDirection) {
+TEST(EscapePath, AwayFromAWallInAnyDirection) {
   const CostGrid grid = room();
   Rng rng(1);
   int touched = 0;
@@ -47,21 +47,21 @@ TEST(WayOut, AwayFromAWallInAnyDirection) {
     if (contact(grid, base(), start) == Contact::kFree) continue;
     if (contact(grid, base().padded(-0.1), start) != Contact::kFree) continue;
     ++touched;
-    expect_way(grid, start, BaseKind::kHolonomic);
+    expect_escape(grid, start, BaseKind::kHolonomic);
   }
 }
 
-TEST(WayOut, ADifferentialBaseDrivesBackFromAWallAheadOfIt) {
-  expect_way(room(), {1.6, 0, 0}, BaseKind::kDifferential);
+TEST(EscapePath, ADifferentialBaseDrivesBackFromAWallAheadOfIt) {
+  expect_escape(room(), {1.6, 0, 0}, BaseKind::kDifferential);
 }
 
-TEST(WayOut, NoneFromDeepInsideAnObstacleNorWhereNoPlaceIsFree) {
+TEST(EscapePath, NoneFromDeepInsideAnObstacleNorWhereNoPlaceIsFree) {
   CostGrid grid = room();
-  EXPECT_FALSE(way_out(grid, base(), {1.85, 0, 0}, BaseKind::kHolonomic));
+  EXPECT_FALSE(escape_path(grid, base(), {1.85, 0, 0}, BaseKind::kHolonomic));
   for (int row = 0; row < 80; ++row)  // a corridor that is a little too narrow
     for (int column = 0; column < 80; ++column)
       if (std::abs(column - 39.5) > 4.6) grid.at({column, row}) = kLethalCost;
-  EXPECT_FALSE(way_out(grid, base(), {0, 0, M_PI / 2}, BaseKind::kHolonomic));
+  EXPECT_FALSE(escape_path(grid, base(), {0, 0, M_PI / 2}, BaseKind::kHolonomic));
 }
 
 }  // namespace

@@ -1,4 +1,4 @@
-#include "extperfc/navigate/way_out.hpp"
+#include "extperfc/navigate/escape_path.hpp"
 
 #include <algorithm>
 #include <array>
@@ -49,8 +49,8 @@ Pose2 moved(const Pose2& start, const Pose2& step, int count) {
 
 }  // namespace
 
-std::optional<Path> way_out(const CostGrid& costs, const Footprint& footprint, const Pose2& start,
-                            BaseKind base) {
+std::optional<Path> escape_path(const CostGrid& costs, const Footprint& footprint, const Pose2& start,
+                                BaseKind base) {
   const auto part = free_part(costs, footprint, start);
   if (!part) return std::nullopt;
   std::vector<Pose2> steps = motions(base);

@@ -15,7 +15,7 @@ namespace extperfc::navigate {
 /// heading, or rotating on the spot) of at most 0.4 m to a pose where the whole footprint is free, which
 /// nowhere comes deeper into obstacles than the start. No value: the start is deeper than 0.12 m in an
 /// obstacle, or there is no such motion. Poses from the start on, at most 0.025 m and 0.05 rad apart.
-[[nodiscard]] std::optional<Path> way_out(const CostGrid& costs, const Footprint& footprint,
-                                          const Pose2& start, BaseKind base);
+[[nodiscard]] std::optional<Path> escape_path(const CostGrid& costs, const Footprint& footprint,
+                                              const Pose2& start, BaseKind base);
 
 }  // namespace extperfc::navigate
