@@ -2,7 +2,8 @@
 goals it reached, how often its true footprint touched the true map or a person, how fast and how far it drove.
 
 A contact is counted when the base stands against something (the simulator says so), or when the middle of an occupied cell of
-the true map (cells of 1 cm by default) comes under the chassis without padding. People walk on without looking; a contact counts as caused by the robot while it moves.
+the true map (cells of 1 cm by default) comes under the chassis without padding. People stop in front of the robot and do not
+step aside; a contact with one counts as caused by the robot while it moves.
 """
 
 import argparse

@@ -268,8 +268,12 @@ bool MppiPlanner::find_passage(Cycle& cycle) {
       params_.limits.max_vx_m_s * params_.horizon_s + footprint(cycle).circumscribed_radius_m() + 0.5;
   field_.build(cycle.costs, {pose.x, pose.y}, half_side_m, cycle.state.people);
   const std::size_t own = cycle.depth;
-  for (; cycle.depth <= std::max(own, kMaxDoubt); ++cycle.depth)
-    if (!prepare_stations(cycle)) return true;
+  bool blocked = prepare_stations(cycle);
+  while (blocked && cycle.depth < kMaxDoubt) {
+    ++cycle.depth;
+    blocked = prepare_stations(cycle);
+  }
+  if (!blocked || cycle.depth == own) return !blocked;
   cycle.depth = own;
   return !prepare_stations(cycle);
 }

@@ -129,6 +129,7 @@ void CostMaps::build_local() {
 
 void CostMaps::build_global(const CostGrid& grid) {
   if (global_.map) {
+    global_.inflation->set(global_inflation(grid.resolution_m));
     global_.map->resize(grid);
     return;
   }
