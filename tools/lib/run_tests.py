@@ -17,8 +17,8 @@
   tools/test --flaky N NAME ...
                           each of these N times; prints how often each failed
 
-Unit tests run as many at a time as there are processors, and so do those ros and system tests that only wait; tests that
-measure time or need a whole processor run alone.
+Unit tests run as many at a time as there are processors; of those ros and system tests that mostly wait one more; tests
+that measure time or need a whole processor run alone. What only calculates runs in the background, at the lowest priority.
 
 A ros or system test that fails in a whole run is run once more, alone, since those meet other programs' timing on a shared
 machine. Both results are printed, the second one counts, and the test is counted as flaky in the line before the last;
@@ -39,7 +39,7 @@ import threading
 import time
 
 from junit_counts import total_of
-from test_list import GROUPS, JOBS, WS, InBackground, Scope, all_tests, chosen
+from test_list import ASIDE, BESIDE, GROUPS, JOBS, WS, Scope, Test, all_tests, chosen
 from test_processes import run_in_time
 
 LOGS = WS / "test_logs"
@@ -100,8 +100,7 @@ class Session:
             list(team.map(self._run, tests))
 
     def _run(self, test):
-        started = isinstance(test.run, InBackground) and test.run.thread is not None
-        done = run_one(test, log_of(test) if started else fresh_log(test))
+        done = run_one(test, fresh_log(test))
         with self._printing:
             report(done)
             self.results.append(done)
@@ -129,17 +128,14 @@ class Session:
 def run_all(tests, repeat):
     """Runs tests in an order that keeps the processors busy and leaves measuring ones alone; (counts, flaky names)."""
     session = Session()
-    quick = [t for t in tests if t.group == "unit"]
-    background = [t for t in tests if isinstance(t.run, InBackground)]
-    others = [t for t in tests if t not in quick and t not in background]
-    session.phase(quick, JOBS)
-    if others:
-        for test in background:
-            test.run.start(fresh_log(test))
-    session.phase([t for t in others if t.beside_others], JOBS)
-    session.phase([t for t in others if not t.beside_others], 1)
+    session.phase([t for t in tests if t.group == "unit"], JOBS)
+    others = sorted((t for t in tests if t.group != "unit"), key=Test.rank)
+    background = threading.Thread(target=session.phase, args=([t for t in others if t.name in ASIDE], 1), daemon=True)
+    background.start()
+    session.phase([t for t in others if t.name in BESIDE], JOBS + 1)
+    session.phase([t for t in others if t.name not in BESIDE and t.name not in ASIDE], 1)
+    background.join()
     flaky = session.repeat_failures() if repeat else []
-    session.phase(background, 1)
     return session.total(), flaky
 
 

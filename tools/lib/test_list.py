@@ -1,4 +1,4 @@
-"""Which tests the package has, which of them may run beside others, and which are left to `tools/test --all`.
+"""Which tests the package has, which of them may run at a time, and which are left to `tools/test --all`.
 
 Tests of Python files can be parts of the long tier too: test_tiers.long_scenario marks a method or a class.
 """
@@ -7,14 +7,13 @@ import collections
 import os
 import pathlib
 import subprocess
-import threading
 import time
 
 import recent_changes
 import tidy
 from junit_counts import Counts
 from sanitized import Variant
-from test_processes import (DEADLINE, REPO, ctest_list, gtest_runner, note_skipped, rostest_runner, run, run_in_time,
+from test_processes import (DEADLINE, REPO, ctest_list, gtest_runner, note_skipped, rostest_runner, run,
                             step_runner, unittest_runner)
 
 WS = pathlib.Path(os.environ.get("EXTPERFC_WS", REPO / ".ws"))
@@ -24,17 +23,21 @@ JOBS = os.cpu_count() or 1
 FILE_LIMIT_S = 400
 LONG_FILE_LIMIT_S = 7200
 
-# Tests of the groups ros and system that may run two at a time: each has its own master, port and ROS_HOME, and none of
-# them measures time or needs a whole processor. All others run alone.
-BESIDE_OTHERS = {
-    "ros/box_depth", "ros/detector", "ros/localizer", "ros/mapper", "ros/navigator", "ros/params", "ros/robot_interface", "ros/rosbag",
-    "ros/sources", "ros/start_up", "ros/tracker", "ros/translator_node", "ros/translator_params",
-    "system/align_depth", "system/arm_markers", "system/arm_moves", "system/arm_objects", "system/cameras_launch",
-    "system/detection_launch", "system/examples", "system/label_tool",
-    "system/localization_bag", "system/localization_restart", "system/map_tool", "system/mapping_bag", "system/model_tool",
-    "system/network_folders", "system/plain_workspace", "system/record_tool", "system/render_tool",
-    "system/training", "system/training_kills", "system/translate_tool", "system/translator_calls",
-    "system/translator_connections", "system/translator_oracle", "system/translator_rospy"}
+# Tests of the groups ros and system that mostly wait, the longest first: some run at a time, since each has its own master,
+# port and ROS_HOME, and none measures time or needs a whole processor.
+BESIDE = (
+    "system/translator_faults", "ros/navigator", "system/arm_moves", "system/calibrate", "system/arm_objects",
+    "ros/robot_interface", "system/translator", "system/translator_calls", "system/arm_markers", "system/mapping_bag",
+    "ros/localizer", "system/translator_connections", "ros/mapper", "system/localization_bag", "ros/detector",
+    "system/localization_restart", "ros/rosbag", "ros/zero_copy", "ros/sources", "ros/box_depth", "system/translator_rospy",
+    "system/record_tool", "ros/cloud_to_scan", "ros/translator_node", "system/translator_oracle", "system/label_tool",
+    "system/cameras_launch", "ros/explorer", "system/detection_launch", "system/align_depth", "ros/map_server",
+    "ros/start_up", "ros/tracker", "ros/params", "ros/translator_params")
+
+# Those that only calculate, whatever time it takes: they run in the background, with what all others leave of the processors.
+ASIDE = ("system/training", "system/network_folders", "system/plain_workspace", "system/map_tool", "system/training_kills",
+         "system/shapes_model", "style/format", "system/render_tool", "system/model_tool", "system/translate_tool",
+         "system/examples", "style/tidy")
 
 # Whole tests that only `tools/test --all`, or their name, runs; and what the normal tier has of them.
 LONG = {
@@ -43,8 +46,12 @@ LONG = {
     "system/mapping_office": "system/mapping_bag and ros/mapper draw maps"}
 
 
-class Test(collections.namedtuple("Test", "name group run beside_others long")):
-    """One line of the report. beside_others: may run while others do; long: not part of the normal tier."""
+class Test(collections.namedtuple("Test", "name group run long")):
+    """One line of the report. long: not part of the normal tier."""
+
+    def rank(self):
+        """The place in the order of its kind; those that no list names come last."""
+        return next((names.index(self.name) for names in (BESIDE, ASIDE) if self.name in names), len(BESIDE))
 
 
 def own_cpp_files():
@@ -58,33 +65,6 @@ def own_cpp_files():
 def tidy_sources():
     """Sources that clang-tidy reads: our own code, not the tests."""
     return [f for f in own_cpp_files() if f.startswith("src/") and f.endswith(".cpp")]
-
-
-def step_aside():
-    """What waits for nothing gives way to tests that mostly wait. Sessions count as a whole where the kernel
-    groups them."""
-    os.nice(19)
-    try:
-        pathlib.Path("/proc/self/autogroup").write_text("19")
-    except OSError:
-        pass
-
-
-class InBackground:
-    """A test that runs beside the others, with what they leave of the processors, from start() on."""
-
-    def __init__(self, runner):
-        self.runner, self.thread, self.counts = runner, None, None
-
-    def start(self, log):
-        self.thread = threading.Thread(target=lambda: setattr(self, "counts", run_in_time(self.runner, log)), daemon=True)
-        self.thread.start()
-
-    def __call__(self, log):
-        if self.thread is None:
-            return self.runner(log)
-        self.thread.join()
-        return self.counts or Counts(0, 1, 0)
 
 
 def openvino_options():
@@ -108,8 +88,7 @@ def tidy_runner(sources, end):
             return Counts(0, 0, 0)
         if run(tidy_configuration(), log, 120) != 0:
             return Counts(0, 1, 0)
-        reading = tidy.Reading(WS / "tidy" / "compile_commands.json", tidy.newest_first(REPO, sources), JOBS, log,
-                               step_aside)
+        reading = tidy.Reading(WS / "tidy" / "compile_commands.json", tidy.newest_first(REPO, sources), JOBS, log)
         reading.run(time.monotonic() + max(0.0, min(end, DEADLINE - 20) - time.time()))
         if reading.left_out:
             note_skipped(log, f"{len(reading.left_out)} of {len(reading.todo)} sources left out, the longest unchanged "
@@ -137,22 +116,22 @@ class Scope:
 def python_and_unit_tests():
     for folder in ("contract", "unit"):
         for file in sorted((REPO / "test" / folder).rglob("test_*.py")):
-            yield Test(f"{folder}/{file.stem[5:]}", "unit", unittest_runner(file, 120), True, False)
+            yield Test(f"{folder}/{file.stem[5:]}", "unit", unittest_runner(file, 120), False)
     for name, command in ctest_list(WS / "build" / "extperfc"):
         if command:
-            yield Test(name, "unit", gtest_runner(command), True, False)
+            yield Test(name, "unit", gtest_runner(command), False)
 
 
 def ros_and_system_tests(with_long):
     for file in sorted((REPO / "test" / "ros").glob("*.test")):
         name = f"ros/{file.stem}"
-        yield Test(name, "ros", rostest_runner(file), name in BESIDE_OTHERS, name in LONG)
-    yield Test("style/format", "style", step_runner([["clang-format", "--dry-run", "--Werror", *own_cpp_files()]], 300),
-               True, False)
+        yield Test(name, "ros", rostest_runner(file), name in LONG)
+    yield Test("style/format", "style", step_runner([["clang-format", "--dry-run", "--Werror", *own_cpp_files()]], 300, True),
+               False)
     for file in sorted((REPO / "test" / "system").rglob("test_*.py")):
         name = f"system/{file.stem[5:]}"
         limit_s = LONG_FILE_LIMIT_S if with_long else FILE_LIMIT_S
-        yield Test(name, "system", unittest_runner(file, limit_s, with_long), name in BESIDE_OTHERS, name in LONG)
+        yield Test(name, "system", unittest_runner(file, limit_s, with_long, name in ASIDE), name in LONG)
 
 
 def slow_checks(scope):
@@ -160,13 +139,13 @@ def slow_checks(scope):
     def variant(name, options, pattern=""):
         return Variant(WS / "variants" / name, options, pattern, scope.modules, scope.end)
     yield Test("core/bare", "core", variant(
-        "core", ["-DEXTPERFC_WITH_OPENVINO=OFF", "-DEXTPERFC_WITH_MRPT=OFF"], "unit/(detect|sources|offline)/"), False, True)
+        "core", ["-DEXTPERFC_WITH_OPENVINO=OFF", "-DEXTPERFC_WITH_MRPT=OFF"], "unit/(detect|sources|offline)/"), True)
     yield Test("sanitize/thread", "sanitize", variant(
         "tsan", ["-DEXTPERFC_SANITIZE=thread", "-DEXTPERFC_WITH_OPENVINO=OFF"],
-        "latest_slot|in_order|event_loop|resolver|mapper_threads|map_image|planning_team"), False, True)
+        "latest_slot|in_order|event_loop|resolver|mapper_threads|map_image|planning_team"), True)
     yield Test("sanitize/address_undefined", "sanitize", variant(
-        "asan", ["-DEXTPERFC_SANITIZE=address,undefined", *openvino_options()]), False, True)
-    yield Test("style/tidy", "style", InBackground(tidy_runner(scope.sources, scope.end)), False, True)
+        "asan", ["-DEXTPERFC_SANITIZE=address,undefined", *openvino_options()]), True)
+    yield Test("style/tidy", "style", tidy_runner(scope.sources, scope.end), True)
 
 
 def all_tests(scope, with_long):

@@ -22,6 +22,11 @@ class OutOfTime(Exception):
     """The deadline of the whole run has come."""
 
 
+def stepping_aside(command):
+    """The command so that it gives way to all others. Sessions count as a whole where the kernel groups them."""
+    return ["/bin/sh", "-c", 'echo 19 2>/dev/null > /proc/self/autogroup; exec nice -n 19 "$@"', "sh", *command]
+
+
 def run(command, log, timeout_s, **kwargs):
     """Runs a command with its output in `log`; returns its exit code, 124 when it ran too long (and was ended).
     Raises OutOfTime at the deadline of the whole run."""
@@ -82,13 +87,14 @@ def gtest_runner(command, **more_environment):
     return runner
 
 
-def unittest_runner(file, timeout_s, with_long=True):
-    """A Python file; without its long scenarios unless `with_long`."""
+def unittest_runner(file, timeout_s, with_long=True, aside=False):
+    """A Python file; without its long scenarios unless `with_long`; `aside`: it gives way to all others."""
     def runner(log):
         places = [str(REPO / "src"), str(REPO / "tools" / "lib"), os.environ.get("PYTHONPATH", "")]
         environment = dict(os.environ, PYTHONPATH=os.pathsep.join(places))
         command = ["/usr/bin/python3", str(REPO / "tools/lib/run_unittest_file.py"), file.stem]
-        code = run(command + ["--with-long"] * with_long, log, timeout_s, cwd=file.parent, env=environment)
+        command += ["--with-long"] * with_long
+        code = run(stepping_aside(command) if aside else command, log, timeout_s, cwd=file.parent, env=environment)
         return counts_of_unittest(pathlib.Path(log).read_text(errors="replace"), code)
     return runner
 
@@ -109,11 +115,11 @@ def rostest_runner(file):
     return runner
 
 
-def step_runner(commands, timeout_s):
-    """One test that passes when every command exits with 0."""
+def step_runner(commands, timeout_s, aside=False):
+    """One test that passes when every command exits with 0; `aside`: they give way to all others."""
     def runner(log):
         for command in commands:
-            if run(command, log, timeout_s, cwd=REPO) != 0:
+            if run(stepping_aside(command) if aside else command, log, timeout_s, cwd=REPO) != 0:
                 return Counts(0, 1, 0)
         return Counts(1, 0, 0)
     return runner

@@ -9,6 +9,8 @@ import subprocess
 import threading
 import time
 
+from test_processes import stepping_aside
+
 FILE_LIMIT_S = 3600  # the largest takes 40 s alone, and much more in the idle moments of a busy run
 
 
@@ -32,13 +34,13 @@ def compiled(database, sources):
 
 
 class Reading:
-    """Reads sources with clang-tidy in `jobs` threads until all are read or `end` (time.monotonic()) has come.
+    """Reads sources with clang-tidy in `jobs` threads, giving way to everything else, until all are read or `end` (time.monotonic()) has come.
 
     Afterwards `read` and `left_out` hold names, `findings` the texts of what was found, by name."""
 
-    def __init__(self, database, sources, jobs, log, prepare=None):
+    def __init__(self, database, sources, jobs, log):
         self.folder, self.todo = database.parent, compiled(database, sources)
-        self.jobs, self.log, self.prepare = jobs, log, prepare
+        self.jobs, self.log = jobs, log
         self.read, self.left_out, self.findings = [], [], {}
         self._lock = threading.Lock()
 
@@ -50,10 +52,10 @@ class Reading:
         if time.monotonic() >= end:
             self._note(self.left_out, name)
             return
-        command = ["clang-tidy", "--quiet", "-extra-arg=-std=c++17", "-p", str(self.folder), path]
+        command = stepping_aside(["clang-tidy", "--quiet", "-extra-arg=-std=c++17", "-p", str(self.folder), path])
         begin = time.monotonic()
         process = subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, errors="replace",
-                                   stdin=subprocess.DEVNULL, start_new_session=True, preexec_fn=self.prepare)
+                                   stdin=subprocess.DEVNULL, start_new_session=True)
         try:
             found, complaints = process.communicate(timeout=max(0.1, min(FILE_LIMIT_S, end - begin)))
         except subprocess.TimeoutExpired:

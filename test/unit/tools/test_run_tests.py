@@ -13,7 +13,7 @@ from unittest import mock
 
 import run_tests
 from junit_counts import Counts, counts_of_unittest
-from test_list import Test, chosen
+from test_list import BESIDE, Test, chosen
 
 TOOLS = pathlib.Path(run_tests.__file__).parent
 FILE = '''
@@ -59,45 +59,53 @@ class Running(unittest.TestCase):
         self.addCleanup(quiet.__exit__, None, None, None)
 
     def test_a_test_that_passes_on_repetition_is_flaky(self):
-        tests = [Test("system/a", "system", failing_first(1), False, False),
-                 Test("ros/b", "ros", failing_first(2), False, False),
-                 Test("unit/c", "unit", failing_first(1), True, False)]
+        tests = [Test("system/a", "system", failing_first(1), False),
+                 Test("ros/b", "ros", failing_first(2), False),
+                 Test("unit/c", "unit", failing_first(1), False)]
         total, flaky = run_tests.run_all(tests, True)
         self.assertEqual(["system/a"], flaky)
         self.assertEqual(Counts(1, 2, 0), total)
         self.assertIn("system/a: flaky", self.output.getvalue())
 
     def test_failures_are_counted(self):
-        total = run_tests.count_failures([Test("unit/c", "unit", failing_first(2), True, False)], 5)
+        total = run_tests.count_failures([Test("unit/c", "unit", failing_first(2), False)], 5)
         self.assertEqual(Counts(3, 2, 0), total)
         self.assertRegex(self.output.getvalue(), r"unit/c +failed 2 of 5 times")
 
-    def test_only_tests_that_may_run_beside_others_do(self):
-        running, peak, lock = [0], {}, threading.Lock()
-        meet = threading.Barrier(2)
+    def test_only_tests_that_mostly_wait_run_at_a_time_and_the_background_beside_all(self):
+        running, seen, lock = set(), {}, threading.Lock()
+        meet, measured = threading.Barrier(3), threading.Event()
 
-        def runner(name, wait):
+        def runner(name):
             def run(log):
                 with lock:
-                    running[0] += 1
-                    peak[name] = running[0]
-                if wait:
+                    running.add(name)
+                if name == "background":
+                    self.assertTrue(measured.wait(20))
+                elif name not in "cd":
                     meet.wait(20)
+                else:
+                    measured.set()
                 with lock:
-                    running[0] -= 1
+                    seen[name] = set(running)
+                    running.remove(name)
                 return Counts(1, 0, 0)
             return run
-        tests = [Test(f"ros/{name}", "ros", runner(name, name in "ab"), name in "ab", False) for name in "cabd"]
-        with mock.patch.object(run_tests, "JOBS", 2):
-            run_tests.run_all(tests, True)
-        self.assertEqual(2, max(peak["a"], peak["b"]))
-        self.assertEqual((1, 1), (peak["c"], peak["d"]))
+        tests = [Test(name, "ros", runner(name), False) for name in ("c", "a", "background", "b", "e", "d")]
+        with mock.patch.multiple(run_tests, JOBS=2, ASIDE=("background",), BESIDE=("b", "a", "e")):
+            total, _ = run_tests.run_all(tests, True)
+        self.assertEqual(Counts(6, 0, 0), total)
+        self.assertEqual([{"c", "background"}, {"d"}], [seen["c"], seen["d"] - {"background"}])
+
+    def test_the_longest_of_those_that_wait_begins_first(self):
+        tests = [Test(name, "ros", None, False) for name in ("ros/new", *sorted(BESIDE))]
+        self.assertEqual([*BESIDE, "ros/new"], [test.name for test in sorted(tests, key=Test.rank)])
 
 
 class Choosing(unittest.TestCase):
     def test_tiers(self):
-        tests = [Test("unit/a", "unit", None, True, False), Test("system/b", "system", None, False, True),
-                 Test("system/d", "system", None, False, False), Test("sanitize/c", "sanitize", None, False, True)]
+        tests = [Test("unit/a", "unit", None, False), Test("system/b", "system", None, True),
+                 Test("system/d", "system", None, False), Test("sanitize/c", "sanitize", None, True)]
 
         def names(patterns, with_long):
             return [t.name[-1] for t in chosen(tests, patterns, with_long)]
