@@ -87,6 +87,14 @@ bool is_explained(const Pose2& residual, Eigen::Matrix3d covariance, double syst
   return e.dot(covariance.ldlt().solve(e)) < kConsistent;
 }
 
+/// How much better, or worse, than by chance key frames fit the submaps that they were matched in.
+double score_of(const std::vector<Constraint>& matches) {
+  constexpr double kIndifferentFit = 0.4;
+  double score = 0;
+  for (const Constraint& match : matches) score += std::clamp(match.fit - kIndifferentFit, -0.5, 0.5);
+  return score;
+}
+
 }  // namespace
 
 std::vector<std::size_t> LoopCloser::references(std::size_t query, const std::vector<KeyFrame>& frames,
@@ -365,7 +373,18 @@ double LoopCloser::close_all(const std::vector<KeyFrame>& frames, PoseGraph& gra
   graph.set_poses(poses);
   pool_.clear();
   close_along(false, frames, graph);
+  return close_more(frames, graph);
+}
+
+bool LoopCloser::close_open(const std::vector<KeyFrame>& frames, PoseGraph& graph) {
+  const std::size_t before = graph.constraints().size();
+  pool_.clear();
   close_along(true, frames, graph);
+  return graph.constraints().size() > before;
+}
+
+double LoopCloser::close_more(const std::vector<KeyFrame>& frames, PoseGraph& graph) {
+  (void)close_open(frames, graph);
   return refine(frames, graph);
 }
 
@@ -441,43 +460,66 @@ Constraint LoopCloser::match_scan(std::size_t reference, std::size_t query,
   return {reference, query, seen.pose, covariance.inverse(), true, fit};
 }
 
-double LoopCloser::match_passes(const std::vector<KeyFrame>& frames, const std::vector<Pose2>& poses,
-                                std::vector<Constraint>& found) {
-  constexpr double kFarthestM = 0.35;
-  constexpr double kFarthestRad = 0.12;
-  constexpr double kIndifferentFit = 0.4;
-  double score = 0;
-  found.clear();
-  for (std::size_t query = kMinLoopFrames; query < frames.size(); ++query) {
-    for (const std::size_t i : passes(query, frames, poses)) {
-      const std::size_t reference = i / 4 * 4 + 2;  // neighbours share their submaps
-      const Constraint match = match_scan(reference, query, frames, poses);
-      score += std::clamp(match.fit - kIndifferentFit, -0.5, 0.5);
-      const Pose2 start = between(poses[reference], poses[query]);
-      if (match.fit >= kMinFineFit && near(match.from_T_to, start, kFarthestM, kFarthestRad))
-        found.push_back(match);
-    }
-  }
-  return score;
+/// Every key frame in the old submaps about it.
+std::vector<Constraint> LoopCloser::match_passes(const std::vector<KeyFrame>& frames,
+                                                 const std::vector<Pose2>& poses) {
+  std::vector<Constraint> matches;
+  for (std::size_t query = kMinLoopFrames; query < frames.size(); ++query)
+    for (const std::size_t i : passes(query, frames, poses))
+      matches.push_back(match_scan(i / 4 * 4 + 2, query, frames, poses));  // neighbours share their submaps
+  return matches;
 }
 
 double LoopCloser::score(const std::vector<KeyFrame>& frames, const PoseGraph& graph) {
-  std::vector<Constraint> found;
-  return match_passes(frames, graph.poses(), found);
+  return score_of(match_passes(frames, graph.poses()));
 }
 
 double LoopCloser::refine(const std::vector<KeyFrame>& frames, PoseGraph& graph) {
   constexpr int kRounds = 2;
+  constexpr double kFarthestM = 0.35;
+  constexpr double kFarthestRad = 0.12;
   const std::size_t coarse = graph.constraints().size();
   double score = 0;
-  std::vector<Constraint> found;
   for (int round = 0; round < kRounds; ++round) {
-    score = match_passes(frames, graph.poses(), found);
+    const auto matches = match_passes(frames, graph.poses());
+    score = score_of(matches);
     graph.constraints().resize(coarse);
-    for (const Constraint& constraint : found) graph.add(constraint);
+    for (const Constraint& match : matches) {
+      const Pose2 start = between(graph.poses()[match.from], graph.poses()[match.to]);
+      if (match.fit >= kMinFineFit && near(match.from_T_to, start, kFarthestM, kFarthestRad))
+        graph.add(match);
+    }
     graph.optimize(0, kGraphIterations);
   }
   return score;
+}
+
+std::optional<double> LoopCloser::close_worst_again(const std::vector<KeyFrame>& frames, PoseGraph& graph,
+                                                    std::vector<bool>& tried) {
+  constexpr std::size_t kStretch = 48;  // key frames
+  constexpr double kUsualFit = 0.6;
+  constexpr double kBadly = 2.0;  // of fit that is lacking, summed over a stretch
+  tried.resize(frames.size(), false);
+  std::vector<double> lacking(frames.size() / kStretch + 1, 0.0);
+  for (const Constraint& match : match_passes(frames, graph.poses()))
+    for (const std::size_t end : {match.from, match.to})
+      if (!tried[end]) lacking[end / kStretch] += 0.5 * std::max(0.0, kUsualFit - match.fit);
+  const auto worst = std::max_element(lacking.begin(), lacking.end());
+  if (*worst < kBadly) return std::nullopt;
+  const auto begin = static_cast<std::size_t>(worst - lacking.begin()) * kStretch;
+  const std::size_t end = std::min(frames.size(), begin + kStretch);
+  std::fill(tried.begin() + static_cast<std::ptrdiff_t>(begin),
+            tried.begin() + static_cast<std::ptrdiff_t>(end), true);
+  const auto inside = [&](std::size_t i) { return i + kStretch / 2 >= begin && i < end + kStretch / 2; };
+  auto& constraints = graph.constraints();
+  constraints.erase(std::remove_if(constraints.begin(), constraints.end(),
+                                   [&](const Constraint& constraint) {
+                                     return constraint.is_loop_closure &&
+                                            (inside(constraint.from) || inside(constraint.to));
+                                   }),
+                    constraints.end());
+  graph.optimize(0, kGraphIterations);
+  return close_more(frames, graph);
 }
 
 }  // namespace extperfc::mapping

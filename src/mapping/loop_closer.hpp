@@ -34,6 +34,16 @@ class LoopCloser {
   /// Forgets the graph's loop closures and finds those of the whole path, from its beginning to its end.
   /// Gives the score of refine().
   double close_all(const std::vector<KeyFrame>& frames, PoseGraph& graph);
+  /// Keeps the graph's loop closures and finds more, for those submaps that have none. True when it found
+  /// some.
+  bool close_open(const std::vector<KeyFrame>& frames, PoseGraph& graph);
+  /// The same, and refine(), whose score it gives.
+  double close_more(const std::vector<KeyFrame>& frames, PoseGraph& graph);
+  /// Takes back the loop closures of that stretch of the path whose key frames fit the old submaps about them
+  /// worst, and closes it anew from what the rest of the graph knows. `tried`: key frames that are in no such
+  /// stretch again; grows. Gives the score of refine(); no value when no stretch that is left fits badly.
+  std::optional<double> close_worst_again(const std::vector<KeyFrame>& frames, PoseGraph& graph,
+                                          std::vector<bool>& tried);
   /// Sums over the key frames how much better (or worse) than by chance they fit the old submaps about them:
   /// of two graphs of one path, that with the higher score agrees better with itself.
   [[nodiscard]] double score(const std::vector<KeyFrame>& frames, const PoseGraph& graph);
@@ -61,8 +71,8 @@ class LoopCloser {
   void close_along(bool open_ones_only, const std::vector<KeyFrame>& frames, PoseGraph& graph);
   [[nodiscard]] std::vector<std::size_t> passes(std::size_t query, const std::vector<KeyFrame>& frames,
                                                 const std::vector<Pose2>& poses) const;
-  double match_passes(const std::vector<KeyFrame>& frames, const std::vector<Pose2>& poses,
-                      std::vector<Constraint>& found);
+  [[nodiscard]] std::vector<Constraint> match_passes(const std::vector<KeyFrame>& frames,
+                                                     const std::vector<Pose2>& poses);
   [[nodiscard]] Constraint match_scan(std::size_t reference, std::size_t query,
                                       const std::vector<KeyFrame>& frames, const std::vector<Pose2>& poses);
 

@@ -31,6 +31,19 @@ PathFilterParams filter_params(const MapperParams& params) {
 
 }  // namespace
 
+struct LoopSearch::Impl {
+  PathFilter::Search search;
+};
+
+LoopSearch::LoopSearch(std::unique_ptr<Impl> impl) : impl_(std::move(impl)) {}
+LoopSearch::LoopSearch(LoopSearch&&) noexcept = default;
+LoopSearch& LoopSearch::operator=(LoopSearch&&) noexcept = default;
+LoopSearch::~LoopSearch() = default;
+
+void LoopSearch::run() {
+  impl_->search.run();
+}
+
 class Mapper::Impl {
  public:
   explicit Impl(const MapperParams& params)
@@ -46,6 +59,8 @@ class Mapper::Impl {
   [[nodiscard]] std::vector<WeightedPose> particles() const;
   std::shared_ptr<const OccupancyGrid> map();
   void optimize();
+  [[nodiscard]] PathFilter::Search search() const { return filter_.search(); }
+  bool adopt(PathFilter::Search search);
   void finish();
   [[nodiscard]] Result<void> save(const std::filesystem::path& file) const;
   void resume_from(Session session);
@@ -210,6 +225,13 @@ void Mapper::Impl::optimize() {
   ++map_version_;
 }
 
+bool Mapper::Impl::adopt(PathFilter::Search search) {
+  if (!filter_.adopt(std::move(search))) return false;
+  settled_ = false;
+  ++map_version_;
+  return true;
+}
+
 void Mapper::Impl::finish() {
   settle_at_once_ = true;
   filter_.finish();
@@ -327,6 +349,14 @@ MapperStatistics Mapper::statistics() const {
 
 void Mapper::optimize() {
   impl_->optimize();
+}
+
+LoopSearch Mapper::search() const {
+  return LoopSearch(std::make_unique<LoopSearch::Impl>(LoopSearch::Impl{impl_->search()}));
+}
+
+bool Mapper::adopt(LoopSearch search) {
+  return impl_->adopt(std::move(search.impl_->search));
 }
 
 void Mapper::finish() {

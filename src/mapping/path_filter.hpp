@@ -68,7 +68,18 @@ class PathFilter {
   /// Searches the whole map once more for loop closures, and optimizes the whole graph. Seconds for a long
   /// path.
   void optimize();
-  /// The same at the end of a recording, where fewer candidates suffice.
+  /// What such a search needs, so that it can run in another thread while key frames are added here.
+  struct Search {
+    std::vector<KeyFrame> frames;
+    PoseGraph graph;
+
+    void run();
+  };
+  [[nodiscard]] Search search() const;
+  /// Takes over what a search found; key frames that came meanwhile stay. False, and nothing happens, when it
+  /// is not of this path.
+  bool adopt(Search search);
+  /// As optimize() at the end of a recording, where fewer candidates suffice.
   void finish();
 
   [[nodiscard]] const std::vector<KeyFrame>& frames() const { return frames_; }
@@ -112,9 +123,9 @@ class PathFilter {
   [[nodiscard]] double expected_drift_m() const;
   [[nodiscard]] double farthest_offset_m(std::size_t submap) const;
   bool rematch(Constraint& constraint);
-  [[nodiscard]] static double log_likelihood(double fit_score, const PoseGraph& graph);
   void know_newest();
   void know_again();
+  void know_closed();
   bool review(std::size_t constraints_before);
 
   PathFilterParams params_;

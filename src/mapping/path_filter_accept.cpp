@@ -6,7 +6,7 @@
 #include <Eigen/Eigenvalues>
 #include <Eigen/Geometry>
 
-#include "mapping/loop_closer.hpp"
+#include "mapping/closed_graph.hpp"
 #include "mapping/path_filter.hpp"
 #include "mapping/path_filter_common.hpp"
 
@@ -189,36 +189,48 @@ void PathFilter::accept_rest() {
   if (agreeing >= kMinAgreement) accept(best);
 }
 
-/// Log likelihood of an account of the path: how well its key frames fit the old submaps about them, and how
-/// well it agrees with the tracked steps.
-double PathFilter::log_likelihood(double fit_score, const PoseGraph& graph) {
-  constexpr double kSlipped = 25.0;  // a step's chi-square beyond this counts as this
-  double squared_error = 0;
-  for (const Constraint& constraint : graph.constraints())
-    if (!constraint.is_loop_closure) squared_error += std::min(kSlipped, graph.squared_error(constraint));
-  return kWeightGain * fit_score - 0.5 * squared_error;
-}
-
-/// A second account of the whole path, from its tracked steps alone, replaces that of the particles unless
-/// those are clearly more likely.
 void PathFilter::finish() {
   accept_rest();
   optimize();
 }
 
 void PathFilter::optimize() {
+  if (frames_.empty()) return;
+  graph_ = closed_graph(frames_, std::move(graph_), submaps_);
+  know_closed();
+}
+
+PathFilter::Search PathFilter::search() const {
+  return {frames_, graph_};
+}
+
+void PathFilter::Search::run() {
+  SubmapCache submaps;
+  if (!frames.empty()) graph = closed_graph(frames, std::move(graph), submaps);
+}
+
+bool PathFilter::adopt(Search search) {
   constexpr int kIterations = 10;
-  if (graph_.poses().empty()) return;
-  graph_.optimize(0, kIterations);
-  LoopCloser closer(submaps_);
-  PoseGraph again = graph_;
-  constexpr double kClearly = 0.02;  // of the score ...
-  constexpr double kFrames = 2.0;    // ... and key frames
-  const double score = closer.score(frames_, graph_);
-  const double clearly = kWeightGain * (kClearly * std::abs(score) + kFrames);
-  const double first = log_likelihood(score, graph_);
-  const double second = log_likelihood(closer.close_all(frames_, again), again);
-  if (second + clearly >= first) graph_ = std::move(again);
+  const std::size_t known = search.frames.size();
+  if (known == 0 || known > frames_.size()) return false;
+  const auto is_same = [](const KeyFrame& a, const KeyFrame& b) {
+    return a.scan == b.scan && a.travelled_m == b.travelled_m;
+  };
+  if (!is_same(search.frames.front(), frames_.front()) || !is_same(search.frames.back(), frames_[known - 1]))
+    return false;
+  const auto& poses = graph_.poses();
+  const Pose2 moved = compose(search.graph.poses().back(), inverse(poses[known - 1]));
+  for (std::size_t i = known; i < poses.size(); ++i) search.graph.add_node(compose(moved, poses[i]));
+  for (const Constraint& constraint : graph_.constraints())
+    if (constraint.to >= known) search.graph.add(constraint);
+  graph_ = std::move(search.graph);
+  if (frames_.size() > known) graph_.optimize(0, kIterations);
+  know_closed();
+  return true;
+}
+
+/// After loops of the whole path were closed.
+void PathFilter::know_closed() {
   trusted_constraints_ = graph_.constraints().size();
   since_optimized_ = 0;
   know_again();

@@ -30,6 +30,8 @@ constexpr double kMinWheelErrorM = 0.01;
 constexpr double kSlideDistanceM = 0.5;  // after this distance, a third of a slide still counts
 constexpr double kWeakRatio = 0.2;       // of the strongest direction's information
 constexpr double kFreeM = 1.0;           // across the corridor the scan decides
+// A scan of fewer points may show nothing but a person, who walks: against wheels it proves nothing.
+constexpr std::size_t kConvincingPoints = 60;
 
 /// The component of the motion between two poses along a direction of unit length.
 Eigen::Vector2d moved_along(const Eigen::Vector2d& along, const Pose2& from, const Pose2& to) {
@@ -76,7 +78,14 @@ Tracked Tracker::add(const ScanPoints& points, const std::optional<Pose2>& odom_
     tracked.fit = 1.0;
   } else if (enough) {
     match_scan(points, before, tracked);
-    if (tracked.matched && has_odometry && !resuming_) watch_slide(points, before, step, tracked);
+    if (tracked.matched && has_odometry && !resuming_) {
+      if (points.surface.size() < kConvincingPoints && disagrees(tracked.pose, step, before.mean)) {
+        tracked = {};
+        tracked.pose = before.mean;
+      } else {
+        watch_slide(points, before, step, tracked);
+      }
+    }
   }
   if (!has_odometry) slide_ = {};
   if (has_odometry && !resuming_) tracked.doubt = doubt(tracked, step, before);
@@ -91,6 +100,8 @@ Tracked Tracker::add(const ScanPoints& points, const std::optional<Pose2>& odom_
       jump || (has_odometry && (std::hypot(off.x, off.y) > kContradiction * before.sigma_m + 0.05 ||
                                 std::abs(off.yaw) > kContradiction * before.sigma_rad + 0.03));
   last_step_ = resuming_ ? Pose2{} : between(pose_, tracked.pose);
+  constexpr double kForget = 0.97;
+  longest_step_m_ = std::max(kForget * longest_step_m_, std::hypot(last_step_.x, last_step_.y));
   if (tracked.matched) resuming_ = false;
   pose_ = tracked.pose;
   last_odometry_ = odom_T_base;
@@ -129,38 +140,52 @@ double Tracker::support(const ScanPoints& points, const Pose2& pose) const {
   return (2 * seen.on_surface - seen.near_surface) / std::max(1.0, seen.all) - kInFreeSpace * in_free_space;
 }
 
-/// Neither side is believed blindly when they disagree by more than the noise of wheels that do not slip.
-Eigen::Matrix3d Tracker::doubt(const Tracked& tracked, const Pose2& step, const PosePrior& prior) const {
+/// What wheels that do not slip are off by in a step, at most.
+Tracker::StepError Tracker::usual_error(const Pose2& step) const {
   constexpr double kNoiseM = 0.02;
   constexpr double kNoiseRad = 0.02;
   constexpr double kSigmas = 3.0;
+  const double distance_m = std::hypot(step.x, step.y);
+  const double rotation_rad = std::abs(step.yaw);
+  return {kNoiseM + kSigmas * (noise_.srr * distance_m + noise_.str * 0.2 * rotation_rad),
+          kNoiseRad + kSigmas * (noise_.stt * rotation_rad + noise_.srt * distance_m)};
+}
+
+bool Tracker::disagrees(const Pose2& matched, const Pose2& step, const Pose2& by_wheels) const {
+  const StepError usual = usual_error(step);
+  const Pose2 off = between(by_wheels, matched);
+  return std::hypot(off.x, off.y) > usual.m || std::abs(off.yaw) > usual.rad;
+}
+
+/// Neither side is believed blindly when they disagree by more than the noise of wheels that do not slip.
+Eigen::Matrix3d Tracker::doubt(const Tracked& tracked, const Pose2& step, const PosePrior& prior) const {
   // The matched pose is off by this fraction of the disagreement, as one standard deviation.
   constexpr double kOff = 0.5;
   constexpr double kOffWithGoodFit = 0.2;
   const bool good = tracked.matched &&
                     tracked.fit > std::max(minimum_fit_ + kComfortableFit, usual_fit_ - 0.5 * kUnusualDrop);
   const double trust = good ? kOffWithGoodFit : kOff;
-  const double distance_m = std::hypot(step.x, step.y);
-  const double rotation_rad = std::abs(step.yaw);
-  const double usual_m = kNoiseM + kSigmas * (noise_.srr * distance_m + noise_.str * 0.2 * rotation_rad);
-  const double usual_rad = kNoiseRad + kSigmas * (noise_.stt * rotation_rad + noise_.srt * distance_m);
+  const StepError usual = usual_error(step);
   Eigen::Vector3d off(tracked.pose.x - prior.mean.x, tracked.pose.y - prior.mean.y,
                       wrap_angle(tracked.pose.yaw - prior.mean.yaw));
   Eigen::Matrix3d doubt = Eigen::Matrix3d::Zero();
   off *= trust;
-  if (off.head<2>().norm() > trust * usual_m)
+  if (off.head<2>().norm() > trust * usual.m)
     doubt.topLeftCorner<2, 2>() = off.head<2>() * off.head<2>().transpose();
-  if (std::abs(off.z()) > trust * usual_rad) doubt(2, 2) = off.z() * off.z();
+  if (std::abs(off.z()) > trust * usual.rad) doubt(2, 2) = off.z() * off.z();
   return doubt;
 }
 
-/// Without odometry neither scan nor wheels measure the motion along a corridor.
+/// Without odometry neither scan nor wheels measure the motion along a corridor: it may be what it was
+/// lately.
 Eigen::Matrix3d Tracker::unmeasured(const Tracked& tracked) const {
   constexpr double kOff = 0.5;  // of the motion, as one standard deviation
   Eigen::Matrix3d doubt = Eigen::Matrix3d::Zero();
   const Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d> axes(tracked.information.topLeftCorner<2, 2>());
   if (axes.eigenvalues()[0] > kWeakRatio * axes.eigenvalues()[1]) return doubt;
-  const Eigen::Vector2d off = kOff * moved_along(axes.eigenvectors().col(0), pose_, tracked.pose);
+  const Eigen::Vector2d along = axes.eigenvectors().col(0);
+  const double moved_m = moved_along(along, pose_, tracked.pose).norm();
+  const Eigen::Vector2d off = kOff * std::max(moved_m, longest_step_m_) * along;
   doubt.topLeftCorner<2, 2>() = off * off.transpose();
   return doubt;
 }

@@ -70,6 +70,12 @@ class Tracker {
   void hold(const ScanPoints& points, PosePrior prior, Tracked& tracked);
   [[nodiscard]] bool is_unusual(const ScanMatch& match) const;
   [[nodiscard]] double support(const ScanPoints& points, const Pose2& pose) const;
+  struct StepError {
+    double m{0};
+    double rad{0};
+  };
+  [[nodiscard]] StepError usual_error(const Pose2& step) const;
+  [[nodiscard]] bool disagrees(const Pose2& matched, const Pose2& step, const Pose2& by_wheels) const;
   [[nodiscard]] Eigen::Matrix3d doubt(const Tracked& tracked, const Pose2& step,
                                       const PosePrior& prior) const;
   [[nodiscard]] Eigen::Matrix3d unmeasured(const Tracked& tracked) const;
@@ -86,8 +92,9 @@ class Tracker {
   std::deque<Remembered> recent_;
   SurfaceMap map_;
   Slide slide_;
-  double usual_fit_{0};   ///< of the latest scans
-  bool resuming_{false};  ///< the next scan is looked for in a wider window
+  double longest_step_m_{0};  ///< of the latest scans
+  double usual_fit_{0};       ///< of the latest scans
+  bool resuming_{false};      ///< the next scan is looked for in a wider window
 };
 
 }  // namespace extperfc::mapping

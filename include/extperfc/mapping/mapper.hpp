@@ -81,6 +81,24 @@ struct WeightedPose {
   double weight{0};  ///< all sum to one
 };
 
+/// A search of a whole map for loop closures: Mapper::search() makes it, run() may take its time in any
+/// thread while the mapper goes on, Mapper::adopt() takes over what was found.
+class LoopSearch {
+ public:
+  LoopSearch(LoopSearch&&) noexcept;
+  LoopSearch& operator=(LoopSearch&&) noexcept;
+  ~LoopSearch();
+
+  /// Some 10 s for a path of hundreds of metres.
+  void run();
+
+ private:
+  friend class Mapper;
+  struct Impl;
+  explicit LoopSearch(std::unique_ptr<Impl> impl);
+  std::unique_ptr<Impl> impl_;
+};
+
 /// Simultaneous localization and mapping from planar scans by a Rao-Blackwellised particle filter. One thread
 /// at a time. The same input, parameters and seed give the same map.
 class Mapper {
@@ -109,8 +127,14 @@ class Mapper {
   [[nodiscard]] MapperStatistics statistics() const;
 
   /// Searches the whole map for loop closures now and optimizes the graph, from which mapping continues.
-  /// Takes seconds for a path of hundreds of metres. map() then redraws the moved scans.
+  /// Takes some 10 s for a path of hundreds of metres. map() then redraws the moved scans.
   void optimize();
+  /// The same in three steps, so that scans need not wait: search(), its run() in another thread, adopt().
+  /// Copies the key frames.
+  [[nodiscard]] LoopSearch search() const;
+  /// Scans that were added since the search began stay. False, and nothing changes, when the search is not of
+  /// this map.
+  bool adopt(LoopSearch search);
   /// Call after the last scan: final graph optimization and full redraw of the map.
   void finish();
 

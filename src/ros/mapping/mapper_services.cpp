@@ -78,7 +78,7 @@ Result<std::string> MapperServices::save(const std::string& path) {
         "path must name a file without its suffix, /home/robot/maps/office for instance, not '" + path + "'");
   std::error_code error;
   const fs::path stem = fs::absolute(path, error);
-  mapper_.with([](mapping::Mapper& mapper) { mapper.optimize(); });
+  search_for_loops();
   const auto map = maps_.settled_map(kSettlingPatienceS);
   if (!map) return fail(ErrorCode::kNotFound, "there is no map yet: no scan was used");
   if (sources::names_gridmap(stem)) {
@@ -94,12 +94,16 @@ Result<std::string> MapperServices::save(const std::string& path) {
   return "wrote " + stem.string() + ".pgm, .yaml and " + kSessionSuffix;
 }
 
-/// Scans wait in the queue meanwhile.
+/// Mapping goes on meanwhile. A map that was replaced by another one stays as it is.
+void MapperServices::search_for_loops() {
+  auto search = mapper_.with([](const mapping::Mapper& mapper) { return mapper.search(); });
+  search.run();
+  mapper_.with([&](mapping::Mapper& mapper) { return mapper.adopt(std::move(search)); });
+}
+
 bool MapperServices::optimize(Trigger::Request& /*request*/, Trigger::Response& response) {
-  const auto statistics = mapper_.with([](mapping::Mapper& mapper) {
-    mapper.optimize();
-    return mapper.statistics();
-  });
+  search_for_loops();
+  const auto statistics = mapper_.with([](const mapping::Mapper& mapper) { return mapper.statistics(); });
   if (statistics.key_frames == 0) {
     answer(tl::unexpected(Error{ErrorCode::kNotFound, "there is no map yet: no scan was used"}), response);
     return true;

@@ -44,6 +44,7 @@ class MapperServices {
   bool dynamic_map(nav_msgs::GetMap::Request& request, nav_msgs::GetMap::Response& response);
   bool save_map(SaveMap::Request& request, SaveMap::Response& response);
   bool load_session(LoadSession::Request& request, LoadSession::Response& response);
+  void search_for_loops();
   bool optimize(Trigger::Request& request, Trigger::Response& response);
   bool pause(Trigger::Request& request, Trigger::Response& response);
   bool resume(Trigger::Request& request, Trigger::Response& response);

@@ -86,6 +86,61 @@ TEST(LoopCloser, TakesBackAWrongClosure) {
   EXPECT_LT(worst_error_m(path), 0.5);
 }
 
+/// The end of the path, all of it closed 1.5 m off, and the graph believes it.
+TEST(LoopCloser, AStretchThatFitsBadlyIsClosedAgain) {
+  auto path = loop_of_corridors(0.0003, 8);
+  SubmapCache submaps;
+  LoopCloser closer(submaps);
+  (void)closer.close_all(path.frames, path.graph);
+  ASSERT_LT(worst_error_m(path), 0.2);
+  for (Constraint& constraint : path.graph.constraints()) {
+    if (!constraint.is_loop_closure) continue;
+    constraint.from_T_to.x += 1.5;
+    constraint.information = 1e5 * Eigen::Matrix3d::Identity();
+  }
+  ASSERT_TRUE(path.graph.optimize_gradually());
+  ASSERT_GT(worst_error_m(path), 1.0) << "the graph was not misled";
+  const double before = closer.score(path.frames, path.graph);
+  std::vector<bool> tried;
+  double after = before;
+  for (int i = 0; i < 8; ++i) {
+    const auto score = closer.close_worst_again(path.frames, path.graph, tried);
+    if (!score) break;
+    after = *score;
+  }
+  EXPECT_GT(after, before + 2);
+  EXPECT_LT(worst_error_m(path), 0.3);
+}
+
+TEST(LoopCloser, WhatFitsStays) {
+  auto path = loop_of_corridors(0.0003, 9);
+  SubmapCache submaps;
+  LoopCloser closer(submaps);
+  (void)closer.close_all(path.frames, path.graph);
+  const std::size_t constraints = path.graph.constraints().size();
+  std::vector<bool> tried;
+  EXPECT_FALSE(closer.close_worst_again(path.frames, path.graph, tried));
+  EXPECT_EQ(constraints, path.graph.constraints().size());
+}
+
+TEST(LoopCloser, ClosesMoreAndKeepsWhatItHas) {
+  auto path = loop_of_corridors(0.0003, 10);
+  SubmapCache submaps;
+  LoopCloser closer(submaps);
+  (void)closer.close_all(path.frames, path.graph);
+  const auto first_closure = std::find_if(path.graph.constraints().begin(), path.graph.constraints().end(),
+                                          [](const Constraint& c) { return c.is_loop_closure; });
+  const Constraint kept = *first_closure;
+  auto& constraints = path.graph.constraints();
+  constraints.erase(first_closure + 1, constraints.end());
+  (void)closer.close_more(path.frames, path.graph);
+  EXPECT_GT(closures(path.graph), 5U);
+  EXPECT_TRUE(std::any_of(constraints.begin(), constraints.end(), [&](const Constraint& c) {
+    return c.from == kept.from && c.to == kept.to && c.from_T_to.x == kept.from_T_to.x;
+  }));
+  EXPECT_LT(worst_error_m(path), 0.2);
+}
+
 TEST(LoopCloser, ClosesNothingWhereNothingWasSeenTwice) {
   const auto route = planar_loop_route(0.3, 9.0);
   auto path = drive(planar_loop(),

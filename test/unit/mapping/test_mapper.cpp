@@ -325,6 +325,39 @@ TEST(Mapper, OptimizesOnDemandAndGoesOn) {
   make_mapper().optimize();  // without a scan
 }
 
+TEST(Mapper, TakesOverASearchThatEndsLater) {
+  const auto drive = record_room(15);
+  const std::size_t third = drive.scans.size() / 3;
+  Mapper mapper = make_mapper();
+  add_scans(mapper, drive, 0, third);
+  LoopSearch search = mapper.search();
+  search.run();
+  add_scans(mapper, drive, third, 2 * third);
+  const auto before = mapper.map_version();
+  EXPECT_TRUE(mapper.adopt(std::move(search)));
+  EXPECT_NE(mapper.map_version(), before);
+  EXPECT_LT(drive.error_m(mapper.pose(), 2 * third - 1), 0.05);
+  add_scans(mapper, drive, 2 * third, drive.scans.size());
+  const auto trajectory = mapper.trajectory();
+  ASSERT_EQ(trajectory.size(), drive.scans.size());
+  for (std::size_t i = 0; i < trajectory.size(); i += 10)
+    EXPECT_LT(drive.error_m(trajectory[i].pose, i), 0.06) << i;
+}
+
+TEST(Mapper, ASearchOfAnotherMapChangesNothing) {
+  const auto drive = record_room(16);
+  const auto other_drive = record_room(17);
+  Mapper mapper = make_mapper();
+  Mapper other = make_mapper();
+  EXPECT_FALSE(mapper.adopt(other.search())) << "neither has a map";
+  add_scans(mapper, drive, 0, drive.scans.size());
+  const Pose2 pose = mapper.pose();
+  add_scans(other, other_drive, 0, other_drive.scans.size());
+  EXPECT_FALSE(mapper.adopt(other.search()));
+  EXPECT_FALSE(mapper.adopt(make_mapper().search()));
+  EXPECT_EQ(pose.x, mapper.pose().x);
+}
+
 TEST(Mapper, FarFromKnownSurroundingsThePositionIsKnownLess) {
   const auto drive = record_drive(planar_corridor(), planar_drive({{-4, 0}, {4, 0}}, 0.15, 0.15), 15);
   Mapper mapper = make_mapper();

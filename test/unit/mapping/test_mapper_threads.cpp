@@ -112,6 +112,28 @@ TEST_F(MapperThreads, AMapThatSomebodyHoldsStaysAsItIs) {
   }
 }
 
+TEST_F(MapperThreads, SearchesForLoopsWhileScansAreAdded) {
+  std::vector<HeldMap> held;
+  std::thread worker([this] { work(); });
+  std::thread maps([&] { take_maps(held); });
+  std::thread searching([this] {
+    for (int part = 1; part < 4; ++part) {
+      while (added_ < part * drive_.scans.size() / 4) std::this_thread::yield();
+      auto search = mapper_.with([](const Mapper& mapper) { return mapper.search(); });
+      search.run();
+      EXPECT_TRUE(mapper_.with([&](Mapper& mapper) { return mapper.adopt(std::move(search)); }));
+    }
+  });
+  drive_to_the_end();
+  worker.join();
+  maps.join();
+  searching.join();
+  const auto trajectory = mapper_.with([](const Mapper& mapper) { return mapper.trajectory(); });
+  ASSERT_EQ(trajectory.size(), drive_.scans.size());
+  for (std::size_t i = 0; i < trajectory.size(); i += 10)
+    EXPECT_LT(drive_.error_m(trajectory[i].pose, i), 0.06) << i;
+}
+
 TEST_F(MapperThreads, SavesAndIsReplacedWhileScansAreAdded) {
   const TemporaryFolder folder;
   const auto session = folder.path() / "room.session";

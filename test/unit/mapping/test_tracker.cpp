@@ -189,6 +189,30 @@ TEST(Tracker, WalkersInACorridorDoNotHoldItBack) {
     }
 }
 
+/// A hall whose walls are out of range, and one person who walks along with the robot, or comes towards it:
+/// all that is seen says that the robot stands, or is twice as fast.
+TEST(Tracker, APersonAloneInAHallMovesNobody) {
+  for (const double pace : {1.0, 0.9, -0.5})
+    for (const std::uint64_t seed : {18U, 19U, 20U}) {
+      SCOPED_TRACE(testing::Message() << "pace " << pace << ", seed " << seed);
+      Rng rng(seed);
+      PlanarOdometry odometry;
+      odometry.veer_rad_per_m = 0;
+      Tracker tracker({}, kMinimumFit);
+      for (int i = 0; i <= 60; ++i) {
+        const double ahead_m = (pace < 0 ? 6.5 : 1.5) + pace * 0.1 * i;
+        PlanarWorld world;
+        world.add_box(ahead_m, 0.3, ahead_m + 0.3, 0.8);
+        const auto scan = half_circle_scanner().scan(world, {0.1 * i, 0, 0}, rng);
+        (void)tracker.add(scan_points(scan, {}), odometry.move({i == 0 ? 0.0 : 0.1, 0, 0}, rng));
+      }
+      EXPECT_NEAR(tracker.pose().x, odometry.pose.x, 0.6);
+      // What is within the error of wheels still follows the person.
+      EXPECT_NEAR(tracker.pose().y, odometry.pose.y, 0.8);
+      EXPECT_NEAR(tracker.pose().yaw, odometry.pose.yaw, 0.3);
+    }
+}
+
 /// Nothing but two walls and noise: neither may noise pull the pose along them.
 TEST(Tracker, NoiseOfABareCorridorDoesNotHoldItBack) {
   for (const double sigma_m : {0.01, 0.04})

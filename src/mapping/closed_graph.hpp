@@ -1,0 +1,18 @@
+#pragma once
+
+#include <vector>
+
+#include "mapping/key_frame.hpp"
+#include "mapping/pose_graph.hpp"
+#include "mapping/submap_cache.hpp"
+
+namespace extperfc::mapping {
+
+/// The graph with the loops of the whole path closed. Two accounts of the path compete: one from the tracked
+/// steps alone, and `graph`, with loops closed where it has none; the second has to be clearly more likely,
+/// since it was told as the path went on. Stretches that fit badly are then closed anew, for as long as that
+/// makes the whole more likely. `frames` must not be empty. Seconds for a path of hundreds of metres.
+[[nodiscard]] PoseGraph closed_graph(const std::vector<KeyFrame>& frames, PoseGraph graph,
+                                     SubmapCache& submaps);
+
+}  // namespace extperfc::mapping
