@@ -21,7 +21,7 @@ namespace {
 using Eigen::Vector2d;
 
 constexpr float kFar = std::numeric_limits<float>::infinity();
-constexpr float kSqrt2 = 1.41421356F;
+constexpr float kDiagonal = 1.41421356F;
 
 /// The cells around one; those along the sides first.
 constexpr std::array<Cell, 8> kNeighbours{
@@ -129,7 +129,7 @@ class FrontierSearch {
       queue.pop();
       if (entry.first > paths_[entry.second]) continue;
       visit_neighbours(entry.second, kNeighbours.size(), [&](std::size_t next, std::size_t i) {
-        const float length = entry.first + (i < kSides ? 1.0F : kSqrt2);
+        const float length = entry.first + (i < kSides ? 1.0F : kDiagonal);
         if (open[next] == 0 || length >= paths_[next]) return;
         paths_[next] = length;
         queue.emplace(length, next);

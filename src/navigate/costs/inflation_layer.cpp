@@ -11,16 +11,16 @@ namespace extperfc::navigate {
 namespace {
 
 constexpr double kRounding = 1e-9;
-constexpr int kFar = 1 << 20;  // [cells]
+constexpr int kNoObstacle = 1 << 20;  // [cells]
 
 /// For each cell of `box` with its columns those of `from`: rows to the nearest lethal cell of `from` in the
-/// same column, kFar or more without one. Row by row.
+/// same column, kNoObstacle or more without one. Row by row.
 std::vector<int> rows_to_lethal(const std::vector<std::uint8_t>& lethal, const CostGrid& grid,
                                 const CellBox& box, const CellBox& from) {
   const auto width = static_cast<std::size_t>(from.max.column - from.min.column);
-  std::vector<int> result(static_cast<std::size_t>(box.max.row - box.min.row) * width, kFar);
+  std::vector<int> result(static_cast<std::size_t>(box.max.row - box.min.row) * width, kNoObstacle);
   const auto sweep = [&](int begin, int end, int step) {
-    std::vector<int> rows_since(width, kFar);
+    std::vector<int> rows_since(width, kNoObstacle);
     for (int row = begin; row != end; row += step) {
       const std::uint8_t* cells = &lethal[grid.index({from.min.column, row})];
       for (std::size_t i = 0; i < width; ++i) rows_since[i] = cells[i] != 0 ? 0 : rows_since[i] + 1;
