@@ -8,10 +8,11 @@
 
 namespace extperfc::mapping {
 
-/// The graph with the loops of the whole path closed. Two accounts of the path compete: one from the tracked
-/// steps alone, and `graph`, with loops closed where it has none; the second has to be clearly more likely,
-/// since it was told as the path went on. Stretches that fit badly are then closed anew, for as long as that
-/// makes the whole more likely. `frames` must not be empty. Seconds for a path of hundreds of metres.
+/// The graph with the loops of the whole path closed. Two candidates compete: one from the tracked steps
+/// alone, and `graph`, with loops closed where it has none; the second has to be clearly more likely, since
+/// its closures were accepted before the whole path was known. Segments that fit badly are then closed anew,
+/// for as long as that makes the whole more likely. `frames` must not be empty. Seconds for hundreds of
+/// metres.
 [[nodiscard]] PoseGraph closed_graph(const std::vector<KeyFrame>& frames, PoseGraph graph,
                                      SubmapCache& submaps);
 

@@ -6,7 +6,6 @@
 #include <memory>
 #include <utility>
 
-#include <Eigen/Eigenvalues>
 #include <Eigen/LU>
 
 #include "mapping/matcher.hpp"
@@ -19,10 +18,6 @@ namespace extperfc::mapping {
 namespace {
 
 // References.
-constexpr double kMinLoopM = 8.0;  // of path between a submap and one that it may be recognized in
-constexpr std::size_t kMinLoopFrames = 24;
-constexpr double kOverlapM = 4.0;  // two key frames this near have much the same view
-constexpr std::size_t kOtherPassFrames = 30;
 constexpr double kNearReachM = 0.6;  // a match finds its way from here
 constexpr double kNearReachRad = 0.25;
 constexpr std::size_t kMaxNear = 3;
@@ -37,10 +32,7 @@ constexpr std::size_t kPeaks = 3;
 constexpr double kPeakApartM = 1.0;
 constexpr double kPeakApartRad = 0.3;
 // Verification.
-constexpr double kMinFineFit = 0.6;
-constexpr int kGraphIterations = 10;
 constexpr double kReachM = 0.4;
-constexpr double kContradiction = 2.0;  // of support, per fraction of contradictions
 constexpr double kMinFit = 0.4;
 constexpr double kMinSupport = 0.2;
 constexpr double kIndifferentSupport = 0.3;  // of a wrong match in a building of corridors
@@ -57,7 +49,6 @@ constexpr double kMinWeightAtEnd = 0.6;
 constexpr double kUsualReachM = 3.0;
 constexpr double kWeightPerLogReach = 0.6;
 constexpr double kAlternativeRatio = 1.4;
-constexpr std::size_t kKeptPerQuery = 8;
 constexpr std::size_t kMaxPool = 160;
 constexpr std::size_t kOptimizeEvery = 8;
 
@@ -85,14 +76,6 @@ bool is_explained(const Pose2& residual, Eigen::Matrix3d covariance, double syst
   covariance(2, 2) += 1e-5;
   const Eigen::Vector3d e(residual.x, residual.y, residual.yaw);
   return e.dot(covariance.ldlt().solve(e)) < kConsistent;
-}
-
-/// How much better, or worse, than by chance key frames fit the submaps that they were matched in.
-double score_of(const std::vector<Constraint>& matches) {
-  constexpr double kIndifferentFit = 0.4;
-  double score = 0;
-  for (const Constraint& match : matches) score += std::clamp(match.fit - kIndifferentFit, -0.5, 0.5);
-  return score;
 }
 
 }  // namespace
@@ -127,20 +110,20 @@ std::optional<SubmapClosure> LoopCloser::verify(std::size_t reference, std::size
     const Agreement backward = agreement(seen.map, old.points, inverse(pose));
     return (forward.on_surface - (forward.near_surface - forward.on_surface)) / std::max(1.0, forward.all) -
            (backward.near_surface - backward.on_surface) / std::max(1.0, backward.near_surface) -
-           kContradiction * contradictions(old, seen, pose);
+           kContradictionCost * contradictions(old, seen, pose);
   };
   if (found.fit < kMinFit) return std::nullopt;
   const auto place = [&](const Pose2& pose) {
     return agreement(old.map, seen.points, pose).ratio() +
            agreement(seen.map, old.points, inverse(pose)).ratio() -
-           kContradiction * contradictions(old, seen, pose);
+           kContradictionCost * contradictions(old, seen, pose);
   };
   found = match_along(old.map, seen.points, found, prior, window_m, kReachM, place);
   SubmapClosure closure;
   closure.support = support(found.pose);
   closure.constraint = {reference,  query,
                         found.pose, Eigen::Matrix3d::Zero(),
-                        true,       found.fit - kContradiction * contradictions(old, seen, found.pose)};
+                        true,       found.fit - kContradictionCost * contradictions(old, seen, found.pose)};
   if (closure.constraint.fit < kMinFit) return std::nullopt;
   Eigen::Matrix3d covariance = (found.information + 1e-2 * Eigen::Matrix3d::Identity()).inverse();
   covariance.diagonal() += Eigen::Vector3d(kFloorM * kFloorM, kFloorM * kFloorM, kFloorRad * kFloorRad);
@@ -385,7 +368,7 @@ bool LoopCloser::close_open(const std::vector<KeyFrame>& frames, PoseGraph& grap
 
 double LoopCloser::close_more(const std::vector<KeyFrame>& frames, PoseGraph& graph) {
   (void)close_open(frames, graph);
-  return refine(frames, graph);
+  return passes_.refine(frames, graph);
 }
 
 void LoopCloser::close_along(bool open_ones_only, const std::vector<KeyFrame>& frames, PoseGraph& graph) {
@@ -400,100 +383,6 @@ void LoopCloser::close_along(bool open_ones_only, const std::vector<KeyFrame>& f
   graph.optimize(0, kGraphIterations);
 }
 
-/// Old key frames about `query` at its present pose, one of each pass, the nearest first.
-std::vector<std::size_t> LoopCloser::passes(std::size_t query, const std::vector<KeyFrame>& frames,
-                                            const std::vector<Pose2>& poses) const {
-  constexpr std::size_t kMaxPasses = 2;
-  std::vector<std::pair<double, std::size_t>> found;
-  for (std::size_t i = 0; i + kMinLoopFrames < query; i += 2) {
-    if (frames[query].travelled_m - frames[i].travelled_m < kMinLoopM) break;
-    const double away = distance(poses[i], poses[query]);
-    if (away < kOverlapM) found.emplace_back(away, i);
-  }
-  std::sort(found.begin(), found.end());
-  std::vector<std::size_t> chosen;
-  for (const auto& [away, i] : found) {
-    const bool new_pass = std::all_of(chosen.begin(), chosen.end(), [&, i = i](std::size_t other) {
-      return (i > other ? i - other : other - i) >= kOtherPassFrames;
-    });
-    if (new_pass) chosen.push_back(i);
-    if (chosen.size() == kMaxPasses) break;
-  }
-  return chosen;
-}
-
-/// Matches one scan in an old submap, from where it stands.
-Constraint LoopCloser::match_scan(std::size_t reference, std::size_t query,
-                                  const std::vector<KeyFrame>& frames, const std::vector<Pose2>& poses) {
-  constexpr double kFloorM = 0.008;
-  constexpr double kFloorRad = 0.003;
-  constexpr double kReachM = 0.25;
-  constexpr double kWindowM = 0.3;
-  // Along a corridor a single scan may be pulled by returns at a grazing angle: neighbours decide there.
-  constexpr double kWeakRatio = 0.15;
-  constexpr double kAlongM = 0.03;
-  constexpr double kOppositeM = 0.05;  // seen from the other side, recesses show other walls
-  constexpr double kOppositeRad = 1.5;
-  const Submap& submap = submaps_.at(reference, query, frames, poses);
-  const Pose2 start = between(poses[reference], poses[query]);
-  const ScanPoints& points = frames[query].points;
-  const RangeProfile profile(points);
-  const PosePrior prior{start, 0.15, 0.06};
-  auto seen = match(submap.map, points, start, prior, kReachM);
-  if (seen.fit >= kMinFineFit) {
-    const double overlap =
-        agreement(submap.map, points, start).near_surface / static_cast<double>(points.surface.size());
-    seen = match_along(submap.map, points, seen, prior, kWindowM, kReachM, [&](const Pose2& there) {
-      return overlap * agreement(submap.map, points, there).ratio() -
-             kContradiction * contradictions(submap, points, profile, there);
-    });
-  }
-  Eigen::Matrix3d covariance = (seen.information + 1e-2 * Eigen::Matrix3d::Identity()).inverse();
-  covariance.diagonal() += Eigen::Vector3d(kFloorM * kFloorM, kFloorM * kFloorM, kFloorRad * kFloorRad);
-  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d> axes(seen.information.topLeftCorner<2, 2>());
-  if (axes.eigenvalues()[0] < kWeakRatio * axes.eigenvalues()[1]) {
-    const Eigen::Vector2d along = axes.eigenvectors().col(0);
-    const double sigma_m = std::abs(seen.pose.yaw) > kOppositeRad ? kOppositeM : kAlongM;
-    covariance.topLeftCorner<2, 2>() += sigma_m * sigma_m * along * along.transpose();
-  }
-  const double fit = seen.fit - kContradiction * contradictions(submap, points, profile, seen.pose);
-  return {reference, query, seen.pose, covariance.inverse(), true, fit};
-}
-
-/// Every key frame in the old submaps about it.
-std::vector<Constraint> LoopCloser::match_passes(const std::vector<KeyFrame>& frames,
-                                                 const std::vector<Pose2>& poses) {
-  std::vector<Constraint> matches;
-  for (std::size_t query = kMinLoopFrames; query < frames.size(); ++query)
-    for (const std::size_t i : passes(query, frames, poses))
-      matches.push_back(match_scan(i / 4 * 4 + 2, query, frames, poses));  // neighbours share their submaps
-  return matches;
-}
-
-double LoopCloser::score(const std::vector<KeyFrame>& frames, const PoseGraph& graph) {
-  return score_of(match_passes(frames, graph.poses()));
-}
-
-double LoopCloser::refine(const std::vector<KeyFrame>& frames, PoseGraph& graph) {
-  constexpr int kRounds = 2;
-  constexpr double kFarthestM = 0.35;
-  constexpr double kFarthestRad = 0.12;
-  const std::size_t coarse = graph.constraints().size();
-  double score = 0;
-  for (int round = 0; round < kRounds; ++round) {
-    const auto matches = match_passes(frames, graph.poses());
-    score = score_of(matches);
-    graph.constraints().resize(coarse);
-    for (const Constraint& match : matches) {
-      const Pose2 start = between(graph.poses()[match.from], graph.poses()[match.to]);
-      if (match.fit >= kMinFineFit && near(match.from_T_to, start, kFarthestM, kFarthestRad))
-        graph.add(match);
-    }
-    graph.optimize(0, kGraphIterations);
-  }
-  return score;
-}
-
 std::optional<double> LoopCloser::close_worst_again(const std::vector<KeyFrame>& frames, PoseGraph& graph,
                                                     std::vector<bool>& tried) {
   constexpr std::size_t kStretch = 48;  // key frames
@@ -501,7 +390,7 @@ std::optional<double> LoopCloser::close_worst_again(const std::vector<KeyFrame>&
   constexpr double kBadly = 2.0;  // of fit that is lacking, summed over a stretch
   tried.resize(frames.size(), false);
   std::vector<double> lacking(frames.size() / kStretch + 1, 0.0);
-  for (const Constraint& match : match_passes(frames, graph.poses()))
+  for (const Constraint& match : passes_.match_all(frames, graph.poses()))
     for (const std::size_t end : {match.from, match.to})
       if (!tried[end]) lacking[end / kStretch] += 0.5 * std::max(0.0, kUsualFit - match.fit);
   const auto worst = std::max_element(lacking.begin(), lacking.end());

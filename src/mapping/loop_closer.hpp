@@ -7,6 +7,7 @@
 #include "extperfc/world/pose.hpp"
 
 #include "mapping/key_frame.hpp"
+#include "mapping/pass_matcher.hpp"
 #include "mapping/pose_graph.hpp"
 #include "mapping/relative_uncertainty.hpp"
 #include "mapping/submap_cache.hpp"
@@ -27,29 +28,23 @@ struct SubmapClosure {
 /// and with the path between them (pairwise consistency: Mangelson et al., ICRA 2018).
 class LoopCloser {
  public:
-  explicit LoopCloser(SubmapCache& submaps) : submaps_(submaps) {}
+  explicit LoopCloser(SubmapCache& submaps) : submaps_(submaps), passes_(submaps) {}
 
   static constexpr std::size_t kStride = 8;  ///< key frames from one submap to the next
 
   /// Forgets the graph's loop closures and finds those of the whole path, from its beginning to its end.
-  /// Gives the score of refine().
+  /// Gives the score of PassMatcher::refine().
   double close_all(const std::vector<KeyFrame>& frames, PoseGraph& graph);
   /// Keeps the graph's loop closures and finds more, for those submaps that have none. True when it found
   /// some.
   bool close_open(const std::vector<KeyFrame>& frames, PoseGraph& graph);
-  /// The same, and refine(), whose score it gives.
+  /// The same, and PassMatcher::refine(), whose score it gives.
   double close_more(const std::vector<KeyFrame>& frames, PoseGraph& graph);
   /// Takes back the loop closures of that stretch of the path whose key frames fit the old submaps about them
   /// worst, and closes it anew from what the rest of the graph knows. `tried`: key frames that are in no such
   /// stretch again; grows. Gives the score of refine(); no value when no stretch that is left fits badly.
   std::optional<double> close_worst_again(const std::vector<KeyFrame>& frames, PoseGraph& graph,
                                           std::vector<bool>& tried);
-  /// Sums over the key frames how much better (or worse) than by chance they fit the old submaps about them:
-  /// of two graphs of one path, that with the higher score agrees better with itself.
-  [[nodiscard]] double score(const std::vector<KeyFrame>& frames, const PoseGraph& graph);
-  /// Matches every key frame in the old submaps about it, and optimizes the graph. Gives the score before the
-  /// last round.
-  double refine(const std::vector<KeyFrame>& frames, PoseGraph& graph);
 
  private:
   /// Searches the submap of `query` in older ones and accepts what is certain. True when a far closure was
@@ -69,14 +64,9 @@ class LoopCloser {
                   const PoseGraph& graph);
   bool accept(std::size_t first_new, double min_weight, PoseGraph& graph);
   void close_along(bool open_ones_only, const std::vector<KeyFrame>& frames, PoseGraph& graph);
-  [[nodiscard]] std::vector<std::size_t> passes(std::size_t query, const std::vector<KeyFrame>& frames,
-                                                const std::vector<Pose2>& poses) const;
-  [[nodiscard]] std::vector<Constraint> match_passes(const std::vector<KeyFrame>& frames,
-                                                     const std::vector<Pose2>& poses);
-  [[nodiscard]] Constraint match_scan(std::size_t reference, std::size_t query,
-                                      const std::vector<KeyFrame>& frames, const std::vector<Pose2>& poses);
 
   SubmapCache& submaps_;
+  PassMatcher passes_;
   std::vector<SubmapClosure> pool_;  ///< found, not accepted yet
   std::size_t since_optimized_{0};
 };

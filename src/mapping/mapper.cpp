@@ -58,7 +58,6 @@ class Mapper::Impl {
   [[nodiscard]] MapperStatistics statistics() const;
   [[nodiscard]] std::vector<WeightedPose> particles() const;
   std::shared_ptr<const OccupancyGrid> map();
-  void optimize();
   [[nodiscard]] PathFilter::Search search() const { return filter_.search(); }
   bool adopt(PathFilter::Search search);
   void finish();
@@ -219,12 +218,6 @@ std::shared_ptr<const OccupancyGrid> Mapper::Impl::map() {
   return map;
 }
 
-void Mapper::Impl::optimize() {
-  filter_.optimize();
-  settled_ = false;
-  ++map_version_;
-}
-
 bool Mapper::Impl::adopt(PathFilter::Search search) {
   if (!filter_.adopt(std::move(search))) return false;
   settled_ = false;
@@ -348,7 +341,9 @@ MapperStatistics Mapper::statistics() const {
 }
 
 void Mapper::optimize() {
-  impl_->optimize();
+  LoopSearch whole = search();
+  whole.run();
+  (void)adopt(std::move(whole));
 }
 
 LoopSearch Mapper::search() const {

@@ -65,10 +65,8 @@ class PathFilter {
   /// The first key frame, at `pose`.
   void begin(const Pose2& pose, KeyFrame frame);
   Step add(const TrackedStep& step, KeyFrame frame);
-  /// Searches the whole map once more for loop closures, and optimizes the whole graph. Seconds for a long
-  /// path.
-  void optimize();
-  /// What such a search needs, so that it can run in another thread while key frames are added here.
+  /// A search of the whole path for loop closures: a copy, so that it can run in another thread while key
+  /// frames are added here. Seconds for a long path.
   struct Search {
     std::vector<KeyFrame> frames;
     PoseGraph graph;
@@ -79,7 +77,7 @@ class PathFilter {
   /// Takes over what a search found; key frames that came meanwhile stay. False, and nothing happens, when it
   /// is not of this path.
   bool adopt(Search search);
-  /// As optimize() at the end of a recording, where fewer candidates suffice.
+  /// The same search at the end of a recording, where fewer candidates suffice; without the copy.
   void finish();
 
   [[nodiscard]] const std::vector<KeyFrame>& frames() const { return frames_; }

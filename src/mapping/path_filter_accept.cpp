@@ -191,10 +191,6 @@ void PathFilter::accept_rest() {
 
 void PathFilter::finish() {
   accept_rest();
-  optimize();
-}
-
-void PathFilter::optimize() {
   if (frames_.empty()) return;
   graph_ = closed_graph(frames_, std::move(graph_), submaps_);
   know_closed();
@@ -210,7 +206,6 @@ void PathFilter::Search::run() {
 }
 
 bool PathFilter::adopt(Search search) {
-  constexpr int kIterations = 10;
   const std::size_t known = search.frames.size();
   if (known == 0 || known > frames_.size()) return false;
   const auto is_same = [](const KeyFrame& a, const KeyFrame& b) {
@@ -224,7 +219,7 @@ bool PathFilter::adopt(Search search) {
   for (const Constraint& constraint : graph_.constraints())
     if (constraint.to >= known) search.graph.add(constraint);
   graph_ = std::move(search.graph);
-  if (frames_.size() > known) graph_.optimize(0, kIterations);
+  if (frames_.size() > known) graph_.optimize(0, kGraphIterations);
   know_closed();
   return true;
 }

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cmath>
+#include <cstddef>
 
 #include "extperfc/world/pose.hpp"
 
@@ -20,6 +21,13 @@ inline constexpr double kWeightGain = 6.0;  // log weight per key frame and unit
 inline constexpr double kSameClusterM = 0.3;
 inline constexpr double kSameClusterRad = 0.1;
 inline constexpr double kDriftPerM = 0.012;  // standard deviation of the tracker's drift
+
+// Loops of the whole path.
+inline constexpr double kMinLoopM = 8.0;  // of path between a submap and one that it may be recognized in
+inline constexpr std::size_t kMinLoopFrames = 24;
+inline constexpr double kOverlapM = 4.0;  // two key frames this near have much the same view
+inline constexpr std::size_t kOtherPassFrames = 30;
+inline constexpr int kGraphIterations = 10;
 
 inline double distance(const Pose2& a, const Pose2& b) {
   return std::hypot(a.x - b.x, a.y - b.y);

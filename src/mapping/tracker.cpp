@@ -30,8 +30,8 @@ constexpr double kMinWheelErrorM = 0.01;
 constexpr double kSlideDistanceM = 0.5;  // after this distance, a third of a slide still counts
 constexpr double kWeakRatio = 0.2;       // of the strongest direction's information
 constexpr double kFreeM = 1.0;           // across the corridor the scan decides
-// A scan of fewer points may show nothing but a person, who walks: against wheels it proves nothing.
-constexpr std::size_t kConvincingPoints = 60;
+// A scan of fewer points may show nothing but a pedestrian: it cannot contradict odometry.
+constexpr std::size_t kMinContradictingPoints = 60;
 
 /// The component of the motion between two poses along a direction of unit length.
 Eigen::Vector2d moved_along(const Eigen::Vector2d& along, const Pose2& from, const Pose2& to) {
@@ -79,7 +79,7 @@ Tracked Tracker::add(const ScanPoints& points, const std::optional<Pose2>& odom_
   } else if (enough) {
     match_scan(points, before, tracked);
     if (tracked.matched && has_odometry && !resuming_) {
-      if (points.surface.size() < kConvincingPoints && disagrees(tracked.pose, step, before.mean)) {
+      if (points.surface.size() < kMinContradictingPoints && disagrees(tracked.pose, step, before.mean)) {
         tracked = {};
         tracked.pose = before.mean;
       } else {

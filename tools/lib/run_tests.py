@@ -18,7 +18,7 @@
                           each of these N times; prints how often each failed
 
 Unit tests run as many at a time as there are processors; of those ros and system tests that mostly wait one more; tests
-that measure time or need a whole processor run alone. What only calculates runs in the background, at the lowest priority.
+that measure time or need a whole processor run alone. CPU-bound tests run in the background, at the lowest priority.
 
 A ros or system test that fails in a whole run is run once more, alone, since those meet other programs' timing on a shared
 machine. Both results are printed, the second one counts, and the test is counted as flaky in the line before the last;
@@ -130,11 +130,11 @@ def run_all(tests, repeat):
     session = Session()
     session.phase([t for t in tests if t.group == "unit"], JOBS)
     others = sorted((t for t in tests if t.group != "unit"), key=Test.rank)
-    background = threading.Thread(target=session.phase, args=([t for t in others if t.name in ASIDE], 1), daemon=True)
-    background.start()
-    session.phase([t for t in others if t.name in BESIDE], JOBS + 1)
-    session.phase([t for t in others if t.name not in BESIDE and t.name not in ASIDE], 1)
-    background.join()
+    with concurrent.futures.ThreadPoolExecutor(1) as team:
+        background = team.submit(session.phase, [t for t in others if t.name in ASIDE], 1)
+        session.phase([t for t in others if t.name in BESIDE], JOBS + 1)
+        session.phase([t for t in others if t.name not in BESIDE and t.name not in ASIDE], 1)
+        background.result()
     flaky = session.repeat_failures() if repeat else []
     return session.total(), flaky
 

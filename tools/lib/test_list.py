@@ -13,8 +13,8 @@ import recent_changes
 import tidy
 from junit_counts import Counts
 from sanitized import Variant
-from test_processes import (DEADLINE, REPO, ctest_list, gtest_runner, note_skipped, rostest_runner, run,
-                            step_runner, unittest_runner)
+from test_processes import (DEADLINE, REPO, ctest_list, gtest_runner, note_skipped, rostest_runner, run, step_runner,
+                            unittest_runner)
 
 WS = pathlib.Path(os.environ.get("EXTPERFC_WS", REPO / ".ws"))
 GROUPS = ("unit", "ros", "core", "sanitize", "style", "system")
@@ -34,7 +34,7 @@ BESIDE = (
     "system/cameras_launch", "ros/explorer", "system/detection_launch", "system/align_depth", "ros/map_server",
     "ros/start_up", "ros/tracker", "ros/params", "ros/translator_params")
 
-# Those that only calculate, whatever time it takes: they run in the background, with what all others leave of the processors.
+# CPU-bound tests: they run in the background at the lowest priority, so each gets twice the usual time.
 ASIDE = ("system/training", "system/network_folders", "system/plain_workspace", "system/map_tool", "system/training_kills",
          "system/shapes_model", "style/format", "system/render_tool", "system/model_tool", "system/translate_tool",
          "system/examples", "style/tidy")
@@ -126,12 +126,13 @@ def ros_and_system_tests(with_long):
     for file in sorted((REPO / "test" / "ros").glob("*.test")):
         name = f"ros/{file.stem}"
         yield Test(name, "ros", rostest_runner(file), name in LONG)
-    yield Test("style/format", "style", step_runner([["clang-format", "--dry-run", "--Werror", *own_cpp_files()]], 300, True),
-               False)
+    format_check = ["clang-format", "--dry-run", "--Werror", *own_cpp_files()]
+    yield Test("style/format", "style", step_runner([format_check], 300, aside=True), False)
     for file in sorted((REPO / "test" / "system").rglob("test_*.py")):
         name = f"system/{file.stem[5:]}"
-        limit_s = LONG_FILE_LIMIT_S if with_long else FILE_LIMIT_S
-        yield Test(name, "system", unittest_runner(file, limit_s, with_long, name in ASIDE), name in LONG)
+        aside = name in ASIDE
+        limit_s = LONG_FILE_LIMIT_S if with_long else FILE_LIMIT_S * (1 + aside)
+        yield Test(name, "system", unittest_runner(file, limit_s, with_long, aside), name in LONG)
 
 
 def slow_checks(scope):

@@ -34,7 +34,8 @@ def compiled(database, sources):
 
 
 class Reading:
-    """Reads sources with clang-tidy in `jobs` threads, giving way to everything else, until all are read or `end` (time.monotonic()) has come.
+    """Reads sources with clang-tidy in `jobs` threads, at the lowest priority, until all are read or `end`
+    (time.monotonic()) has come.
 
     Afterwards `read` and `left_out` hold names, `findings` the texts of what was found, by name."""
 

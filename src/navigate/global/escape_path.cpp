@@ -15,7 +15,7 @@ constexpr std::array<double, 6> kDepths_m{0.015, 0.03, 0.045, 0.06, 0.09, 0.12};
 constexpr double kStep_m = 0.025;
 constexpr double kStep_rad = 0.05;
 constexpr int kSteps = 16;  // up to 0.4 m, 0.8 rad
-constexpr int kLineDirections = 16;
+constexpr int kMotionDirections = 16;
 
 bool free_at(const CostGrid& costs, const Footprint& footprint, const Pose2& pose) {
   return contact(costs, footprint, pose) == Contact::kFree;
@@ -34,8 +34,8 @@ std::optional<Footprint> free_part(const CostGrid& costs, const Footprint& footp
 std::vector<Pose2> motions(BaseKind base) {
   std::vector<Pose2> all{{kStep_m, 0, 0}, {-kStep_m, 0, 0}, {0, 0, kStep_rad}, {0, 0, -kStep_rad}};
   if (base == BaseKind::kDifferential) return all;
-  for (int i = 0; i < kLineDirections; ++i) {
-    const double angle = kTwoPi * i / kLineDirections;
+  for (int i = 0; i < kMotionDirections; ++i) {
+    const double angle = kTwoPi * i / kMotionDirections;
     for (const double yaw : {0.0, kStep_rad, -kStep_rad})
       all.push_back({kStep_m * std::cos(angle), kStep_m * std::sin(angle), yaw});
   }

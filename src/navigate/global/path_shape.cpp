@@ -8,7 +8,7 @@ namespace extperfc::navigate {
 
 namespace {
 
-constexpr double kMaxShapeStep_m = 0.1;
+constexpr double kDenseStep_m = 0.1;
 constexpr double kMaxStep_rad = 0.2;
 constexpr double kBend_rad = 0.19;        // a differential base rotates in place at sharper corners
 constexpr double kHeadingLength_m = 0.5;  // over which a holonomic base comes to head along its path
@@ -199,7 +199,7 @@ std::vector<Pose2> densify(const std::vector<Pose2>& poses) {
     const Pose2 from = poses[i - 1];
     const Pose2 to = poses[i];
     const double yaw = wrap_angle(to.yaw - from.yaw);
-    const double parts = std::max(std::hypot(to.x - from.x, to.y - from.y) / (kRounding * kMaxShapeStep_m),
+    const double parts = std::max(std::hypot(to.x - from.x, to.y - from.y) / (kRounding * kDenseStep_m),
                                   std::abs(yaw) / (kRounding * kMaxStep_rad));
     const int count = std::max(1, static_cast<int>(std::ceil(parts)));
     for (int k = 1; k < count; ++k) {

@@ -28,6 +28,8 @@ struct Outline {
 class ClearanceField {
  public:
   static constexpr double kReach_m = 1.2;
+  /// Distances below this are to be checked in the grid itself: the field is exact within a cell.
+  static constexpr float kCheckBelow_m = 0.13F;
 
   /// Obstacles under people who move are left out: they will be elsewhere. People who stand are added.
   /// O(cells of the square * cells of the reach), a few operations for 8 cells at once.

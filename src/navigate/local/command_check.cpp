@@ -11,7 +11,7 @@ namespace {
 
 constexpr double kStep_s = 0.05;
 constexpr double kMaxTime_s = 5;
-constexpr double kCommandPersonMargin_m = 0.1;
+constexpr double kPersonClearance_m = 0.1;
 constexpr double kStands_m_s = 0.02;
 
 double speed_of(const Twist2& twist) {
@@ -34,7 +34,7 @@ bool CommandCheck::people_free(const Pose2& pose, double time_s, double speed_m_
   return std::all_of(state_.people.begin(), state_.people.end(), [&](const MovingObstacle& person) {
     const Eigen::Vector2d at = person.position_m + time_s * person.velocity_m_s;
     const Pose2 in_base = between(pose, {at.x(), at.y(), 0});
-    return distance_m(footprint_, {in_base.x, in_base.y}) > person.radius_m + kCommandPersonMargin_m;
+    return distance_m(footprint_, {in_base.x, in_base.y}) > person.radius_m + kPersonClearance_m;
   });
 }
 

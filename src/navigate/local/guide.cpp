@@ -7,11 +7,11 @@ namespace extperfc::navigate {
 
 namespace {
 
-constexpr double kGuideGain_per_s = 1.8;  // of position and heading
-constexpr double kFar_m = 0.3;            // deviation at which the path's own velocity is halved
-constexpr double kLead_s = 0.15;          // the path's velocity is taken so much ahead
-constexpr double kAcross_per_m2 = 8.0;    // of a differential base: yaw rate per deviation and speed
-constexpr double kHeading_per_m = 4.0;    // the same for the heading; critically damped
+constexpr double kFollowGain_per_s = 1.8;  // of position and heading
+constexpr double kFar_m = 0.3;             // deviation at which the path's own velocity is halved
+constexpr double kLead_s = 0.15;           // the path's velocity is taken so much ahead
+constexpr double kAcross_per_m2 = 8.0;     // of a differential base: yaw rate per deviation and speed
+constexpr double kHeading_per_m = 4.0;     // the same for the heading; critically damped
 constexpr double kBearing_per_s = 2.0;
 
 float distance2(const Station& at, float x, float y, float yaw) {
@@ -64,11 +64,11 @@ Twist2 Guide::holonomic(const Station& at, const Pose2& pose, double rate) const
   const double across_x = ex - along * at.dx;
   const double across_y = ey - along * at.dy;
   const double slowed = rate / (1 + std::hypot(across_x, across_y) / kFar_m);
-  const double vx = slowed * at.dx + kGuideGain_per_s * across_x;
-  const double vy = slowed * at.dy + kGuideGain_per_s * across_y;
+  const double vx = slowed * at.dx + kFollowGain_per_s * across_x;
+  const double vy = slowed * at.dy + kFollowGain_per_s * across_y;
   const double c = std::cos(pose.yaw);
   const double s = std::sin(pose.yaw);
-  const double wz = slowed * at.dyaw + kGuideGain_per_s * (at.yaw - pose.yaw);
+  const double wz = slowed * at.dyaw + kFollowGain_per_s * (at.yaw - pose.yaw);
   return {c * vx + s * vy, -s * vx + c * vy, wz};
 }
 

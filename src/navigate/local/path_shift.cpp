@@ -11,7 +11,6 @@ namespace {
 constexpr std::size_t kStride = 2;    // stations per layer
 constexpr int kMaxStep = 3;           // shifts from layer to layer: 37 degrees
 constexpr float kEnough_m = 0.2F;     // clearance that is not worth a detour
-constexpr float kDoubt_m = 0.13F;     // below it the grid is asked: the field is within a cell
 constexpr float kShiftWeight = 1.0F;  // per m^2
 constexpr float kYawWeight = 0.5F;    // per rad^2
 constexpr float kClearanceWeight = 0.15F;
@@ -53,7 +52,7 @@ float PathShift::node_cost(const Surroundings& around, const Station& at, const 
   const float clearance_m =
       around.field.clearance(around.outline, x, y, std::cos(yaw), std::sin(yaw), kEnough_m);
   if (clearance_m < 0) return kBlocked;
-  if (clearance_m < kDoubt_m) {
+  if (clearance_m < ClearanceField::kCheckBelow_m) {
     const Pose2 pose{around.robot.x + x, around.robot.y + y, yaw};
     if (contact(around.field.window(), around.footprint, pose) != Contact::kFree) return kBlocked;
   }

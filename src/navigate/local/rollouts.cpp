@@ -16,12 +16,11 @@ constexpr int kGuides = static_cast<int>(kGuideFactors.size());
 constexpr int kWarm = kGuides;      // the last solution itself
 constexpr int kStop = kGuides + 1;  // brakes
 constexpr int kFirstRandom = kGuides + 2;
-constexpr int kOffsets = 16;              // cycles until noise repeats
-constexpr float kCorrelation = 0.8F;      // of the noise from step to step
-constexpr float kNear_s = 0.7F;           // trajectories are checked exactly so far
-constexpr float kRolloutDoubt_m = 0.13F;  // below it the grid is asked: the field is within a cell
-constexpr float kSpeedWeight = 8.0F;      // per (m/s)^2 above the speed that clearance and path admit
-constexpr float kCentreWeight = 0.3F;     // of the cell's cost under the base's centre
+constexpr int kOffsets = 16;           // cycles until noise repeats
+constexpr float kCorrelation = 0.8F;   // of the noise from step to step
+constexpr float kNear_s = 0.7F;        // trajectories are checked exactly so far
+constexpr float kSpeedWeight = 8.0F;   // per (m/s)^2 above the speed that clearance and path admit
+constexpr float kCentreWeight = 0.3F;  // of the cell's cost under the base's centre
 constexpr std::size_t kBest = 6;
 
 }  // namespace
@@ -215,7 +214,7 @@ float Rollouts::obstacle_cost(const Scene& scene, int step, int sample, const St
   const auto wide = static_cast<float>(scene.rules.wide_clearance_m);
   const float clearance_m = scene.field.clearance(scene.outline, x, y, cos_[sample], sin_[sample], wide);
   const bool near = static_cast<float>(step + 1) * static_cast<float>(params_.step_s) <= kNear_s;
-  if (touched_[i] == 0 && clearance_m < kRolloutDoubt_m) {
+  if (touched_[i] == 0 && clearance_m < ClearanceField::kCheckBelow_m) {
     const bool exact = near && clearance_m >= 0;
     const Pose2 pose{scene.robot.x + x, scene.robot.y + y, yaw_(sample, step)};
     if (exact ? contact(scene.field.window(), scene.footprint, pose) != Contact::kFree : clearance_m <= 0)

@@ -60,6 +60,17 @@ std::size_t closures(const PoseGraph& graph) {
                                                 [](const Constraint& c) { return c.is_loop_closure; }));
 }
 
+/// A loop of corridors that was closed once.
+struct ClosedLoop {
+  explicit ClosedLoop(std::uint64_t seed) : path(loop_of_corridors(0.0003, seed)) {
+    (void)closer.close_all(path.frames, path.graph);
+  }
+
+  Path path;
+  SubmapCache submaps;
+  LoopCloser closer{submaps};
+};
+
 class LoopCloserSeeds : public testing::TestWithParam<std::uint64_t> {};
 
 TEST_P(LoopCloserSeeds, ClosesALoopOfCorridors) {
@@ -88,10 +99,8 @@ TEST(LoopCloser, TakesBackAWrongClosure) {
 
 /// The end of the path, all of it closed 1.5 m off, and the graph believes it.
 TEST(LoopCloser, AStretchThatFitsBadlyIsClosedAgain) {
-  auto path = loop_of_corridors(0.0003, 8);
-  SubmapCache submaps;
-  LoopCloser closer(submaps);
-  (void)closer.close_all(path.frames, path.graph);
+  ClosedLoop closed(8);
+  Path& path = closed.path;
   ASSERT_LT(worst_error_m(path), 0.2);
   for (Constraint& constraint : path.graph.constraints()) {
     if (!constraint.is_loop_closure) continue;
@@ -100,11 +109,11 @@ TEST(LoopCloser, AStretchThatFitsBadlyIsClosedAgain) {
   }
   ASSERT_TRUE(path.graph.optimize_gradually());
   ASSERT_GT(worst_error_m(path), 1.0) << "the graph was not misled";
-  const double before = closer.score(path.frames, path.graph);
+  const double before = PassMatcher(closed.submaps).score(path.frames, path.graph);
   std::vector<bool> tried;
   double after = before;
   for (int i = 0; i < 8; ++i) {
-    const auto score = closer.close_worst_again(path.frames, path.graph, tried);
+    const auto score = closed.closer.close_worst_again(path.frames, path.graph, tried);
     if (!score) break;
     after = *score;
   }
@@ -113,27 +122,23 @@ TEST(LoopCloser, AStretchThatFitsBadlyIsClosedAgain) {
 }
 
 TEST(LoopCloser, WhatFitsStays) {
-  auto path = loop_of_corridors(0.0003, 9);
-  SubmapCache submaps;
-  LoopCloser closer(submaps);
-  (void)closer.close_all(path.frames, path.graph);
+  ClosedLoop closed(9);
+  Path& path = closed.path;
   const std::size_t constraints = path.graph.constraints().size();
   std::vector<bool> tried;
-  EXPECT_FALSE(closer.close_worst_again(path.frames, path.graph, tried));
+  EXPECT_FALSE(closed.closer.close_worst_again(path.frames, path.graph, tried));
   EXPECT_EQ(constraints, path.graph.constraints().size());
 }
 
 TEST(LoopCloser, ClosesMoreAndKeepsWhatItHas) {
-  auto path = loop_of_corridors(0.0003, 10);
-  SubmapCache submaps;
-  LoopCloser closer(submaps);
-  (void)closer.close_all(path.frames, path.graph);
+  ClosedLoop closed(10);
+  Path& path = closed.path;
   const auto first_closure = std::find_if(path.graph.constraints().begin(), path.graph.constraints().end(),
                                           [](const Constraint& c) { return c.is_loop_closure; });
   const Constraint kept = *first_closure;
   auto& constraints = path.graph.constraints();
   constraints.erase(first_closure + 1, constraints.end());
-  (void)closer.close_more(path.frames, path.graph);
+  (void)closed.closer.close_more(path.frames, path.graph);
   EXPECT_GT(closures(path.graph), 5U);
   EXPECT_TRUE(std::any_of(constraints.begin(), constraints.end(), [&](const Constraint& c) {
     return c.from == kept.from && c.to == kept.to && c.from_T_to.x == kept.from_T_to.x;
@@ -158,12 +163,12 @@ TEST(LoopCloser, TheRightGraphScoresHigher) {
   auto wrong = right;
   right.graph.set_poses(right.truth);
   SubmapCache submaps;
-  LoopCloser closer(submaps);
-  const double high = closer.score(right.frames, right.graph);
+  PassMatcher passes(submaps);
+  const double high = passes.score(right.frames, right.graph);
   auto poses = wrong.truth;
   for (std::size_t i = poses.size() / 2; i < poses.size(); ++i) poses[i].y += 1.0;
   wrong.graph.set_poses(poses);
-  EXPECT_GT(high, closer.score(wrong.frames, wrong.graph) + 1);
+  EXPECT_GT(high, passes.score(wrong.frames, wrong.graph) + 1);
 }
 
 TEST(LoopCloser, SamePathSameResult) {
