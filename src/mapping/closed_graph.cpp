@@ -2,9 +2,13 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
+#include <numeric>
 #include <utility>
+#include <vector>
 
 #include "mapping/loop_closer.hpp"
+#include "mapping/map_parts.hpp"
 #include "mapping/pass_matcher.hpp"
 #include "mapping/path_filter_common.hpp"
 
@@ -17,6 +21,13 @@ struct Candidate {
   PoseGraph graph;
   double score{0};  ///< see PassMatcher::score()
   double log_likelihood{0};
+};
+
+/// How well the key frames of two stretches of the path fit each other where they meet.
+struct Meeting {
+  double fit{0};
+  double bad{0};  ///< those that fit badly
+  double all{0};
 };
 
 /// Makes candidates for the graph of one path, and improves them.
@@ -49,6 +60,36 @@ class GraphSearch {
       failed = -1;
     }
     return best;
+  }
+  /// Takes back the loop closures across steps that tell nothing, where what they join does not fit all
+  /// along.
+  void check_joints(PoseGraph& graph) {
+    constexpr double kGoodFit = 0.65;
+    constexpr double kBadFit = 0.3;
+    constexpr double kFewBad = 0.15;
+    std::vector<std::size_t> stretch(frames_.size(), 0);
+    for (const Constraint& constraint : graph.constraints())
+      if (constraint.is_unknown()) stretch[constraint.to] = 1;
+    std::partial_sum(stretch.begin(), stretch.end(), stretch.begin());
+    if (stretch.back() == 0) return;
+    std::map<std::pair<std::size_t, std::size_t>, Meeting> meetings;
+    for (const Constraint& match : passes_.match_all(frames_, graph.poses())) {
+      Meeting& meeting = meetings[{stretch[match.from], stretch[match.to]}];
+      meeting.fit += match.fit;
+      meeting.bad += match.fit < kBadFit ? 1 : 0;
+      meeting.all += 1;
+    }
+    auto& constraints = graph.constraints();
+    const auto is_wrong = [&](const Constraint& constraint) {
+      const std::pair<std::size_t, std::size_t> ends{stretch[constraint.from], stretch[constraint.to]};
+      if (!constraint.is_loop_closure || ends.first == ends.second) return false;
+      const Meeting& meeting = meetings[ends];
+      return meeting.fit < kGoodFit * meeting.all || meeting.bad > kFewBad * meeting.all;
+    };
+    const auto wrong = std::remove_if(constraints.begin(), constraints.end(), is_wrong);
+    if (wrong == constraints.end()) return;
+    constraints.erase(wrong, constraints.end());
+    graph.optimize(0, kGraphIterations);
   }
 
  private:
@@ -89,7 +130,10 @@ PoseGraph closed_graph(const std::vector<KeyFrame>& frames, PoseGraph graph, Sub
   Candidate by_particles = search.from_graph(std::move(graph));
   const double clearly = kWeightGain * (kClearly * std::abs(by_particles.score) + kFrames);
   const bool particles_win = by_particles.log_likelihood > by_steps.log_likelihood + clearly;
-  return search.reclosed(std::move(particles_win ? by_particles : by_steps)).graph;
+  PoseGraph best = search.reclosed(std::move(particles_win ? by_particles : by_steps)).graph;
+  search.check_joints(best);
+  set_parts_apart(best);
+  return best;
 }
 
 }  // namespace extperfc::mapping

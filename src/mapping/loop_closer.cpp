@@ -2,12 +2,14 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <map>
 #include <memory>
 #include <utility>
 
 #include <Eigen/LU>
 
+#include "mapping/map_parts.hpp"
 #include "mapping/matcher.hpp"
 #include "mapping/path_filter_common.hpp"
 #include "mapping/rotation_by.hpp"
@@ -22,6 +24,8 @@ constexpr double kNearReachM = 0.6;  // a match finds its way from here
 constexpr double kNearReachRad = 0.25;
 constexpr std::size_t kMaxNear = 3;
 constexpr std::size_t kMaxFar = 64;
+constexpr std::size_t kMaxUnknown = 256;
+constexpr double kUnknownApartM = 3.0;
 // Search.
 constexpr double kMaxWindowM = 40.0;
 constexpr double kMaxWindowRad = 0.8;
@@ -46,6 +50,7 @@ constexpr double kDeterminedM = 0.12;
 constexpr double kConsistent = 11.3;  // chi-square of three degrees of freedom: one in a hundred
 constexpr double kMinWeight = 1.5;
 constexpr double kMinWeightAtEnd = 0.6;
+constexpr double kMinJoiningWeight = 4.5;  // of a part that may stand anywhere
 constexpr double kUsualReachM = 3.0;
 constexpr double kWeightPerLogReach = 0.6;
 constexpr double kAlternativeRatio = 1.4;
@@ -57,16 +62,23 @@ double weight_wanted(double at_least, double reach_m) {
   return at_least + kWeightPerLogReach * std::log(std::max(1.0, reach_m / kUsualReachM));
 }
 
+void keep_newest(std::vector<SubmapClosure>& pool) {
+  if (pool.size() > kMaxPool) pool.erase(pool.begin(), pool.end() - static_cast<std::ptrdiff_t>(kMaxPool));
+}
+
 /// Where a query may stand in a reference's frame: within the graph's reach of its pose, and so near that
 /// the two have much the same view. No value: nowhere.
-std::optional<SearchWindow> window_of(const Pose2& expected, double reach_m) {
+std::optional<SearchWindow> window_of(const Pose2& expected, const RelativeUncertainty& known) {
+  if (known.is_unknown()) return SearchWindow{{}, kOverlapM, M_PI};
+  const double reach_m = std::min(kMaxWindowM, known.reach_m() + kSlackM);
   const double left = std::max(-kOverlapM, expected.x - reach_m);
   const double right = std::min(kOverlapM, expected.x + reach_m);
   const double bottom = std::max(-kOverlapM, expected.y - reach_m);
   const double top = std::min(kOverlapM, expected.y + reach_m);
   if (left > right || bottom > top) return std::nullopt;
-  return SearchWindow{
-      {(left + right) / 2, (bottom + top) / 2, expected.yaw}, std::max(right - left, top - bottom) / 2, 0};
+  return SearchWindow{{(left + right) / 2, (bottom + top) / 2, expected.yaw},
+                      std::max(right - left, top - bottom) / 2,
+                      std::min(kMaxWindowRad, known.reach_rad() + 0.05)};
 }
 
 /// Whether a residual in x, y, yaw can be explained by a covariance and a bias of the position.
@@ -87,7 +99,8 @@ std::vector<std::size_t> LoopCloser::references(std::size_t query, const std::ve
   const Pose2& here = graph.poses()[query];
   for (std::size_t i = kStride / 2; i + kMinLoopFrames < query; i += kStride) {
     if (frames[query].travelled_m - frames[i].travelled_m < kMinLoopM) break;
-    const double reach = std::min(kMaxWindowM, known[i].reach_m());
+    const double reach = known[i].is_unknown() ? std::numeric_limits<double>::infinity()
+                                               : std::min(kMaxWindowM, known[i].reach_m());
     const double away = distance(graph.poses()[i], here);
     if (away < kOverlapM + reach) found.emplace_back(away, i);
   }
@@ -143,51 +156,67 @@ bool LoopCloser::match_near(std::size_t reference, std::size_t query, const Rela
   return true;
 }
 
-void LoopCloser::search_far(const std::vector<std::size_t>& references, std::size_t query,
-                            const std::vector<RelativeUncertainty>& known,
-                            const std::vector<KeyFrame>& frames, const PoseGraph& graph) {
-  const std::size_t first = pool_.size();
-  std::vector<Pose2> places;  // of the candidates, in the graph's frame
+/// Poses of the query in the references, as searched. Of one that may stand anywhere those that fit best.
+std::vector<LoopCloser::Peak> LoopCloser::find_peaks(const std::vector<std::size_t>& references,
+                                                     std::size_t query,
+                                                     const std::vector<RelativeUncertainty>& known,
+                                                     const std::vector<KeyFrame>& frames,
+                                                     const PoseGraph& graph) {
+  constexpr std::size_t kMaxAnywhere = 16;
+  std::vector<Peak> peaks;
   for (const std::size_t reference : references) {
     const Pose2 expected = between(graph.poses()[reference], graph.poses()[query]);
-    const auto window = window_of(expected, std::min(kMaxWindowM, known[reference].reach_m() + kSlackM));
+    const auto window = window_of(expected, known[reference]);
     if (!window) continue;
-    const double reach_rad = std::min(kMaxWindowRad, known[reference].reach_rad() + 0.05);
     Submap& old = submaps_.at(reference, frames.size(), frames, graph.poses());
     if (!old.pyramid) old.pyramid = std::make_unique<SearchPyramid>(old.map);
     const Submap& seen = submaps_.at(query, frames.size(), frames, graph.poses());
-    const auto peaks =
-        search_peaks(*old.pyramid, seen.points, {window->centre, window->half_width_m, reach_rad}, kMinScore,
-                     kMaxNodes, {kPeaks, kPeakApartM, kPeakApartRad, 0.2});
-    for (const FoundPose& peak : peaks) {
-      auto closure = verify(reference, query, peak.pose, 1.0, frames, graph);
-      if (!closure || closure->support < kMinSupport) continue;
-      // Seen from the query, as the uncertainty is.
-      const Pose2 found = inverse(closure->constraint.from_T_to);
-      const Pose2 expected_back = inverse(expected);
-      if (!is_explained({found.x - expected_back.x, found.y - expected_back.y,
-                         wrap_angle(found.yaw - expected_back.yaw)},
-                        known[reference].covariance, known[reference].systematic_m + kSlackM))
-        continue;
-      closure->reach_m = known[reference].reach_m();
-      places.push_back(compose(graph.poses()[reference], closure->constraint.from_T_to));
-      pool_.push_back(*closure);
-    }
+    for (const FoundPose& found : search_peaks(*old.pyramid, seen.points, *window, kMinScore, kMaxNodes,
+                                               {kPeaks, kPeakApartM, kPeakApartRad, 0.2}))
+      peaks.push_back({reference, found.pose, found.score});
   }
-  for (std::size_t i = first; i < pool_.size(); ++i) {
+  if (references.empty() || !known[references.front()].is_unknown()) return peaks;
+  std::stable_sort(peaks.begin(), peaks.end(),
+                   [](const Peak& a, const Peak& b) { return a.score > b.score; });
+  peaks.resize(std::min(peaks.size(), kMaxAnywhere));
+  return peaks;
+}
+
+void LoopCloser::search_far(const std::vector<std::size_t>& references, std::size_t query,
+                            const std::vector<RelativeUncertainty>& known,
+                            const std::vector<KeyFrame>& frames, const PoseGraph& graph, Pool& pool) {
+  const std::size_t first = pool.size();
+  std::vector<Pose2> places;  // of the candidates, in the graph's frame
+  for (const Peak& peak : find_peaks(references, query, known, frames, graph)) {
+    const RelativeUncertainty& reach = known[peak.reference];
+    auto closure = verify(peak.reference, query, peak.pose, 1.0, frames, graph);
+    if (!closure || closure->support < kMinSupport) continue;
+    // Seen from the query, as the uncertainty is.
+    const Pose2 found = inverse(closure->constraint.from_T_to);
+    const Pose2 expected = between(graph.poses()[query], graph.poses()[peak.reference]);
+    if (!is_explained({found.x - expected.x, found.y - expected.y, wrap_angle(found.yaw - expected.yaw)},
+                      reach.covariance, reach.systematic_m + kSlackM))
+      continue;
+    closure->is_joining = reach.is_unknown();
+    closure->reach_m = closure->is_joining ? kUsualReachM : reach.reach_m();
+    places.push_back(compose(graph.poses()[peak.reference], closure->constraint.from_T_to));
+    pool.push_back(*closure);
+  }
+  for (std::size_t i = first; i < pool.size(); ++i) {
     double alternative = kMinSupport - kClearMargin;
-    for (std::size_t k = first; k < pool_.size(); ++k)
+    for (std::size_t k = first; k < pool.size(); ++k)
       if (!near(places[i - first], places[k - first], kPeakApartM, kPeakApartRad))
-        alternative = std::max(alternative, pool_[k].support);
-    double clear = std::clamp((pool_[i].support - alternative) / kClearMargin, 0.02, 1.0);
-    if (widest_sigma_m(pool_[i].constraint.covariance()) > kDeterminedM) clear = std::min(clear, 0.1);
-    const double quality = (pool_[i].support - kIndifferentSupport) / (kGoodSupport - kIndifferentSupport);
-    pool_[i].distinctness = clear * std::clamp(quality, 0.1, kMaxQuality);
+        alternative = std::max(alternative, pool[k].support);
+    double clear = std::clamp((pool[i].support - alternative) / kClearMargin, 0.02, 1.0);
+    if (widest_sigma_m(pool[i].constraint.covariance()) > kDeterminedM) clear = std::min(clear, 0.1);
+    const double quality = (pool[i].support - kIndifferentSupport) / (kGoodSupport - kIndifferentSupport);
+    pool[i].distinctness = clear * std::clamp(quality, 0.1, kMaxQuality);
   }
 }
 
-bool LoopCloser::accept(std::size_t first_new, double min_weight, PoseGraph& graph) {
-  const std::size_t n = pool_.size();
+bool LoopCloser::accept(std::size_t first_new, double min_weight, const std::vector<KeyFrame>& frames,
+                        Pool& pool, PoseGraph& graph) {
+  const std::size_t n = pool.size();
   if (n == 0 || first_new >= n) return false;
   // Which candidates agree, by the path between their ends.
   std::map<std::size_t, std::vector<RelativeUncertainty>> known;
@@ -204,6 +233,7 @@ bool LoopCloser::accept(std::size_t first_new, double min_weight, PoseGraph& gra
     const Pose2 residual = between(a.constraint.from_T_to, around);
     const auto& from_known = uncertainty(a.constraint.from, b.constraint.from);
     const auto& to_known = uncertainty(a.constraint.to, b.constraint.to);
+    if (from_known.is_unknown() || to_known.is_unknown()) return false;
     const Eigen::Matrix3d to_a = rotation_by(-a.constraint.from_T_to.yaw);
     const Pose2 lever = compose(b.constraint.from_T_to, to_step);
     Eigen::Matrix3d j = Eigen::Matrix3d::Identity();
@@ -222,30 +252,36 @@ bool LoopCloser::accept(std::size_t first_new, double min_weight, PoseGraph& gra
   std::vector<std::size_t> order(n);
   for (std::size_t i = 0; i < n; ++i) order[i] = i;
   std::stable_sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) {
-    return pool_[a].distinctness * pool_[a].support > pool_[b].distinctness * pool_[b].support;
+    return pool[a].distinctness * pool[a].support > pool[b].distinctness * pool[b].support;
   });
   std::map<std::pair<std::size_t, std::size_t>, bool> memory;
   const auto consistent = [&](std::size_t a, std::size_t b) {
     const auto key = std::minmax(a, b);
     const auto at = memory.find(key);
     if (at != memory.end()) return at->second;
-    return memory[key] = agree(pool_[key.first], pool_[key.second]);
+    return memory[key] = agree(pool[key.first], pool[key.second]);
   };
   struct Clique {
     std::vector<std::size_t> members;
     double weight{0};
   };
-  // Of those members that are not in `without`; several of one query count once.
+  // Of those members that are not in `without`; several of one query count once. So do queries beside each
+  // other: they show the same.
+  const auto place_of = [&](std::size_t query) {
+    constexpr double kPlaceM = 3.0;
+    return pool[first_new].is_joining ? std::floor(frames[query].travelled_m / kPlaceM)
+                                      : static_cast<double>(query);
+  };
   const auto weight_of = [&](const std::vector<std::size_t>& members,
                              const std::vector<std::size_t>& without) {
-    std::map<std::size_t, double> per_query;
+    std::map<double, double> per_place;  // by the distance travelled
     for (const std::size_t i : members) {
       if (std::find(without.begin(), without.end(), i) != without.end()) continue;
-      double& weight = per_query[pool_[i].constraint.to];
-      weight = std::max(weight, pool_[i].distinctness);
+      double& weight = per_place[place_of(pool[i].constraint.to)];
+      weight = std::max(weight, pool[i].distinctness);
     }
     double sum = 0;
-    for (const auto& [query, weight] : per_query) sum += weight;
+    for (const auto& [place, weight] : per_place) sum += weight;
     return sum;
   };
   const auto grow = [&](std::size_t seed) {
@@ -267,7 +303,7 @@ bool LoopCloser::accept(std::size_t first_new, double min_weight, PoseGraph& gra
   }
   const auto wanted = [&](const Clique& clique) {
     double reach_m = kMaxWindowM;
-    for (const std::size_t i : clique.members) reach_m = std::min(reach_m, pool_[i].reach_m);
+    for (const std::size_t i : clique.members) reach_m = std::min(reach_m, pool[i].reach_m);
     return weight_wanted(min_weight, reach_m);
   };
   if (best.weight < wanted(best)) return false;
@@ -298,7 +334,8 @@ bool LoopCloser::accept(std::size_t first_new, double min_weight, PoseGraph& gra
     return sum;
   };
   const double before = satisfied();
-  for (const std::size_t i : best.members) graph.add(pool_[i].constraint);
+  bring_together(graph, pool[best.members.front()].constraint);
+  for (const std::size_t i : best.members) graph.add(pool[i].constraint);
   const bool solved = graph.optimize_gradually();
   std::size_t good = 0;
   for (std::size_t i = constraints.size(); i < graph.constraints().size(); ++i)
@@ -309,7 +346,7 @@ bool LoopCloser::accept(std::size_t first_new, double min_weight, PoseGraph& gra
     graph.set_poses(poses);
     return false;
   }
-  pool_.clear();  // what is left was searched from poses that were wrong
+  pool.clear();  // what is left was searched from poses that were wrong
   return true;
 }
 
@@ -318,13 +355,17 @@ bool LoopCloser::close(std::size_t query, const std::vector<KeyFrame>& frames, P
   // What a query sees of a reference's uncertainty is as good as the reverse.
   std::vector<std::size_t> near_ones;
   std::vector<std::size_t> far_ones;
+  std::vector<std::size_t> unknown_ones;
   for (const std::size_t i : references(query, frames, graph, known)) {
     const bool is_near = known[i].reach_m() < kNearReachM && known[i].reach_rad() < kNearReachRad;
-    auto& chosen = is_near ? near_ones : far_ones;
+    const bool is_unknown = known[i].is_unknown();
+    auto& chosen = is_unknown ? unknown_ones : is_near ? near_ones : far_ones;
+    const std::size_t most = is_unknown ? kMaxUnknown : is_near ? kMaxNear : kMaxFar;
     const bool new_pass = std::all_of(chosen.begin(), chosen.end(), [&](std::size_t other) {
+      if (is_unknown) return distance(graph.poses()[i], graph.poses()[other]) > kUnknownApartM;
       return (i > other ? i - other : other - i) >= (is_near ? kOtherPassFrames : 2 * kStride);
     });
-    if (new_pass && chosen.size() < (is_near ? kMaxNear : kMaxFar)) chosen.push_back(i);
+    if (new_pass && chosen.size() < most) chosen.push_back(i);
   }
   std::size_t matched = 0;
   for (const std::size_t i : near_ones) matched += match_near(i, query, known[i], frames, graph) ? 1 : 0;
@@ -334,13 +375,26 @@ bool LoopCloser::close(std::size_t query, const std::vector<KeyFrame>& frames, P
     since_optimized_ = 0;
   }
   if (matched > 0 && far_ones.size() > 4) far_ones.resize(4);
-  if (far_ones.empty()) return false;
   const std::size_t first = pool_.size();
-  search_far(far_ones, query, known, frames, graph);
-  const bool accepted = accept(first, kMinWeight, graph);
-  if (pool_.size() > kMaxPool)
-    pool_.erase(pool_.begin(), pool_.end() - static_cast<std::ptrdiff_t>(kMaxPool));
-  return accepted;
+  if (!far_ones.empty()) search_far(far_ones, query, known, frames, graph, pool_);
+  if (accept(first, kMinWeight, frames, pool_, graph)) return true;
+  keep_newest(pool_);
+  return join(unknown_ones, query, known, frames, graph);
+}
+
+/// Searches a query that may stand anywhere: once, since that takes long.
+bool LoopCloser::join(const std::vector<std::size_t>& references, std::size_t query,
+                      const std::vector<RelativeUncertainty>& known, const std::vector<KeyFrame>& frames,
+                      PoseGraph& graph) {
+  if (references.empty()) return false;
+  const auto [found, is_new] = anywhere_.try_emplace(query);
+  if (is_new) search_far(references, query, known, frames, graph, found->second);
+  const std::size_t first = joining_.size();
+  for (const SubmapClosure& closure : found->second)
+    if (known[closure.constraint.from].is_unknown()) joining_.push_back(closure);
+  if (accept(first, kMinJoiningWeight, frames, joining_, graph)) return true;
+  keep_newest(joining_);
+  return false;
 }
 
 double LoopCloser::close_all(const std::vector<KeyFrame>& frames, PoseGraph& graph) {
@@ -355,6 +409,7 @@ double LoopCloser::close_all(const std::vector<KeyFrame>& frames, PoseGraph& gra
       poses[constraint.to] = compose(poses[constraint.from], constraint.from_T_to);
   graph.set_poses(poses);
   pool_.clear();
+  joining_.clear();
   close_along(false, frames, graph);
   return close_more(frames, graph);
 }
@@ -362,6 +417,7 @@ double LoopCloser::close_all(const std::vector<KeyFrame>& frames, PoseGraph& gra
 bool LoopCloser::close_open(const std::vector<KeyFrame>& frames, PoseGraph& graph) {
   const std::size_t before = graph.constraints().size();
   pool_.clear();
+  joining_.clear();
   close_along(true, frames, graph);
   return graph.constraints().size() > before;
 }
@@ -378,8 +434,10 @@ void LoopCloser::close_along(bool open_ones_only, const std::vector<KeyFrame>& f
   };
   for (std::size_t query = kStride / 2; query < frames.size(); query += kStride)
     if (!open_ones_only || !is_closed(query)) (void)close(query, frames, graph);
-  if (!pool_.empty()) (void)accept(0, kMinWeightAtEnd, graph);
+  if (!pool_.empty()) (void)accept(0, kMinWeightAtEnd, frames, pool_, graph);
+  if (!joining_.empty()) (void)accept(0, kMinJoiningWeight, frames, joining_, graph);
   pool_.clear();
+  joining_.clear();
   graph.optimize(0, kGraphIterations);
 }
 

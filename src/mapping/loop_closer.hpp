@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstddef>
+#include <map>
 #include <optional>
 #include <vector>
 
@@ -19,8 +20,9 @@ struct SubmapClosure {
   Constraint constraint;  ///< from the older submap's key frame
   double support{0};      ///< fraction of the surfaces explained, less contradictions
   double distinctness{
-      0};             ///< 0: the surroundings look alike elsewhere, too; 1: well supported and like no other
-  double reach_m{0};  ///< where the graph allowed the newer submap to stand: this far from its pose [m]
+      0};  ///< 0: the surroundings look alike elsewhere, too; 1: well supported and like no other
+  bool is_joining{false};  ///< nothing is known of the newer submap's pose in the older one
+  double reach_m{0};       ///< where the graph allowed the newer submap to stand: this far from its pose [m]
 };
 
 /// Finds where a path comes back to known surroundings: searches every old submap that the graph's
@@ -59,15 +61,30 @@ class LoopCloser {
                                                     const PoseGraph& graph);
   bool match_near(std::size_t reference, std::size_t query, const RelativeUncertainty& known,
                   const std::vector<KeyFrame>& frames, PoseGraph& graph);
+  using Pool = std::vector<SubmapClosure>;
+  struct Peak {
+    std::size_t reference{0};
+    Pose2 pose;  ///< of the query in it
+    double score{0};
+  };
+  [[nodiscard]] std::vector<Peak> find_peaks(const std::vector<std::size_t>& references, std::size_t query,
+                                             const std::vector<RelativeUncertainty>& known,
+                                             const std::vector<KeyFrame>& frames, const PoseGraph& graph);
   void search_far(const std::vector<std::size_t>& references, std::size_t query,
                   const std::vector<RelativeUncertainty>& known, const std::vector<KeyFrame>& frames,
-                  const PoseGraph& graph);
-  bool accept(std::size_t first_new, double min_weight, PoseGraph& graph);
+                  const PoseGraph& graph, Pool& pool);
+  bool accept(std::size_t first_new, double min_weight, const std::vector<KeyFrame>& frames, Pool& pool,
+              PoseGraph& graph);
+  bool join(const std::vector<std::size_t>& references, std::size_t query,
+            const std::vector<RelativeUncertainty>& known, const std::vector<KeyFrame>& frames,
+            PoseGraph& graph);
   void close_along(bool open_ones_only, const std::vector<KeyFrame>& frames, PoseGraph& graph);
 
   SubmapCache& submaps_;
   PassMatcher passes_;
-  std::vector<SubmapClosure> pool_;  ///< found, not accepted yet
+  Pool pool_;     ///< found, not accepted yet
+  Pool joining_;  ///< the same, between parts whose poses relative to each other are unknown
+  std::map<std::size_t, Pool> anywhere_;  ///< what was found of queries that may stand anywhere
   std::size_t since_optimized_{0};
 };
 

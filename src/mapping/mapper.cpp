@@ -1,18 +1,23 @@
 #include "extperfc/mapping/mapper.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 #include <string>
 #include <utility>
 
+#include <Eigen/Cholesky>
 #include <Eigen/LU>
 
 #include "extperfc/world/pose.hpp"
 
+#include "mapping/closed_graph.hpp"
+#include "mapping/map_parts.hpp"
 #include "mapping/map_renderer.hpp"
 #include "mapping/path_filter.hpp"
 #include "mapping/rotation_by.hpp"
 #include "mapping/session.hpp"
+#include "mapping/submap_cache.hpp"
 #include "mapping/tracker.hpp"
 
 namespace extperfc::mapping {
@@ -24,6 +29,7 @@ constexpr std::size_t kCellsPerMapCall = 1'500'000;  // drawn at most in one cal
 // version is still in use.
 constexpr MapRenderer::MapBounds kMapCall{600, 6'000'000};
 constexpr double kSmallestCovariance = 1e-8;
+constexpr std::size_t kSearchAfterFrames = 16;  // of a new part of the map
 
 PathFilterParams filter_params(const MapperParams& params) {
   return {params.particles, params.resample_threshold, params.seed};
@@ -61,14 +67,24 @@ class Mapper::Impl {
   [[nodiscard]] PathFilter::Search search() const { return filter_.search(); }
   bool adopt(PathFilter::Search search);
   void finish();
+  void redraw();
   [[nodiscard]] Result<void> save(const std::filesystem::path& file) const;
   void resume_from(Session session);
+  [[nodiscard]] Session session() const { return {filter_.frames(), filter_.graph(), scans_}; }
+  [[nodiscard]] Result<void> put_at(const Pose2& pose, const Eigen::Matrix3d& covariance);
+  void expect_elsewhere() { tracker_.expect_elsewhere(); }
+  [[nodiscard]] bool wants_search() const {
+    return filter_.parts() > 1 && filter_.frames().size() >= next_search_;
+  }
+  [[nodiscard]] const MapperParams& params() const { return params_; }
   [[nodiscard]] bool settled() const { return settled_ && renderer_.complete(); }
   [[nodiscard]] std::uint64_t map_version() const { return map_version_; }
 
  private:
   [[nodiscard]] bool wants_key_frame(const LaserScan& scan, const Tracked& tracked) const;
   bool add_key_frame(const ScanPoints& points, const Tracked& tracked);
+  void add_carried(const ScanPoints& points, const Tracked& tracked);
+  void begin_step(const Tracked& tracked);
   [[nodiscard]] Eigen::Matrix3d covariance(const Tracked& tracked) const;
 
   MapperParams params_;
@@ -81,6 +97,9 @@ class Mapper::Impl {
   double key_path_m_{0};
   Eigen::Matrix3d doubt_{Eigen::Matrix3d::Zero()};  ///< of the steps since then
   double key_stamp_s_{0};
+  std::optional<StartPose> put_at_;  ///< since the latest scan
+  std::size_t first_of_part_{0};  ///< key frame from which on the robot's pose in the other parts is unknown
+  std::size_t next_search_{0};    ///< number of key frames from which on a search may join parts
   bool settled_{true};
   bool settle_at_once_{false};  ///< after finish(): no time bound
   std::uint64_t map_version_{0};
@@ -97,13 +116,20 @@ MapperUpdate Mapper::Impl::add(const LaserScan& scan, const std::optional<Pose2>
   update.fit = tracked.fit;
   update.matched = tracked.matched;
   update.odometry_contradicted = tracked.odometry_contradicted;
+  update.lost = tracked.lost;
+  update.carried = tracked.carried;
   settle_at_once_ = false;
   doubt_ += tracked.doubt;
   scans_.push_back({scan.stamp_s, tracked.pose, 0});
   if (points.surface.size() < Tracker::kMinPoints) {
     update.status = ScanStatus::kUnusable;
     ++statistics_.unusable_scans;
-  } else if (wants_key_frame(scan, tracked)) {
+  } else if ((tracked.carried || put_at_) && !filter_.frames().empty()) {
+    update.status = ScanStatus::kKeyFrame;
+    update.map_changed = true;
+    add_carried(points, tracked);
+    key_stamp_s_ = scan.stamp_s;
+  } else if (!tracked.lost && wants_key_frame(scan, tracked)) {
     update.status = ScanStatus::kKeyFrame;
     update.map_changed = add_key_frame(points, tracked);
     key_stamp_s_ = scan.stamp_s;
@@ -137,12 +163,55 @@ bool Mapper::Impl::add_key_frame(const ScanPoints& points, const Tracked& tracke
         statistics_.path_m - key_path_m_, rotation * doubt_ * rotation.transpose()};
     step = filter_.add(tracked_step, std::move(frame));
   }
+  begin_step(tracked);
+  return step.map_changed;
+}
+
+/// Of a robot that was carried: to a pose that was given, or anywhere.
+void Mapper::Impl::add_carried(const ScanPoints& points, const Tracked& tracked) {
+  constexpr double kMatchedM = 0.1;
+  constexpr double kMatchedRad = 0.05;
+  if (put_at_ && !tracked.carried) {
+    if (tracked.matched) {
+      put_at_->pose = tracked.pose;
+      put_at_->covariance =
+          Eigen::Vector3d(kMatchedM * kMatchedM, kMatchedM * kMatchedM, kMatchedRad * kMatchedRad)
+              .asDiagonal();
+    }
+  } else {
+    put_at_.reset();
+    ++statistics_.carried;
+  }
+  filter_.add_carried(put_at_, {scans_.size() - 1, statistics_.path_m, points});
+  put_at_.reset();
+  first_of_part_ = filter_.frames().size() - 1;
+  next_search_ = first_of_part_ + kSearchAfterFrames;
+  begin_step(tracked);
+}
+
+/// The newest key frame is where the next step begins.
+void Mapper::Impl::begin_step(const Tracked& tracked) {
   key_pose_ = tracked.pose;
   key_path_m_ = statistics_.path_m;
   doubt_.setZero();
   settled_ = false;
   ++map_version_;
-  return step.map_changed;
+}
+
+/// The local map is that of the key frames around, in the map's frame.
+Result<void> Mapper::Impl::put_at(const Pose2& pose, const Eigen::Matrix3d& covariance) {
+  if (filter_.frames().empty())
+    return fail(ErrorCode::kInvalidArgument, "there is no map yet in which the robot could be put somewhere");
+  if (!is_finite(pose) || !covariance.allFinite() ||
+      Eigen::LLT<Eigen::Matrix3d>(covariance).info() != Eigen::Success)
+    return fail(ErrorCode::kInvalidArgument,
+                "the robot's pose must be finite, and its covariance finite and positive definite");
+  const Pose2 moved = compose(filter_.poses().back(), inverse(key_pose_));
+  for (PassedScan& scan : scans_) scan.tracked = compose(moved, scan.tracked);
+  key_pose_ = filter_.poses().back();
+  tracker_.resume_from(filter_.frames(), filter_.poses(), pose);
+  put_at_ = StartPose{pose, covariance};
+  return {};
 }
 
 Pose2 Mapper::Impl::pose() const {
@@ -167,6 +236,9 @@ Trajectory Mapper::Impl::trajectory() const {
   trajectory.reserve(scans_.size());
   const auto& frames = filter_.frames();
   const auto& poses = filter_.poses();
+  std::vector<bool> carried_from(frames.size(), false);
+  for (const Constraint& constraint : filter_.graph().constraints())
+    if (constraint.is_unknown()) carried_from[constraint.from] = true;
   for (std::size_t i = 0; i < scans_.size(); ++i) {
     const PassedScan& scan = scans_[i];
     if (frames.empty()) {
@@ -175,7 +247,8 @@ Trajectory Mapper::Impl::trajectory() const {
     }
     const std::size_t k = scan.key_frame;
     Pose2 pose = compose(poses[k], between(scans_[frames[k].scan].tracked, scan.tracked));
-    if (k + 1 < frames.size() && i >= frames[k].scan) {  // scans before the first key frame hang on it alone
+    if (k + 1 < frames.size() && i >= frames[k].scan &&
+        !carried_from[k]) {  // scans before the first key frame hang on it alone
       const std::size_t next_scan = frames[k + 1].scan;
       const Pose2 other = compose(poses[k + 1], between(scans_[next_scan].tracked, scan.tracked));
       const double fraction =
@@ -192,6 +265,7 @@ MapperStatistics Mapper::Impl::statistics() const {
   MapperStatistics statistics = statistics_;
   statistics.key_frames = filter_.frames().size();
   statistics.loops = filter_.loops();
+  statistics.parts = std::max<std::size_t>(1, filter_.parts());
   statistics.resamplings = filter_.resamplings();
   statistics.effective_particles = filter_.effective_particles();
   statistics.entropy = filter_.entropy();
@@ -220,20 +294,27 @@ std::shared_ptr<const OccupancyGrid> Mapper::Impl::map() {
 
 bool Mapper::Impl::adopt(PathFilter::Search search) {
   if (!filter_.adopt(std::move(search))) return false;
+  const std::size_t frames = filter_.frames().size();
+  next_search_ = frames + std::max(kSearchAfterFrames, frames - std::min(frames, first_of_part_));
   settled_ = false;
   ++map_version_;
   return true;
 }
 
 void Mapper::Impl::finish() {
-  settle_at_once_ = true;
   filter_.finish();
+  redraw();
+}
+
+/// The whole map, at once.
+void Mapper::Impl::redraw() {
+  settle_at_once_ = true;
   settled_ = renderer_.update(filter_.frames(), filter_.poses(), std::numeric_limits<std::size_t>::max());
   ++map_version_;
 }
 
 Result<void> Mapper::Impl::save(const std::filesystem::path& file) const {
-  return write_session({filter_.frames(), filter_.graph(), scans_}, file);
+  return write_session(session(), file);
 }
 
 /// The tracker resumes in the map's frame, using the session's latest key frames as local map.
@@ -251,6 +332,8 @@ void Mapper::Impl::resume_from(Session session) {
   key_path_m_ = statistics_.path_m;
   key_stamp_s_ = scans_.back().stamp_s;
   filter_.restore(std::move(session.frames), std::move(session.graph));
+  first_of_part_ = filter_.frames().size();
+  next_search_ = first_of_part_ + kSearchAfterFrames;
   settled_ = false;
   ++map_version_;
 }
@@ -312,6 +395,18 @@ Result<MapperUpdate> Mapper::add(const LaserScan& scan, const std::optional<Pose
   return impl_->add(scan, odom_T_base);
 }
 
+Result<void> Mapper::put_at(const Pose2& pose, const Eigen::Matrix3d& covariance) {
+  return impl_->put_at(pose, covariance);
+}
+
+void Mapper::expect_elsewhere() {
+  impl_->expect_elsewhere();
+}
+
+bool Mapper::wants_search() const {
+  return impl_->wants_search();
+}
+
 Pose2 Mapper::pose() const {
   return impl_->pose();
 }
@@ -371,6 +466,24 @@ Result<Mapper> Mapper::load(const std::filesystem::path& file, const MapperParam
   auto impl = std::make_unique<Impl>(params);
   impl->resume_from(std::move(*session));
   return Mapper(std::move(impl));
+}
+
+Result<void> Mapper::merge(const std::filesystem::path& file) {
+  auto other = read_session(file);
+  if (!other) return tl::unexpected(other.error());
+  if (impl_->statistics().key_frames == 0)
+    return fail(ErrorCode::kInvalidArgument, "there is no map yet to merge " + file.string() + " with");
+  const std::size_t parts = count_parts(impl_->session().graph) + count_parts(other->graph);
+  Session both = concatenated(impl_->session(), std::move(*other));
+  SubmapCache submaps;
+  both.graph = closed_graph(both.frames, std::move(both.graph), submaps);
+  if (count_parts(both.graph) >= parts)
+    return fail(ErrorCode::kNotFound, "no place of " + file.string() + " was recognized in the map");
+  auto impl = std::make_unique<Impl>(impl_->params());
+  impl->resume_from(std::move(both));
+  impl->redraw();
+  impl_ = std::move(impl);
+  return {};
 }
 
 }  // namespace extperfc::mapping

@@ -7,7 +7,9 @@
 #include <Eigen/Cholesky>
 #include <Eigen/LU>
 
+#include "mapping/map_parts.hpp"
 #include "mapping/path_filter_common.hpp"
+#include "mapping/rotation_by.hpp"
 
 namespace extperfc::mapping {
 
@@ -59,6 +61,7 @@ PathFilter::Step PathFilter::add(const TrackedStep& step, KeyFrame frame) {
   graph_.add_node(compose(graph_.poses()[last], step.step));
   graph_.add({last, last + 1, step.step, step_covariance(step).inverse(), false});
   frames_.push_back(std::move(frame));
+  parts_.push_back(parts_.back());
   profile_.emplace(frames_.back().points);
   move_particles(step);
   find_loop_closures();
@@ -73,6 +76,37 @@ PathFilter::Step PathFilter::add(const TrackedStep& step, KeyFrame frame) {
   if (is_consistent(best)) return accept(best);
   if (effective_ < params_.resample_threshold * static_cast<double>(particles_.size())) resample();
   return {};
+}
+
+void PathFilter::add_carried(const std::optional<StartPose>& start, KeyFrame frame) {
+  const std::size_t last = frames_.size() - 1;
+  const Pose2 pose = start ? start->pose : pose_beside(graph_);
+  const auto& poses = graph_.poses();
+  graph_.add(unknown_step(last, between(poses[last], pose)));
+  if (start) {
+    const auto nearest = std::min_element(poses.begin(), poses.end(), [&](const Pose2& a, const Pose2& b) {
+      return distance(a, pose) < distance(b, pose);
+    });
+    const Eigen::Matrix3d rotation = rotation_by(-nearest->yaw);
+    const Eigen::Matrix3d covariance = rotation * start->covariance * rotation.transpose();
+    graph_.add({static_cast<std::size_t>(nearest - poses.begin()), last + 1, between(*nearest, pose),
+                covariance.inverse(), false});
+  }
+  graph_.add_node(pose);
+  frames_.push_back(std::move(frame));
+  accepted_at_m_ = frames_.back().travelled_m;
+  trusted_constraints_ = graph_.constraints().size();
+  know_again();
+  collapse();
+  if (!start) return;
+  for (Particle& particle : particles_) {
+    const Eigen::Vector3d noise = draw(start->covariance, rng_);
+    particle.pose = {pose.x + noise.x(), pose.y + noise.y(), wrap_angle(pose.yaw + noise.z())};
+  }
+}
+
+std::size_t PathFilter::parts() const {
+  return parts_.empty() ? 0 : *std::max_element(parts_.begin(), parts_.end()) + 1;
 }
 
 /// What the constraints of the newest key frame tell of it, by the one that tells most.
@@ -90,6 +124,7 @@ void PathFilter::know_newest() {
 
 void PathFilter::know_again() {
   known_ = relative_uncertainty(graph_, 0);
+  parts_ = parts_of(graph_);
 }
 
 void PathFilter::move_particles(const TrackedStep& step) {

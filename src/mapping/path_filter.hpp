@@ -32,6 +32,12 @@ struct TrackedStep {
   Eigen::Matrix3d doubt{Eigen::Matrix3d::Zero()};
 };
 
+/// Where somebody says that the robot stands.
+struct StartPose {
+  Pose2 pose;                  ///< in the map
+  Eigen::Matrix3d covariance;  ///< of x, y, yaw there
+};
+
 /// A key frame that matched an old submap.
 struct LoopClosureCandidate {
   Constraint constraint;
@@ -65,6 +71,9 @@ class PathFilter {
   /// The first key frame, at `pose`.
   void begin(const Pose2& pose, KeyFrame frame);
   Step add(const TrackedStep& step, KeyFrame frame);
+  /// A key frame of a robot that was carried: at `start`, or anywhere. Then it begins a new part of the map,
+  /// which a search joins to the others when it recognizes a place.
+  void add_carried(const std::optional<StartPose>& start, KeyFrame frame);
   /// A search of the whole path for loop closures: a copy, so that it can run in another thread while key
   /// frames are added here. Seconds for a long path.
   struct Search {
@@ -92,6 +101,8 @@ class PathFilter {
   /// Spread of the particles' poses: x, y, yaw.
   [[nodiscard]] Eigen::Matrix3d covariance() const;
   [[nodiscard]] std::size_t loops() const { return loops_; }
+  /// Number of parts whose poses relative to each other are unknown.
+  [[nodiscard]] std::size_t parts() const;
   [[nodiscard]] std::size_t resamplings() const { return resamplings_; }
 
   /// Restores the state from graph() and frames() of an earlier filter.
@@ -132,6 +143,7 @@ class PathFilter {
   PoseGraph graph_;
   SubmapCache submaps_;
   std::vector<RelativeUncertainty> known_;  ///< of each key frame, relative to the first
+  std::vector<std::size_t> parts_;          ///< of each key frame: the number of its part of the map
   std::optional<RangeProfile> profile_;     ///< of the newest key frame
   std::vector<Particle> particles_;
   double effective_{0};

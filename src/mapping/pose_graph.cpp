@@ -120,6 +120,11 @@ Eigen::Matrix3d Constraint::covariance() const {
   return (information + 1e-6 * Eigen::Matrix3d::Identity()).inverse();
 }
 
+bool Constraint::is_unknown() const {
+  constexpr double kUnknownRad2 = 2.0;  // variance of the rotation: more than any measured step has
+  return !is_loop_closure && information(2, 2) < 1 / kUnknownRad2;
+}
+
 Eigen::Vector3d PoseGraph::error(const Constraint& constraint) const {
   const Pose2 seen = between(poses_[constraint.from], poses_[constraint.to]);
   return {seen.x - constraint.from_T_to.x, seen.y - constraint.from_T_to.y,

@@ -19,6 +19,8 @@ struct Constraint {
   double fit{0};  ///< of a loop closure: fraction of the scan that the submap explains
 
   [[nodiscard]] Eigen::Matrix3d covariance() const;  ///< large where nothing is known
+  /// A step that tells nothing of where `to` is: the robot was carried.
+  [[nodiscard]] bool is_unknown() const;
 };
 
 /// Key frames as nodes and constraints as edges; optimize() finds the poses that agree with all constraints

@@ -91,6 +91,11 @@ double RelativeUncertainty::reach_rad() const {
   return kSigmas * std::sqrt(covariance(2, 2));
 }
 
+bool RelativeUncertainty::is_unknown() const {
+  constexpr double kUnknownRad2 = 2.0;
+  return !connected || covariance(2, 2) > kUnknownRad2;
+}
+
 Eigen::Matrix3d RelativeUncertainty::with_bias() const {
   Eigen::Matrix3d sum = covariance;
   const double bias_m = systematic_m / 2;

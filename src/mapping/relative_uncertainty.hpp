@@ -21,6 +21,8 @@ struct RelativeUncertainty {
   /// Within this distance of its pose, in any direction, the node stands with three standard deviations [m].
   [[nodiscard]] double reach_m() const;
   [[nodiscard]] double reach_rad() const;
+  /// Nothing is known of the rotation: the robot was carried on every chain to there.
+  [[nodiscard]] bool is_unknown() const;
   /// Standard deviation of the position along the direction in which it is known least, bias included [m].
   [[nodiscard]] double sigma_m() const;
   /// With the bias as two standard deviations.

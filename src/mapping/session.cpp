@@ -6,8 +6,11 @@
 #include <iterator>
 #include <string>
 #include <type_traits>
+#include <utility>
 
 #include "extperfc/base/atomic_file.hpp"
+
+#include "mapping/map_parts.hpp"
 
 namespace extperfc::mapping {
 
@@ -188,6 +191,31 @@ tl::unexpected<Error> damaged(const std::filesystem::path& file, const std::stri
 }
 
 }  // namespace
+
+Session concatenated(Session first, Session second) {
+  const std::size_t frames = first.frames.size();
+  const std::size_t scans = first.scans.size();
+  const double travelled_m = first.frames.back().travelled_m;
+  const Pose2 beside = pose_beside(first.graph);
+  const Pose2 moved = compose(beside, inverse(second.graph.poses().front()));
+  first.graph.add(unknown_step(frames - 1, between(first.graph.poses().back(), beside)));
+  for (const Pose2& pose : second.graph.poses()) first.graph.add_node(compose(moved, pose));
+  for (Constraint constraint : second.graph.constraints()) {
+    constraint.from += frames;
+    constraint.to += frames;
+    first.graph.add(constraint);
+  }
+  for (KeyFrame& frame : second.frames) {
+    frame.scan += scans;
+    frame.travelled_m += travelled_m;
+    first.frames.push_back(std::move(frame));
+  }
+  for (PassedScan& scan : second.scans) {
+    scan.key_frame += static_cast<std::uint32_t>(frames);
+    first.scans.push_back(scan);
+  }
+  return first;
+}
 
 Result<void> write_session(const Session& session, const std::filesystem::path& file) {
   Writer out;

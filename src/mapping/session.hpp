@@ -26,6 +26,9 @@ struct Session {
   std::vector<PassedScan> scans;
 };
 
+/// The second behind the first, as a part of the map whose pose is unknown.
+[[nodiscard]] Session concatenated(Session first, Session second);
+
 /// Little-endian numbers behind a line that names format and version, with a checksum at the end. Written as
 /// a whole or not at all. Errors name the file and what is wrong with it; hostile sizes are refused, not
 /// allocated.

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 
 #include <Eigen/Eigenvalues>
 
@@ -12,6 +13,8 @@ namespace {
 constexpr std::size_t kRemembered = 25;  // scans that the map holds at least, twice as many at most
 constexpr double kRememberEveryM = 0.15;
 constexpr double kRememberEveryRad = 0.12;
+constexpr double kReachOfNewestM =
+    2.0;  // of the newest key frame, where they are the local map of a resumed session
 constexpr double kReachM = 0.25;  // maximum distance from a point to its surface
 // A match this many standard deviations from odometry contradicts it.
 constexpr double kContradiction = 6.0;
@@ -32,6 +35,7 @@ constexpr double kWeakRatio = 0.2;       // of the strongest direction's informa
 constexpr double kFreeM = 1.0;           // across the corridor the scan decides
 // A scan of fewer points may show nothing but a pedestrian: it cannot contradict odometry.
 constexpr std::size_t kMinContradictingPoints = 60;
+constexpr int kCarriedScans = 5;  // that show other surroundings, one after another: the robot was carried
 
 /// The component of the motion between two poses along a direction of unit length.
 Eigen::Vector2d moved_along(const Eigen::Vector2d& along, const Pose2& from, const Pose2& to) {
@@ -87,11 +91,12 @@ Tracked Tracker::add(const ScanPoints& points, const std::optional<Pose2>& odom_
       }
     }
   }
+  watch_place(points, before, tracked);
   if (!has_odometry) slide_ = {};
   if (has_odometry && !resuming_) tracked.doubt = doubt(tracked, step, before);
   if (!has_odometry && tracked.matched) tracked.doubt = unmeasured(tracked);
   constexpr double kFollow = 0.1;
-  usual_fit_ += kFollow * (tracked.fit - usual_fit_);
+  if (!tracked.lost) usual_fit_ += kFollow * (tracked.fit - usual_fit_);
   const double per_m2 = 1 / (before.sigma_m * before.sigma_m);
   tracked.information +=
       Eigen::Vector3d(per_m2, per_m2, 1 / (before.sigma_rad * before.sigma_rad)).asDiagonal();
@@ -105,8 +110,25 @@ Tracked Tracker::add(const ScanPoints& points, const std::optional<Pose2>& odom_
   if (tracked.matched) resuming_ = false;
   pose_ = tracked.pose;
   last_odometry_ = odom_T_base;
-  if (enough) remember(points, pose_);
+  if (enough && !tracked.lost) remember(points, pose_);
+  last_scan_ = points;
   return tracked;
+}
+
+/// Scans that show other surroundings follow odometry; after some of them tracking begins anew.
+void Tracker::watch_place(const ScanPoints& points, const PosePrior& prior, Tracked& tracked) {
+  const bool lost = shows_elsewhere(points, tracked);
+  lost_scans_ = lost ? lost_scans_ + 1 : 0;
+  if (!lost) return;
+  const double fit = tracked.fit;
+  tracked = {};
+  tracked.pose = prior.mean;
+  tracked.fit = fit;
+  tracked.lost = lost_scans_ < kCarriedScans;
+  if (tracked.lost) return;
+  restart();
+  tracked.fit = 1.0;
+  tracked.matched = tracked.carried = true;
 }
 
 void Tracker::match_scan(const ScanPoints& points, const PosePrior& prior, Tracked& tracked) const {
@@ -121,6 +143,40 @@ void Tracker::match_scan(const ScanPoints& points, const PosePrior& prior, Track
 
 bool Tracker::is_unusual(const ScanMatch& match) const {
   return match.fit < usual_fit_ - kUnusualDrop;
+}
+
+/// True when a scan has too little in common with the one before it, wherever near it is placed, or when
+/// those since then still do not fit the local map. A robot that drives through a door sees both sides of it
+/// for a while.
+bool Tracker::shows_elsewhere(const ScanPoints& points, const Tracked& tracked) const {
+  constexpr double kResumedFit = 0.55;
+  constexpr double kDrop = 0.25;    // of the fit
+  constexpr double kCommon = 0.55;  // fraction of either scan
+  if (points.surface.size() < kMinContradictingPoints || recent_.empty()) return false;
+  if (resuming_) return tracked.fit < kResumedFit;
+  if (tracked.fit > usual_fit_ - kDrop) return false;
+  if (lost_scans_ > 0) return true;
+  return last_scan_.surface.size() >= kMinContradictingPoints &&
+         common_with_last(points, between(pose_, tracked.pose)) < kCommon;
+}
+
+/// The largest fraction of the scan or of the one before it that the other explains, near `step`.
+double Tracker::common_with_last(const ScanPoints& points, const Pose2& step) const {
+  constexpr double kWindowM = 0.4;
+  constexpr double kWindowRad = 0.3;
+  SurfaceMap last;
+  last.add(last_scan_, {});
+  SurfaceMap now;
+  now.add(points, {});
+  const auto common = [&](const ScanMatch& found) {
+    const Agreement forward = agreement(last, points, found.pose);
+    const Agreement backward = agreement(now, last_scan_, inverse(found.pose));
+    return std::max(forward.on_surface / std::max(1.0, forward.all),
+                    backward.on_surface / std::max(1.0, backward.all));
+  };
+  const Pose2 wide = search_near(last, points, step, kWindowM, kWindowRad);
+  return std::max(common(match(last, points, step, {step, 0.1, 0.1}, kReachM)),
+                  common(match(last, points, wide, {wide, 1.0, 1.0}, kReachM)));
 }
 
 /// Fraction of the scan that the local map explains, less what contradicts it: points beside surfaces that
@@ -281,6 +337,15 @@ void Tracker::remember(const ScanPoints& points, const Pose2& pose) {
   redraw();
 }
 
+/// The local map begins anew, with the next scan that is remembered.
+void Tracker::restart() {
+  recent_.clear();
+  map_.clear();
+  slide_ = {};
+  lost_scans_ = 0;
+  usual_fit_ = 0;
+}
+
 void Tracker::redraw() {
   map_.clear();
   for (const Remembered& scan : recent_) map_.add(scan.points, scan.pose);
@@ -288,8 +353,17 @@ void Tracker::redraw() {
 
 void Tracker::resume_from(const std::vector<KeyFrame>& frames, const std::vector<Pose2>& poses,
                           const Pose2& pose) {
-  recent_.clear();
-  for (std::size_t i = frames.size() - std::min(frames.size(), kRemembered); i < frames.size(); ++i)
+  restart();
+  // The newest ones where the robot stands at their end, else those around it.
+  std::vector<std::size_t> chosen(frames.size());
+  std::iota(chosen.rbegin(), chosen.rend(), 0);
+  const auto away = [&](std::size_t i) { return std::hypot(poses[i].x - pose.x, poses[i].y - pose.y); };
+  if (away(frames.size() - 1) > kReachOfNewestM)
+    std::stable_sort(chosen.begin(), chosen.end(),
+                     [&](std::size_t a, std::size_t b) { return away(a) < away(b); });
+  chosen.resize(std::min(chosen.size(), kRemembered));
+  std::sort(chosen.begin(), chosen.end());
+  for (const std::size_t i : chosen)
     recent_.push_back({poses[i], frames[i].points, RangeProfile(frames[i].points)});
   redraw();
   pose_ = pose;

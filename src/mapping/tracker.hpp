@@ -28,6 +28,10 @@ struct Tracked {
   double fit{0};                                         ///< see ScanMatch
   bool matched{false};                                   ///< false: odometry alone gave the pose
   bool odometry_contradicted{false};
+  /// The scan shows other surroundings than those about the robot: nothing is added to the local map.
+  bool lost{false};
+  /// So did all of the latest scans: the robot was carried, and tracking begins anew with this scan.
+  bool carried{false};
   /// What the scan and the wheels disagree by, or what neither measures, as a covariance of x, y, yaw in that
   /// frame; zero when they agree.
   Eigen::Matrix3d doubt{Eigen::Matrix3d::Zero()};
@@ -46,9 +50,11 @@ class Tracker {
 
   [[nodiscard]] Tracked add(const ScanPoints& points, const std::optional<Pose2>& odom_T_base);
   [[nodiscard]] const Pose2& pose() const { return pose_; }
-  /// Resumes at `pose`, using the latest key frames as local map, in the frame of their `poses`. The robot
+  /// Resumes at `pose`, using the key frames about it as local map, in the frame of their `poses`. The robot
   /// may stand a step away from there, and its odometry may begin anywhere.
   void resume_from(const std::vector<KeyFrame>& frames, const std::vector<Pose2>& poses, const Pose2& pose);
+  /// The robot may have been carried since the last scan.
+  void expect_elsewhere() { resuming_ = true; }
 
  private:
   struct Remembered {
@@ -66,9 +72,12 @@ class Tracker {
   [[nodiscard]] Pose2 expected_step(const std::optional<Pose2>& odom_T_base) const;
   [[nodiscard]] PosePrior prior(const Pose2& step, bool has_odometry) const;
   void match_scan(const ScanPoints& points, const PosePrior& prior, Tracked& tracked) const;
+  void watch_place(const ScanPoints& points, const PosePrior& prior, Tracked& tracked);
   void watch_slide(const ScanPoints& points, const PosePrior& prior, const Pose2& step, Tracked& tracked);
   void hold(const ScanPoints& points, PosePrior prior, Tracked& tracked);
   [[nodiscard]] bool is_unusual(const ScanMatch& match) const;
+  [[nodiscard]] bool shows_elsewhere(const ScanPoints& points, const Tracked& tracked) const;
+  [[nodiscard]] double common_with_last(const ScanPoints& points, const Pose2& step) const;
   [[nodiscard]] double support(const ScanPoints& points, const Pose2& pose) const;
   struct StepError {
     double m{0};
@@ -81,6 +90,7 @@ class Tracker {
   [[nodiscard]] Eigen::Matrix3d unmeasured(const Tracked& tracked) const;
   [[nodiscard]] ScanMatch look_wider(const ScanPoints& points, const PosePrior& prior,
                                      const ScanMatch& first) const;
+  void restart();
   void redraw();
   void remember(const ScanPoints& points, const Pose2& pose);
 
@@ -91,10 +101,12 @@ class Tracker {
   std::optional<Pose2> last_odometry_;
   std::deque<Remembered> recent_;
   SurfaceMap map_;
+  ScanPoints last_scan_;
   Slide slide_;
   double longest_step_m_{0};  ///< of the latest scans
   double usual_fit_{0};       ///< of the latest scans
-  bool resuming_{false};      ///< the next scan is looked for in a wider window
+  bool resuming_{false};      ///< until a scan matches, it is looked for in a wider window
+  int lost_scans_{0};         ///< the latest ones, one after another
 };
 
 }  // namespace extperfc::mapping

@@ -71,6 +71,7 @@ void Run::add(sources::ScanRecord record) {
   note_odometry(record.odom_T_base);
   const double start_s = process_cpu_seconds();
   const auto update = mapper_.add(record.scan, record.odom_T_base);
+  if (mapper_.wants_search()) mapper_.optimize();
   cpu_ms_.push_back(1e3 * (process_cpu_seconds() - start_s));
   Passed passed{record.scan.stamp_s, record.index, update.has_value(), std::nullopt};
   if (update) {

@@ -56,7 +56,10 @@ struct MapperUpdate {
   double fit{0};                      ///< fraction of the returns that the map explains, [0, 1]
   bool matched{false};                ///< false: odometry (or standing still) alone gave the pose
   bool odometry_contradicted{false};  ///< match and odometry differ widely: slip, a jump, or a wrong match
-  bool map_changed{false};            ///< a loop was closed: poses of old scans, and the map, changed
+  /// The scan shows other surroundings than those about the robot; it is not used.
+  bool lost{false};
+  bool carried{false};      ///< so did the latest scans: the map goes on as a new part
+  bool map_changed{false};  ///< a loop was closed: poses of old scans, and the map, changed
 };
 
 struct MapperStatistics {
@@ -67,6 +70,10 @@ struct MapperStatistics {
   /// Closed so far: known ground that was reached again after 5 m elsewhere, or a correction of more than 0.1
   /// m.
   std::size_t loops{0};
+  std::size_t carried{0};  ///< times that the robot was found to stand elsewhere
+  /// Parts of the map whose poses relative to each other are unknown: one, and one for each time the robot
+  /// was carried to a place that was not recognized yet. They lie side by side.
+  std::size_t parts{1};
   std::size_t resamplings{0};
   double effective_particles{0};  ///< of the last key frame, [1, particles]
   double entropy{0};              ///< of the particles' weights [nat]
@@ -112,6 +119,15 @@ class Mapper {
   /// from one to the next, and stamps may run backwards. Errors: validate(scan), non-finite odometry.
   [[nodiscard]] Result<MapperUpdate> add(const LaserScan& scan, const std::optional<Pose2>& odom_T_base);
 
+  /// The robot stands about here: in a session that is resumed, or when it was carried. The next scan is
+  /// looked for within 1.2 m and 0.6 rad. `covariance` of x, y, yaw in the map [m, m, rad]. Errors: no map
+  /// yet, a pose or a covariance that is not finite, a covariance that is not positive definite.
+  [[nodiscard]] Result<void> put_at(const Pose2& pose, const Eigen::Matrix3d& covariance);
+
+  /// The robot may have been carried since the last scan: where the next ones do not fit, the map goes on as
+  /// a new part.
+  void expect_elsewhere();
+
   /// Of the last scan, in the map.
   [[nodiscard]] Pose2 pose() const;
   /// Hypotheses of the pose of the last key frame.
@@ -135,6 +151,8 @@ class Mapper {
   /// Scans that were added since the search began stay. False, and nothing changes, when the search is not of
   /// this map.
   bool adopt(LoopSearch search);
+  /// True when a search may join parts of the map: a robot that was carried has seen enough since.
+  [[nodiscard]] bool wants_search() const;
   /// Call after the last scan: final graph optimization and full redraw of the map.
   void finish();
 
@@ -142,6 +160,10 @@ class Mapper {
   /// name the file and what is wrong with it (missing, damaged, other version).
   [[nodiscard]] Result<void> save(const std::filesystem::path& file) const;
   [[nodiscard]] static Result<Mapper> load(const std::filesystem::path& file, const MapperParams& params);
+  /// Adds the map of another session, recognizes the places that both show, and joins them: a minute for long
+  /// paths. Mapping goes on at that session's end. Errors: those of load(), and kNotFound when no place was
+  /// recognized; nothing changes then.
+  [[nodiscard]] Result<void> merge(const std::filesystem::path& file);
 
  private:
   class Impl;

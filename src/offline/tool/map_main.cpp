@@ -1,10 +1,12 @@
 #include <csignal>
 #include <iostream>
+#include <numeric>
 #include <string>
 #include <system_error>
 #include <utility>
 
 #include "extperfc/base/atomic_file.hpp"
+#include "extperfc/base/stopwatch.hpp"
 #include "extperfc/offline/image.hpp"
 #include "extperfc/offline/map_recording.hpp"
 #include "extperfc/offline/placed_scans.hpp"
@@ -32,8 +34,15 @@ extern "C" void ask_to_stop(int signal) {
 }
 
 Result<mapping::Mapper> make_mapper(const MapOptions& options) {
-  if (options.session) return mapping::Mapper::load(*options.session, options.params);
-  return mapping::Mapper::make(options.params);
+  if (!options.session) return mapping::Mapper::make(options.params);
+  auto mapper = mapping::Mapper::load(*options.session, options.params);
+  if (!mapper || !options.start_pose) return mapper;
+  constexpr double kStartM = 0.5;
+  constexpr double kStartRad = 0.25;
+  const Eigen::Vector3d variances(kStartM * kStartM, kStartM * kStartM, kStartRad * kStartRad);
+  if (auto put = mapper->put_at(*options.start_pose, variances.asDiagonal()); !put)
+    return tl::unexpected(put.error());
+  return mapper;
 }
 
 MappingResult run(const MapOptions& options, sources::ScanLog& log, mapping::Mapper& mapper) {
@@ -48,6 +57,24 @@ MappingResult run(const MapOptions& options, sources::ScanLog& log, mapping::Map
   auto result = map_recording(log, mapper, mapping);
   line.end();
   return result;
+}
+
+/// Adds the sessions. The trajectory is then of all scans: of the map so far, and of the sessions in their
+/// order.
+Result<void> merge(const MapOptions& options, mapping::Mapper& mapper, MappingResult& result) {
+  const Stopwatch wall;
+  const double start_s = process_cpu_seconds();
+  for (const fs::path& session : options.merged) {
+    if (stop_wanted != 0) return fail(ErrorCode::kFailed, "interrupted before " + session.string());
+    if (!options.quiet) std::cerr << "merging " << session.string() << std::endl;
+    if (auto merged = mapper.merge(session); !merged) return merged;
+  }
+  result.trajectory = mapper.trajectory();
+  result.scan_index.resize(result.trajectory.size());
+  std::iota(result.scan_index.begin(), result.scan_index.end(), 0);
+  result.cpu_s += process_cpu_seconds() - start_s;
+  result.wall_s += wall.seconds();
+  return {};
 }
 
 /// Reads the recording again for a simple map, as only this output needs the scans.
@@ -95,6 +122,16 @@ Result<int> write_reports(const MapReport& report) {
   return fail(ErrorCode::kCorrupt, report.result.broken + "; the map holds what came before");
 }
 
+Result<MappingResult> map_log(const MapOptions& options, mapping::Mapper& mapper) {
+  auto log = open_recording(options.recording, options.reading);
+  if (!log) return tl::unexpected(log.error());
+  auto result = run(options, **log, mapper);
+  if (result.scans > result.refused) return result;
+  return fail(ErrorCode::kCorrupt, options.recording.string() + " holds no usable laser scans" +
+                                       (result.broken.empty() ? "" : ": " + result.broken) +
+                                       (result.complaints.empty() ? "" : "; " + result.complaints[0]));
+}
+
 Result<int> map(const MapOptions& options) {
   MapReport report{options, {}, {}, 0, 0, 0, {}, {}};
   if (options.relations) {
@@ -102,8 +139,6 @@ Result<int> map(const MapOptions& options) {
     if (!relations) return tl::unexpected(relations.error());
     report.relations = *std::move(relations);
   }
-  auto log = open_recording(options.recording, options.reading);
-  if (!log) return tl::unexpected(log.error());
   auto mapper = make_mapper(options);
   if (!mapper) return tl::unexpected(mapper.error());
   std::error_code error;
@@ -111,12 +146,13 @@ Result<int> map(const MapOptions& options) {
   if (error)
     return fail(ErrorCode::kFailed,
                 "cannot make the folder " + options.out.string() + ": " + error.message());
-  report.result = run(options, **log, *mapper);
-  if (report.result.scans == report.result.refused)
-    return fail(ErrorCode::kCorrupt,
-                options.recording.string() + " holds no usable laser scans" +
-                    (report.result.broken.empty() ? "" : ": " + report.result.broken) +
-                    (report.result.complaints.empty() ? "" : "; " + report.result.complaints[0]));
+  if (!options.recording.empty()) {
+    auto result = map_log(options, *mapper);
+    if (!result) return tl::unexpected(result.error());
+    report.result = *std::move(result);
+  }
+  if (!options.merged.empty())
+    if (auto merged = merge(options, *mapper, report.result); !merged) return tl::unexpected(merged.error());
   const auto grid = mapper->map();
   report.statistics = mapper->statistics();
   report.map_width = grid->width;

@@ -14,6 +14,7 @@ namespace {
 constexpr const char* kHelp = R"(Makes a map of a recording of planar laser scans, without ROS running.
 
   extperfc-map RECORDING [OPTION ...]
+  extperfc-map --continue SESSION --merge SESSION [OPTION ...]
 
 RECORDING is a CARMEN log (FLASER or ROBOTLASER1 lines; plain, .gz or .bz2), a ROS bag with sensor_msgs/LaserScan (and
 tf or nav_msgs/Odometry), or an MRPT rawlog. The format is recognised by content. Scans are taken in the order of the
@@ -35,7 +36,11 @@ Options:
   --resolution M         side of a map's cell [m]
   --set NAME=VALUE       any parameter of the table below; may be given several times
   --relations FILE       scores the trajectory, see extperfc-relations
-  --continue SESSION     resumes the map of an earlier run; the recording must begin where that one ended
+  --continue SESSION     resumes the map of an earlier run, where that one ended or at --start-pose. A robot that stands
+                         elsewhere begins a new part of the map, which is joined when it recognizes a place
+  --start-pose X,Y,YAW   with --continue: where the recording begins in that map [m, m, rad], within 1 m and 0.5 rad
+  --merge SESSION        adds another session by the places that both show; may be given several times. With --continue
+                         no RECORDING is needed
   --gridmap FILE         the map as MRPT's COccupancyGridMap2D, too; packed when the name ends with .gz
   --simplemap FILE       poses and scans as MRPT's CSimpleMap, too; a scan for every key frame's distance
   --scans N              only the first N scans
@@ -54,16 +59,30 @@ Parameters for --set, the same as the nodelet's (GMapping's names where the mean
 )";
 
 constexpr const char* kHelpEnd = R"(
-Example:
+Examples:
   extperfc-map intel.clf.bz2 --out intel --particles 30 --relations intel.relations
+  extperfc-map --continue monday/map.session --merge tuesday/map.session --out both
 
 Exit status: 0 done, 1 failed (reason on standard error), 2 wrong usage.
 )";
 
-Result<void> read_pose(const Arguments& arguments, RecordingOptions& reading) {
-  const auto laser = arguments.numbers("--laser-pose", 3);
-  if (!laser) return tl::unexpected(laser.error());
-  if (*laser) reading.log.base_T_sensor = Pose2{(**laser)[0], (**laser)[1], (**laser)[2]};
+Result<void> read_pose(const Arguments& arguments, const std::string& option, std::optional<Pose2>& pose) {
+  const auto numbers = arguments.numbers(option, 3);
+  if (!numbers) return tl::unexpected(numbers.error());
+  if (*numbers) pose = Pose2{(**numbers)[0], (**numbers)[1], (**numbers)[2]};
+  return {};
+}
+
+/// What fits together.
+Result<void> check(const MapOptions& options) {
+  if (options.start_pose && !options.session)
+    return fail(ErrorCode::kInvalidArgument, "--start-pose needs --continue");
+  if (!options.recording.empty()) return {};
+  if (!options.session || options.merged.empty())
+    return fail(ErrorCode::kInvalidArgument, "give a recording, or sessions with --continue and --merge");
+  if (options.simplemap)
+    return fail(ErrorCode::kInvalidArgument,
+                "--simplemap needs a recording: sessions do not keep whole scans");
   return {};
 }
 
@@ -107,9 +126,11 @@ std::string name_of(const std::filesystem::path& recording) {
 
 void read_names(const Arguments& arguments, MapOptions& options) {
   options.reading = recording_options(arguments);
-  options.out = arguments.last("--out").value_or(name_of(options.recording) + "-map");
+  const std::string name = options.recording.empty() ? "merged" : name_of(options.recording);
+  options.out = arguments.last("--out").value_or(name + "-map");
   options.relations = arguments.last("--relations");
   options.session = arguments.last("--continue");
+  for (const auto& session : arguments.all("--merge")) options.merged.emplace_back(session);
   options.gridmap = arguments.last("--gridmap");
   options.simplemap = arguments.last("--simplemap");
   options.use_odometry = !arguments.has("--no-odometry");
@@ -124,17 +145,20 @@ Result<MapOptions> read_map_options(const std::vector<std::string>& tokens) {
       tokens, {0,
                1,
                with_recording_options({"--out", "--particles", "--seed", "--resolution", "--set",
-                                       "--relations", "--continue", "--gridmap", "--simplemap", "--scans",
-                                       "--laser-pose", "--sensor-max"}),
+                                       "--relations", "--continue", "--start-pose", "--merge", "--gridmap",
+                                       "--simplemap", "--scans", "--laser-pose", "--sensor-max"}),
                {"--no-odometry", "--json", "--quiet", "--help"}});
   if (!arguments) return tl::unexpected(arguments.error());
   MapOptions options;
   options.help = arguments->has("--help");
   if (options.help) return options;
-  if (arguments->operands().empty()) return fail(ErrorCode::kInvalidArgument, "give a recording");
-  options.recording = arguments->operands()[0];
+  if (!arguments->operands().empty()) options.recording = arguments->operands()[0];
   read_names(*arguments, options);
-  if (auto read = read_pose(*arguments, options.reading); !read) return tl::unexpected(read.error());
+  if (auto read = read_pose(*arguments, "--laser-pose", options.reading.log.base_T_sensor); !read)
+    return tl::unexpected(read.error());
+  if (auto read = read_pose(*arguments, "--start-pose", options.start_pose); !read)
+    return tl::unexpected(read.error());
+  if (auto checked = check(options); !checked) return tl::unexpected(checked.error());
   if (auto read = read_params(*arguments, options.params); !read) return tl::unexpected(read.error());
   if (auto read = read_limits(*arguments, options); !read) return tl::unexpected(read.error());
   return options;

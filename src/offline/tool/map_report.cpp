@@ -18,16 +18,27 @@ constexpr std::size_t kWorstShown = 5;
 void print_scans(std::ostream& out, const MapReport& report) {
   const auto& result = report.result;
   const auto& statistics = report.statistics;
-  out << "recording    " << report.options.recording.string() << '\n'
-      << "scans        " << result.scans << " over " << std::setprecision(1) << result.recorded_s << " s";
+  if (report.options.session) out << "continued    " << report.options.session->string() << '\n';
+  if (!report.options.recording.empty())
+    out << "recording    " << report.options.recording.string() << '\n'
+        << "scans        " << result.scans << " over " << std::setprecision(1) << result.recorded_s << " s";
+  else
+    out << "scans        " << result.trajectory.size();
   if (result.refused > 0) out << ", " << result.refused << " refused";
   if (result.damaged > 0) out << ", " << result.damaged << " damaged entries left out";
   if (result.without_odometry > 0) out << ", " << result.without_odometry << " without odometry";
   out << "\nkey frames   " << statistics.key_frames << ", " << statistics.unusable_scans
       << " scans unusable, odometry contradicted " << statistics.odometry_contradictions << " times\n"
-      << "loops        " << statistics.loops << " closed, " << statistics.resamplings << " resamplings\n"
-      << "path         " << std::setprecision(1) << statistics.path_m << " m (odometry " << result.odometry_m
-      << " m)\n";
+      << "loops        " << statistics.loops << " closed, " << statistics.resamplings << " resamplings\n";
+  for (const auto& session : report.options.merged) out << "merged       " << session.string() << '\n';
+  if (statistics.carried > 0)
+    out << "carried      the robot was found elsewhere " << statistics.carried << " times\n";
+  if (statistics.parts > 1)
+    out << "parts        " << statistics.parts
+        << " whose poses to each other are unknown, side by side: no place of one was recognized in "
+           "another\n";
+  out << std::fixed << "path         " << std::setprecision(1) << statistics.path_m << " m (odometry "
+      << result.odometry_m << " m)\n";
 }
 
 void print_cost(std::ostream& out, const MapReport& report) {
@@ -80,6 +91,8 @@ std::string report_json(const MapReport& report) {
                       {"scans_unusable", statistics.unusable_scans},
                       {"odometry_contradictions", statistics.odometry_contradictions},
                       {"loops_closed", statistics.loops},
+                      {"carried", statistics.carried},
+                      {"parts", statistics.parts},
                       {"resamplings", statistics.resamplings},
                       {"path_m", statistics.path_m},
                       {"map",
