@@ -28,7 +28,15 @@ struct Meeting {
   double fit{0};
   double bad{0};  ///< those that fit badly
   double all{0};
+
+  void operator+=(const Meeting& other) {
+    fit += other.fit;
+    bad += other.bad;
+    all += other.all;
+  }
 };
+
+constexpr Meeting kUsualMeeting{65, 5, 100};  // what is known before any was seen
 
 /// Makes candidates for the graph of one path, and improves them.
 class GraphSearch {
@@ -64,9 +72,9 @@ class GraphSearch {
   /// Takes back the loop closures across steps that tell nothing, where what they join does not fit all
   /// along.
   void check_joints(PoseGraph& graph) {
-    constexpr double kGoodFit = 0.65;
     constexpr double kBadFit = 0.3;
-    constexpr double kFewBad = 0.15;
+    constexpr double kAtLeast = 0.75;  // of the mean fit inside the stretches
+    constexpr double kMoreBad = 0.1;
     std::vector<std::size_t> stretch(frames_.size(), 0);
     for (const Constraint& constraint : graph.constraints())
       if (constraint.is_unknown()) stretch[constraint.to] = 1;
@@ -79,12 +87,16 @@ class GraphSearch {
       meeting.bad += match.fit < kBadFit ? 1 : 0;
       meeting.all += 1;
     }
+    Meeting inside = kUsualMeeting;
+    for (const auto& [ends, meeting] : meetings)
+      if (ends.first == ends.second) inside += meeting;
     auto& constraints = graph.constraints();
     const auto is_wrong = [&](const Constraint& constraint) {
       const std::pair<std::size_t, std::size_t> ends{stretch[constraint.from], stretch[constraint.to]};
       if (!constraint.is_loop_closure || ends.first == ends.second) return false;
       const Meeting& meeting = meetings[ends];
-      return meeting.fit < kGoodFit * meeting.all || meeting.bad > kFewBad * meeting.all;
+      return meeting.fit / meeting.all < kAtLeast * inside.fit / inside.all ||
+             meeting.bad / meeting.all > 1.5 * inside.bad / inside.all + kMoreBad;
     };
     const auto wrong = std::remove_if(constraints.begin(), constraints.end(), is_wrong);
     if (wrong == constraints.end()) return;

@@ -97,6 +97,7 @@ class Mapper::Impl {
   double key_path_m_{0};
   Eigen::Matrix3d doubt_{Eigen::Matrix3d::Zero()};  ///< of the steps since then
   double key_stamp_s_{0};
+  std::size_t lost_scans_{0};        ///< the latest ones
   std::optional<StartPose> put_at_;  ///< since the latest scan
   std::size_t first_of_part_{0};  ///< key frame from which on the robot's pose in the other parts is unknown
   std::size_t next_search_{0};    ///< number of key frames from which on a search may join parts
@@ -121,10 +122,11 @@ MapperUpdate Mapper::Impl::add(const LaserScan& scan, const std::optional<Pose2>
   settle_at_once_ = false;
   doubt_ += tracked.doubt;
   scans_.push_back({scan.stamp_s, tracked.pose, 0});
+  if (!tracked.carried) lost_scans_ = tracked.lost ? lost_scans_ + 1 : 0;
   if (points.surface.size() < Tracker::kMinPoints) {
     update.status = ScanStatus::kUnusable;
     ++statistics_.unusable_scans;
-  } else if ((tracked.carried || put_at_) && !filter_.frames().empty()) {
+  } else if ((tracked.carried || (put_at_ && !tracked.lost)) && !filter_.frames().empty()) {
     update.status = ScanStatus::kKeyFrame;
     update.map_changed = true;
     add_carried(points, tracked);
@@ -183,6 +185,10 @@ void Mapper::Impl::add_carried(const ScanPoints& points, const Tracked& tracked)
     ++statistics_.carried;
   }
   filter_.add_carried(put_at_, {scans_.size() - 1, statistics_.path_m, points});
+  // Scans since the robot was put down belong to the new part.
+  const std::size_t newest = filter_.frames().size() - 1;
+  for (std::size_t i = 0; i < std::min(lost_scans_, scans_.size() - 1); ++i)
+    scans_[scans_.size() - 2 - i].key_frame = static_cast<std::uint32_t>(newest);
   put_at_.reset();
   first_of_part_ = filter_.frames().size() - 1;
   next_search_ = first_of_part_ + kSearchAfterFrames;

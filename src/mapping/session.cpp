@@ -180,8 +180,6 @@ Session get_session(Reader& in, bool& consistent) {
   for (std::size_t i = 0; i < session.frames.size(); ++i)
     consistent = consistent && session.frames[i].scan < scans &&
                  (i == 0 || session.frames[i].scan > session.frames[i - 1].scan);
-  for (std::size_t i = 0; i < session.scans.size() && consistent; ++i)
-    consistent = session.scans[i].key_frame == 0 || session.frames[session.scans[i].key_frame].scan <= i;
   consistent = consistent && in.good() && in.at_end() && frames > 0;
   return session;
 }

@@ -77,7 +77,7 @@ void MapperNodelet::make_parts() {
       MapPublisher::Options{params_.map_frame, params_.map_update_interval, params_.trajectory_interval_s});
   poses_ = std::make_unique<PosePublisher>(handle, getPrivateNodeHandle(), params_.map_frame);
   services_ = std::make_unique<MapperServices>(
-      getNodeHandle(), getPrivateNodeHandle(), params_.mapper, *mapper_, *maps_,
+      getNodeHandle(), getPrivateNodeHandle(), params_.mapper, params_.map_frame, *mapper_, *maps_,
       MapperServices::Callbacks{[this](bool paused) { set_paused(paused); }, [this] { on_other_map(); }});
 }
 
@@ -193,6 +193,8 @@ Result<void> MapperNodelet::add(const sensor_msgs::LaserScan& message, double ti
     return result;
   });
   if (!update) return tl::unexpected(update.error());
+  if (update->carried)
+    NODELET_WARN("the robot was carried: the map goes on as a new part until a place is recognized");
   health_->used(*update, statistics, watch.milliseconds());
   publish(*update, stamp, *odometry);
   return {};
@@ -255,6 +257,7 @@ void MapperNodelet::complain(const Error& error) {
 }
 
 void MapperNodelet::set_paused(bool paused) {
+  if (!paused) mapper_->with([](mapping::Mapper& mapper) { mapper.expect_elsewhere(); });
   paused_ = paused;
   health_->paused(paused);
 }

@@ -36,6 +36,8 @@ namespace extperfc::ros_mapping {
 ///   scan             sensor_msgs/LaserScan, or sensor_msgs/MultiEchoLaserScan with multi_echo (its strongest
 ///                    echoes)
 ///   imu              sensor_msgs/Imu, with use_imu
+///   initialpose      geometry_msgs/PoseWithCovarianceStamped in map_frame: the robot stands about here (within
+///                    1.2 m and 0.6 rad), in a session that is resumed or after it was carried
 ///   /tf, /tf_static  tf2_msgs/TFMessage
 /// Publishes:
 ///   map            nav_msgs/OccupancyGrid, latched, when changed, at most every map_update_interval
@@ -51,9 +53,9 @@ namespace extperfc::ros_mapping {
 ///   ~save_map        extperfc/SaveMap: PGM and YAML as map_server has them, and a session to resume from;
 ///                    with the suffix .gridmap or .gridmap.gz MRPT's grid map alone; searches the whole map
 ///                    for loops first
-///   ~optimize        std_srvs/Trigger: searches the whole map for loops; scans wait for the seconds it takes
+///   ~optimize        std_srvs/Trigger: searches the whole map for loops; mapping goes on meanwhile
 ///   ~load_session    extperfc/LoadSession: resumes a session; a file that cannot be read changes nothing
-///   ~pause, ~resume  std_srvs/Trigger: scans are skipped meanwhile, tf continues
+///   ~pause, ~resume  std_srvs/Trigger: scans are skipped meanwhile, tf continues; the robot may be carried
 ///   ~reset           std_srvs/Trigger: a new map
 /// Parameters: config/mapper.yaml. Those of GMapping's own matcher are accepted without effect, and a warning
 ///   names them.

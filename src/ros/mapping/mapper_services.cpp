@@ -11,6 +11,8 @@
 #include "extperfc/sources/mrpt_map.hpp"
 #include "extperfc/world/map_file.hpp"
 
+#include "ros/convert/planar_pose.hpp"
+
 namespace extperfc::ros_mapping {
 
 namespace {
@@ -18,6 +20,7 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr double kSettlingPatienceS = 10.0;
+constexpr double kJoinPeriodS = 1.0;
 constexpr const char* kSessionSuffix = ".session";
 
 template <typename Response>
@@ -39,9 +42,13 @@ Result<void> put_in_place(const fs::path& from, const fs::path& to) {
 }  // namespace
 
 MapperServices::MapperServices(ros::NodeHandle handle, ros::NodeHandle private_handle,
-                               const mapping::MapperParams& params, SharedMapper& mapper, MapPublisher& maps,
-                               Callbacks callbacks)
-    : params_(params), mapper_(mapper), maps_(maps), callbacks_(std::move(callbacks)) {
+                               const mapping::MapperParams& params, std::string map_frame,
+                               SharedMapper& mapper, MapPublisher& maps, Callbacks callbacks)
+    : params_(params),
+      map_frame_(std::move(map_frame)),
+      mapper_(mapper),
+      maps_(maps),
+      callbacks_(std::move(callbacks)) {
   handle.setCallbackQueue(&queue_);
   private_handle.setCallbackQueue(&queue_);
   servers_.push_back(handle.advertiseService("dynamic_map", &MapperServices::dynamic_map, this));
@@ -51,10 +58,15 @@ MapperServices::MapperServices(ros::NodeHandle handle, ros::NodeHandle private_h
   servers_.push_back(private_handle.advertiseService("pause", &MapperServices::pause, this));
   servers_.push_back(private_handle.advertiseService("resume", &MapperServices::resume, this));
   servers_.push_back(private_handle.advertiseService("reset", &MapperServices::reset, this));
+  initial_pose_subscriber_ = handle.subscribe("initialpose", 2, &MapperServices::put_at, this);
+  join_timer_ = private_handle.createWallTimer(ros::WallDuration(kJoinPeriodS),
+                                               [this](const ros::WallTimerEvent&) { join_parts(); });
   spinner_.start();
 }
 
 void MapperServices::stop() {
+  join_timer_.stop();
+  initial_pose_subscriber_.shutdown();
   for (auto& server : servers_) server.shutdown();
   spinner_.stop();
 }
@@ -101,6 +113,36 @@ void MapperServices::search_for_loops() {
   mapper_.with([&](mapping::Mapper& mapper) { return mapper.adopt(std::move(search)); });
 }
 
+/// After a robot was carried, whenever it has seen enough of where it is now.
+void MapperServices::join_parts() {
+  if (!mapper_.with([](const mapping::Mapper& mapper) { return mapper.wants_search(); })) return;
+  search_for_loops();
+  const auto parts = mapper_.with([](const mapping::Mapper& mapper) { return mapper.statistics().parts; });
+  if (parts == 1) ROS_INFO("a place was recognized: the map is one again");
+}
+
+/// rviz' "2D Pose Estimate". A covariance of zero means what rviz sends by itself.
+void MapperServices::put_at(const geometry_msgs::PoseWithCovarianceStamped& message) {
+  constexpr double kUsualM = 0.5;
+  constexpr double kUsualRad = 0.25;
+  if (ros_convert::without_slash(message.header.frame_id) != map_frame_) {
+    ROS_WARN("ignoring initial pose: its frame is '%s', not '%s'", message.header.frame_id.c_str(),
+             map_frame_.c_str());
+    return;
+  }
+  Eigen::Matrix3d covariance = ros_convert::to_covariance(message.pose.covariance);
+  if (covariance.isZero())
+    covariance = Eigen::Vector3d(kUsualM * kUsualM, kUsualM * kUsualM, kUsualRad * kUsualRad).asDiagonal();
+  const auto pose = ros_convert::to_pose2(message.pose.pose);
+  const auto put =
+      pose ? mapper_.with([&](mapping::Mapper& mapper) { return mapper.put_at(*pose, covariance); })
+           : Result<void>(tl::unexpected(pose.error()));
+  if (!put)
+    ROS_WARN("ignoring initial pose: %s", put.error().message.c_str());
+  else
+    ROS_INFO("the robot was put at %.2f %.2f m, %.2f rad", pose->x, pose->y, pose->yaw);
+}
+
 bool MapperServices::optimize(Trigger::Request& /*request*/, Trigger::Response& response) {
   search_for_loops();
   const auto statistics = mapper_.with([](const mapping::Mapper& mapper) { return mapper.statistics(); });
@@ -112,6 +154,7 @@ bool MapperServices::optimize(Trigger::Request& /*request*/, Trigger::Response& 
   std::ostringstream text;
   text << "searched " << statistics.key_frames << " key frames for loops; the position is known to "
        << std::setprecision(2) << statistics.position_sigma_m << " m";
+  if (statistics.parts > 1) text << "; " << statistics.parts << " parts of the map are not joined yet";
   answer(text.str(), response);
   return true;
 }

@@ -4,6 +4,7 @@
 #include <string>
 #include <vector>
 
+#include <geometry_msgs/PoseWithCovarianceStamped.h>
 #include <nav_msgs/GetMap.h>
 #include <ros/callback_queue.h>
 #include <ros/node_handle.h>
@@ -18,8 +19,8 @@
 
 namespace extperfc::ros_mapping {
 
-/// dynamic_map, ~save_map, ~optimize, ~load_session, ~pause, ~resume and ~reset. Their answers name what was
-/// wrong.
+/// dynamic_map, ~save_map, ~optimize, ~load_session, ~pause, ~resume and ~reset, whose answers name what was
+/// wrong; the topic initialpose; and the searches that join parts of the map.
 class MapperServices {
  public:
   struct Callbacks {
@@ -30,7 +31,7 @@ class MapperServices {
   /// Calls run in a separate thread, because saving takes long. Not in the nodelet manager's, whose second
   /// queue may be gone before a nodelet that is unloaded while one of its callbacks runs.
   MapperServices(ros::NodeHandle handle, ros::NodeHandle private_handle, const mapping::MapperParams& params,
-                 SharedMapper& mapper, MapPublisher& maps, Callbacks callbacks);
+                 std::string map_frame, SharedMapper& mapper, MapPublisher& maps, Callbacks callbacks);
   ~MapperServices() { stop(); }
   MapperServices(const MapperServices&) = delete;
   MapperServices& operator=(const MapperServices&) = delete;
@@ -45,6 +46,8 @@ class MapperServices {
   bool save_map(SaveMap::Request& request, SaveMap::Response& response);
   bool load_session(LoadSession::Request& request, LoadSession::Response& response);
   void search_for_loops();
+  void join_parts();
+  void put_at(const geometry_msgs::PoseWithCovarianceStamped& message);
   bool optimize(Trigger::Request& request, Trigger::Response& response);
   bool pause(Trigger::Request& request, Trigger::Response& response);
   bool resume(Trigger::Request& request, Trigger::Response& response);
@@ -52,11 +55,14 @@ class MapperServices {
   Result<std::string> save(const std::string& path);
 
   const mapping::MapperParams params_;
+  const std::string map_frame_;
   SharedMapper& mapper_;
   MapPublisher& maps_;
   const Callbacks callbacks_;
   ros::CallbackQueue queue_;
   std::vector<ros::ServiceServer> servers_;
+  ros::Subscriber initial_pose_subscriber_;
+  ros::WallTimer join_timer_;
   ros::AsyncSpinner spinner_{1, &queue_};
 };
 

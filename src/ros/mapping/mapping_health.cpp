@@ -102,6 +102,8 @@ void MappingHealth::report_mapper(DiagnosticStatusWrapper& status) const {
   status.add("key frames", statistics_.key_frames);
   status.add("scans unusable", statistics_.unusable_scans);
   status.add("loops closed", statistics_.loops);
+  status.add("times carried", statistics_.carried);
+  status.add("parts of the map", statistics_.parts);
   status.add("resamplings", statistics_.resamplings);
   status.addf("effective particles", "%.2f", statistics_.effective_particles);
   status.addf("entropy [nat]", "%.4f", statistics_.entropy);
@@ -124,9 +126,15 @@ void MappingHealth::report_warnings(DiagnosticStatusWrapper& status) const {
     status.mergeSummary(
         DiagnosticStatus::WARN,
         "the last scan has too few returns for scan matching: the pose follows odometry alone");
+  else if (last_ && last_->lost)
+    status.mergeSummary(DiagnosticStatus::WARN, "the scan shows other surroundings: was the robot carried?");
   else if (last_ && statistics_.key_frames > 1 && !last_->matched)
     status.mergeSummary(DiagnosticStatus::WARN,
                         "the last scan does not fit the map: the pose follows odometry alone");
+  if (statistics_.parts > 1)
+    status.mergeSummary(
+        DiagnosticStatus::WARN,
+        "the robot was carried to a place that is not recognized yet: drive on, or publish initialpose");
   if (!odometry_missing_.empty())
     status.mergeSummary(DiagnosticStatus::WARN, "no odometry, scan matching alone: " + odometry_missing_);
   if (!imu_missing_.empty()) status.mergeSummary(DiagnosticStatus::WARN, imu_missing_);

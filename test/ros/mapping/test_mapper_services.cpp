@@ -155,6 +155,32 @@ TEST_F(MapperServicesTest, ASessionAsAParameter) {
   EXPECT_LT(error_m(*found, {2, -0.5, 0.5}), 0.1);
 }
 
+TEST_F(MapperServicesTest, ARobotThatWasCarriedIsPutWhereItStands) {
+  load_and_drive();
+  auto initial_poses = handle_.advertise<geometry_msgs::PoseWithCovarianceStamped>("initialpose", 5);
+  ASSERT_TRUE(wait_for([&] { return initial_poses.getNumSubscribers() > 0; }));
+  geometry_msgs::PoseWithCovarianceStamped message;
+  const Pose2 put_down{-2, 2, 2.5};
+  const Pose2 in_map = compose(*first_in_map_, between(*first_in_room_, put_down));
+  const Pose2 guess = compose(in_map, {0.3, -0.3, 0.2});
+  message.header.frame_id = "map";
+  message.pose.pose.position.x = guess.x;
+  message.pose.pose.position.y = guess.y;
+  message.pose.pose.orientation.z = std::sin(guess.yaw / 2);
+  message.pose.pose.orientation.w = std::cos(guess.yaw / 2);
+  initial_poses.publish(message);
+  message.header.frame_id = "odom";
+  initial_poses.publish(message);
+  ASSERT_TRUE(log_.wait("ignoring initial pose: its frame is 'odom', not 'map'"))
+      << "the one before was used";
+  odom_T_room_ = compose(compose(odom_T_room_, {2, -0.5, 0.5}), inverse(put_down));  // the wheels saw nothing
+  for (const auto& pose : straight_path(put_down, {-1, 2.5, 2}, 8)) {
+    const auto found = feed(pose);
+    ASSERT_TRUE(found);
+    EXPECT_LT(error_m(*found, pose), 0.15);
+  }
+}
+
 TEST_F(MapperServicesTest, ASessionThatCannotBeReadChangesNothing) {
   load_and_drive();
   const auto before = map_now();
