@@ -360,12 +360,12 @@ bool LoopCloser::close(std::size_t query, const std::vector<KeyFrame>& frames, P
     const bool is_near = known[i].reach_m() < kNearReachM && known[i].reach_rad() < kNearReachRad;
     const bool is_unknown = known[i].is_unknown();
     auto& chosen = is_unknown ? unknown_ones : is_near ? near_ones : far_ones;
-    const std::size_t most = is_unknown ? kMaxUnknown : is_near ? kMaxNear : kMaxFar;
+    const std::size_t max_count = is_unknown ? kMaxUnknown : is_near ? kMaxNear : kMaxFar;
     const bool new_pass = std::all_of(chosen.begin(), chosen.end(), [&](std::size_t other) {
       if (is_unknown) return distance(graph.poses()[i], graph.poses()[other]) > kUnknownApartM;
       return (i > other ? i - other : other - i) >= (is_near ? kOtherPassFrames : 2 * kStride);
     });
-    if (new_pass && chosen.size() < most) chosen.push_back(i);
+    if (new_pass && chosen.size() < max_count) chosen.push_back(i);
   }
   std::size_t matched = 0;
   for (const std::size_t i : near_ones) matched += match_near(i, query, known[i], frames, graph) ? 1 : 0;

@@ -150,11 +150,12 @@ bool Tracker::is_unusual(const ScanMatch& match) const {
 /// for a while.
 bool Tracker::shows_elsewhere(const ScanPoints& points, const Tracked& tracked) const {
   constexpr double kResumedFit = 0.55;
-  constexpr double kDrop = 0.25;    // of the fit
+  constexpr double kMaxFit = 0.65;
+  constexpr double kDrop = 0.25;    // of the fit, below that of the latest scans
   constexpr double kCommon = 0.55;  // fraction of either scan
   if (points.surface.size() < kMinContradictingPoints || recent_.empty()) return false;
   if (resuming_) return tracked.fit < kResumedFit;
-  if (tracked.fit > usual_fit_ - kDrop) return false;
+  if (tracked.fit > std::min(kMaxFit, usual_fit_ - kDrop)) return false;
   if (lost_scans_ > 0) return true;
   return last_scan_.surface.size() >= kMinContradictingPoints &&
          common_with_last(points, between(pose_, tracked.pose)) < kCommon;

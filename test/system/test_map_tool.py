@@ -116,6 +116,30 @@ class MapTool(unittest.TestCase):
         self.assertEqual(30, json.loads(done.stdout)["scans"])
         self.assertEqual(30, len(read_tum(self.folder / "more" / "trajectory.tum")))
 
+    def test_sessions_are_merged_and_continued_elsewhere(self):
+        lines = DRIVE.carmen().splitlines(keepends=True)
+        half = len(lines) // 2
+        for name, part in (("first", lines[:half]), ("second", lines[half:])):
+            (self.folder / f"{name}.clf").write_text("".join(part))
+        self.mapped(self.folder / "first.clf", out="first")
+        self.mapped(self.folder / "second.clf", out="second")
+        sessions = [self.folder / name / "map.session" for name in ("first", "second")]
+        both = self.folder / "both"
+        done = call(MAP, "--continue", sessions[0], "--merge", sessions[1], "--out", both)
+        self.assertEqual(0, done.returncode, done.stderr)
+        self.assertIn(f"merging {sessions[1]}", done.stderr)
+        self.assertIn(f"merged       {sessions[1]}", done.stdout)
+        self.assertEqual(FILES, sorted(file.name for file in both.iterdir()))
+        self.check_path(both, 0.15, math.radians(2))
+        start = between(DRIVE.truth[0], DRIVE.truth[half])
+        done = call(MAP, self.folder / "second.clf", "--continue", sessions[0], "--start-pose",
+                    f"{start[0] + 0.3},{start[1] - 0.3},{start[2] + 0.2}", "--out", self.folder / "more", "--json", "--quiet")
+        self.assertEqual(0, done.returncode, done.stderr)
+        self.assertEqual((0, 1), tuple(json.loads(done.stdout)[key] for key in ("carried", "parts")))
+        path = read_tum(self.folder / "more" / "trajectory.tum")
+        for true, (_, *pose) in zip(DRIVE.truth[half:], path):
+            self.assertLess(math.hypot(*between(between(DRIVE.truth[0], true), pose)[:2]), 0.2)
+
     def test_packed_logs_give_the_same_map(self):
         text = DRIVE.carmen().encode()
         (self.folder / "room.gz").write_bytes(gzip.compress(text))
@@ -204,6 +228,9 @@ class MapTool(unittest.TestCase):
                                 (("a", "--set", "lineerUpdate=1"), 'did you mean "linearUpdate"'),
                                 (("a", "--set", "delta=-1"), "delta|resolution"),
                                 (("a", "--laser-pose", "1,2"), "--laser-pose must be 3 numbers"),
+                                (("a", "--start-pose", "1,2,3"), "--start-pose needs --continue"),
+                                (("--continue", "a"), "give a recording"), (("--merge", "a"), "give a recording"),
+                                (("--continue", "a", "--merge", "b", "--simplemap", "c"), "--simplemap needs"),
                                 (("a", "--scans", 0), "--scans"), (("a", "--out"), "--out needs a value")):
             with self.subTest(arguments=arguments):
                 done = call(MAP, *arguments)

@@ -86,7 +86,6 @@ Eigen::Matrix3d about(double m, double rad) {
   return Eigen::Vector3d(m * m, m * m, rad * rad).asDiagonal();
 }
 
-
 TEST(CarriedRobot, IsNoticedAndFoundAgain) {
   const std::size_t before = planar_drive(kThroughAll, 0.12, 0.12).size();
   for (const std::uint64_t seed : {1, 2, 3}) {
