@@ -4,6 +4,7 @@
 #include <cmath>
 #include <map>
 #include <numeric>
+#include <optional>
 #include <utility>
 #include <vector>
 
@@ -23,20 +24,61 @@ struct Candidate {
   double log_likelihood{0};
 };
 
-/// How well the key frames of two stretches of the path fit each other where they meet.
-struct Meeting {
-  double fit{0};
-  double bad{0};  ///< those that fit badly
-  double all{0};
-
-  void operator+=(const Meeting& other) {
-    fit += other.fit;
-    bad += other.bad;
-    all += other.all;
+/// How well the key frames of the stretches of a path between unknown steps fit each other where they meet.
+class Meetings {
+ public:
+  Meetings(std::size_t frames, const PoseGraph& steps) : stretch_(frames, 0) {
+    for (const Constraint& constraint : steps.constraints())
+      if (constraint.is_unknown()) stretch_[constraint.to] = 1;
+    std::partial_sum(stretch_.begin(), stretch_.end(), stretch_.begin());
   }
-};
 
-constexpr Meeting kUsualMeeting{65, 5, 100};  // what is known before any was seen
+  [[nodiscard]] std::size_t stretches() const { return stretch_.empty() ? 0 : stretch_.back() + 1; }
+  void add(const Constraint& match) {
+    constexpr double kBadFit = 0.3;
+    const Ends ends = ends_of(match);
+    for (Meeting* meeting : {&between_[ends], ends.first == ends.second ? &inside_ : nullptr}) {
+      if (meeting == nullptr) continue;
+      meeting->fit += match.fit;
+      meeting->bad += match.fit < kBadFit ? 1 : 0;
+      meeting->all += 1;
+    }
+  }
+  /// Whether the stretches that a constraint connects meet in enough places to say anything.
+  [[nodiscard]] bool met(const Constraint& constraint) const {
+    constexpr double kEnough = 20;
+    const auto found = between_.find(ends_of(constraint));
+    return found != between_.end() && found->second.all >= kEnough;
+  }
+  /// False when they fit each other worse than they fit themselves.
+  [[nodiscard]] bool fit(const Constraint& constraint) const {
+    constexpr double kAtLeast = 0.75;  // of the mean fit
+    constexpr double kMoreBad = 0.1;
+    const Ends ends = ends_of(constraint);
+    if (ends.first == ends.second) return true;
+    const auto found = between_.find(ends);
+    if (found == between_.end()) return false;
+    const Meeting& meeting = found->second;
+    return meeting.fit / meeting.all >= kAtLeast * inside_.fit / inside_.all &&
+           meeting.bad / meeting.all <= 1.5 * inside_.bad / inside_.all + kMoreBad;
+  }
+
+ private:
+  struct Meeting {
+    double fit{0};
+    double bad{0};  ///< those that fit badly
+    double all{0};
+  };
+  using Ends = std::pair<std::size_t, std::size_t>;
+
+  [[nodiscard]] Ends ends_of(const Constraint& constraint) const {
+    return {stretch_[constraint.from], stretch_[constraint.to]};
+  }
+
+  std::vector<std::size_t> stretch_;  ///< of each key frame
+  std::map<Ends, Meeting> between_;
+  Meeting inside_{65, 5, 100};  ///< what is usual, before any was seen
+};
 
 /// Makes candidates for the graph of one path, and improves them.
 class GraphSearch {
@@ -69,42 +111,50 @@ class GraphSearch {
     }
     return best;
   }
-  /// Takes back the loop closures across steps that tell nothing, where what they join does not fit all
-  /// along.
+  /// Takes back the loop closures across unknown steps, where what they join does not fit all along.
   void check_joints(PoseGraph& graph) {
-    constexpr double kBadFit = 0.3;
-    constexpr double kAtLeast = 0.75;  // of the mean fit inside the stretches
-    constexpr double kMoreBad = 0.1;
-    std::vector<std::size_t> stretch(frames_.size(), 0);
-    for (const Constraint& constraint : graph.constraints())
-      if (constraint.is_unknown()) stretch[constraint.to] = 1;
-    std::partial_sum(stretch.begin(), stretch.end(), stretch.begin());
-    if (stretch.back() == 0) return;
-    std::map<std::pair<std::size_t, std::size_t>, Meeting> meetings;
-    for (const Constraint& match : passes_.match_all(frames_, graph.poses())) {
-      Meeting& meeting = meetings[{stretch[match.from], stretch[match.to]}];
-      meeting.fit += match.fit;
-      meeting.bad += match.fit < kBadFit ? 1 : 0;
-      meeting.all += 1;
-    }
-    Meeting inside = kUsualMeeting;
-    for (const auto& [ends, meeting] : meetings)
-      if (ends.first == ends.second) inside += meeting;
+    const Meetings meetings = meetings_in(graph, graph);
     auto& constraints = graph.constraints();
     const auto is_wrong = [&](const Constraint& constraint) {
-      const std::pair<std::size_t, std::size_t> ends{stretch[constraint.from], stretch[constraint.to]};
-      if (!constraint.is_loop_closure || ends.first == ends.second) return false;
-      const Meeting& meeting = meetings[ends];
-      return meeting.fit / meeting.all < kAtLeast * inside.fit / inside.all ||
-             meeting.bad / meeting.all > 1.5 * inside.bad / inside.all + kMoreBad;
+      return constraint.is_loop_closure && !meetings.fit(constraint);
     };
     const auto wrong = std::remove_if(constraints.begin(), constraints.end(), is_wrong);
     if (wrong == constraints.end()) return;
     constraints.erase(wrong, constraints.end());
     graph.optimize(0, kGraphIterations);
   }
+  /// The unknown steps as odometry measured them. No value when the parts then do not meet, or do not fit.
+  [[nodiscard]] std::optional<PoseGraph> as_driven(const PoseGraph& graph,
+                                                   const std::vector<Constraint>& driven) {
+    const auto parts = parts_of(graph);
+    std::vector<Constraint> tried;
+    PoseGraph changed = graph;
+    for (Constraint& constraint : changed.constraints()) {
+      if (!constraint.is_unknown() || parts[constraint.from] == parts[constraint.to]) continue;
+      const auto step = std::find_if(driven.begin(), driven.end(),
+                                     [&](const Constraint& other) { return other.to == constraint.to; });
+      if (step == driven.end()) continue;
+      constraint = *step;
+      tried.push_back(*step);
+    }
+    if (tried.empty()) return std::nullopt;
+    PoseGraph closed = from_steps(std::move(changed)).graph;
+    const Meetings meetings = meetings_in(closed, graph);
+    const bool good = std::all_of(tried.begin(), tried.end(), [&](const Constraint& step) {
+      return meetings.met(step) && meetings.fit(step);
+    });
+    if (!good) return std::nullopt;
+    return closed;
+  }
 
  private:
+  /// How the stretches of the path between the unknown steps of `steps` fit each other at the graph's poses.
+  [[nodiscard]] Meetings meetings_in(const PoseGraph& graph, const PoseGraph& steps) {
+    Meetings meetings(frames_.size(), steps);
+    if (meetings.stretches() > 1)
+      for (const Constraint& match : passes_.match_all(frames_, graph.poses())) meetings.add(match);
+    return meetings;
+  }
   [[nodiscard]] static Candidate candidate(PoseGraph graph, double score) {
     constexpr double kSlipped = 25.0;  // a step's chi-square beyond this counts as this
     double squared_error = 0;
@@ -133,7 +183,8 @@ class GraphSearch {
 
 }  // namespace
 
-PoseGraph closed_graph(const std::vector<KeyFrame>& frames, PoseGraph graph, SubmapCache& submaps) {
+PoseGraph closed_graph(const std::vector<KeyFrame>& frames, PoseGraph graph,
+                       const std::vector<Constraint>& driven, SubmapCache& submaps) {
   constexpr double kClearly = 0.02;  // of the score ...
   constexpr double kFrames = 2.0;    // ... and key frames
   graph.optimize(0, kGraphIterations);
@@ -144,6 +195,8 @@ PoseGraph closed_graph(const std::vector<KeyFrame>& frames, PoseGraph graph, Sub
   const bool particles_win = by_particles.log_likelihood > by_steps.log_likelihood + clearly;
   PoseGraph best = search.reclosed(std::move(particles_win ? by_particles : by_steps)).graph;
   search.check_joints(best);
+  if (count_parts(best) > 1)
+    if (auto joined = search.as_driven(best, driven)) best = *std::move(joined);
   set_parts_apart(best);
   return best;
 }

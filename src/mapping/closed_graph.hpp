@@ -13,7 +13,11 @@ namespace extperfc::mapping {
 /// its closures were accepted before the whole path was known. Segments that fit badly are then closed anew,
 /// for as long as that makes the whole more likely. `frames` must not be empty. Seconds for hundreds of
 /// metres.
+///
+/// `driven` has what odometry measured of unknown steps. Where parts are not joined otherwise, it is tried,
+/// in case that the robot was not carried at all; it counts when the parts then fit each other where they
+/// meet.
 [[nodiscard]] PoseGraph closed_graph(const std::vector<KeyFrame>& frames, PoseGraph graph,
-                                     SubmapCache& submaps);
+                                     const std::vector<Constraint>& driven, SubmapCache& submaps);
 
 }  // namespace extperfc::mapping

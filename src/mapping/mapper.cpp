@@ -184,7 +184,8 @@ void Mapper::Impl::add_carried(const ScanPoints& points, const Tracked& tracked)
     put_at_.reset();
     ++statistics_.carried;
   }
-  filter_.add_carried(put_at_, {scans_.size() - 1, statistics_.path_m, points});
+  const auto driven = put_at_ ? std::nullopt : std::optional<Pose2>(between(key_pose_, tracked.pose));
+  filter_.add_carried(put_at_, driven, {scans_.size() - 1, statistics_.path_m, points});
   // Scans since the robot was put down belong to the new part.
   const std::size_t newest = filter_.frames().size() - 1;
   for (std::size_t i = 0; i < std::min(lost_scans_, scans_.size() - 1); ++i)
@@ -482,7 +483,7 @@ Result<void> Mapper::merge(const std::filesystem::path& file) {
   const std::size_t parts = count_parts(impl_->session().graph) + count_parts(other->graph);
   Session both = concatenated(impl_->session(), std::move(*other));
   SubmapCache submaps;
-  both.graph = closed_graph(both.frames, std::move(both.graph), submaps);
+  both.graph = closed_graph(both.frames, std::move(both.graph), {}, submaps);
   if (count_parts(both.graph) >= parts)
     return fail(ErrorCode::kNotFound, "no place of " + file.string() + " was recognized in the map");
   auto impl = std::make_unique<Impl>(impl_->params());

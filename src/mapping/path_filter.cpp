@@ -78,8 +78,16 @@ PathFilter::Step PathFilter::add(const TrackedStep& step, KeyFrame frame) {
   return {};
 }
 
-void PathFilter::add_carried(const std::optional<StartPose>& start, KeyFrame frame) {
+void PathFilter::add_carried(const std::optional<StartPose>& start, const std::optional<Pose2>& driven,
+                             KeyFrame frame) {
+  constexpr double kDrivenM = 0.3;
+  constexpr double kDrivenRad = 0.2;
   const std::size_t last = frames_.size() - 1;
+  if (driven) {
+    const Eigen::Vector3d information(1 / (kDrivenM * kDrivenM), 1 / (kDrivenM * kDrivenM),
+                                      1 / (kDrivenRad * kDrivenRad));
+    driven_.push_back({last, last + 1, *driven, information.asDiagonal().toDenseMatrix(), false});
+  }
   const Pose2 pose = start ? start->pose : pose_beside(graph_);
   const auto& poses = graph_.poses();
   graph_.add(unknown_step(last, between(poses[last], pose)));

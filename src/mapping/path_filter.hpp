@@ -73,12 +73,14 @@ class PathFilter {
   Step add(const TrackedStep& step, KeyFrame frame);
   /// A key frame of a robot that was carried: at `start`, or anywhere. Then it begins a new part of the map,
   /// which a search joins to the others when it recognizes a place.
-  void add_carried(const std::optional<StartPose>& start, KeyFrame frame);
+  /// `driven`: the step since the last key frame as odometry has it, in case that the robot was not carried.
+  void add_carried(const std::optional<StartPose>& start, const std::optional<Pose2>& driven, KeyFrame frame);
   /// A search of the whole path for loop closures: a copy, so that it can run in another thread while key
   /// frames are added here. Seconds for a long path.
   struct Search {
     std::vector<KeyFrame> frames;
     PoseGraph graph;
+    std::vector<Constraint> driven;
 
     void run();
   };
@@ -143,6 +145,7 @@ class PathFilter {
   PoseGraph graph_;
   SubmapCache submaps_;
   std::vector<RelativeUncertainty> known_;  ///< of each key frame, relative to the first
+  std::vector<Constraint> driven_;          ///< unknown steps as odometry has them
   std::vector<std::size_t> parts_;          ///< of each key frame: the number of its part of the map
   std::optional<RangeProfile> profile_;     ///< of the newest key frame
   std::vector<Particle> particles_;

@@ -192,17 +192,17 @@ void PathFilter::accept_rest() {
 void PathFilter::finish() {
   accept_rest();
   if (frames_.empty()) return;
-  graph_ = closed_graph(frames_, std::move(graph_), submaps_);
+  graph_ = closed_graph(frames_, std::move(graph_), driven_, submaps_);
   know_closed();
 }
 
 PathFilter::Search PathFilter::search() const {
-  return {frames_, graph_};
+  return {frames_, graph_, driven_};
 }
 
 void PathFilter::Search::run() {
   SubmapCache submaps;
-  if (!frames.empty()) graph = closed_graph(frames, std::move(graph), submaps);
+  if (!frames.empty()) graph = closed_graph(frames, std::move(graph), driven, submaps);
 }
 
 bool PathFilter::adopt(Search search) {
