@@ -37,16 +37,7 @@ std::vector<std::size_t> PassMatcher::passes(std::size_t query, const std::vecto
     const double away = distance(poses[i], poses[query]);
     if (away < kOverlapM) found.emplace_back(away, i);
   }
-  std::sort(found.begin(), found.end());
-  std::vector<std::size_t> chosen;
-  for (const auto& [away, i] : found) {
-    const bool new_pass = std::all_of(chosen.begin(), chosen.end(), [&, i = i](std::size_t other) {
-      return (i > other ? i - other : other - i) >= kOtherPassFrames;
-    });
-    if (new_pass) chosen.push_back(i);
-    if (chosen.size() == kMaxPasses) break;
-  }
-  return chosen;
+  return nearest_of_passes(std::move(found), kMaxPasses);
 }
 
 /// Matches one scan in an old submap, from where it stands.

@@ -16,7 +16,7 @@ class PassMatcher {
  public:
   explicit PassMatcher(SubmapCache& submaps) : submaps_(submaps) {}
 
-  /// Every key frame in up to two old submaps about it, whatever its fit is there.
+  /// Every key frame in up to two old submaps about it, good and bad fits alike.
   [[nodiscard]] std::vector<Constraint> match_all(const std::vector<KeyFrame>& frames,
                                                   const std::vector<Pose2>& poses);
   /// Sums over the key frames how much better (or worse) than by chance they fit the old submaps about them:

@@ -32,7 +32,7 @@ struct TrackedStep {
   Eigen::Matrix3d doubt{Eigen::Matrix3d::Zero()};
 };
 
-/// Where somebody says that the robot stands.
+/// An approximate pose of the robot that the user gives.
 struct StartPose {
   Pose2 pose;                  ///< in the map
   Eigen::Matrix3d covariance;  ///< of x, y, yaw there

@@ -17,9 +17,8 @@ constexpr double kOldAfterM = 6.0;
 constexpr std::size_t kOldAfterFrames = 24;
 constexpr double kSubmapRadiusM = 4.0;  // an old key frame this near has much the same view
 constexpr std::size_t kSubmapsPerParticle = 2;
-constexpr std::size_t kOtherPass = 30;  // key frames apart: another pass of the same location
-constexpr double kWidestSlideM = 1.2;   // along a corridor
-constexpr double kSameStartM = 0.08;    // particles nearer than this share one match
+constexpr double kWidestSlideM = 1.2;  // along a corridor
+constexpr double kSameStartM = 0.08;   // particles nearer than this share one match
 constexpr double kSameStartRad = 0.02;
 // Standard deviations of how far a match may pull a particle: the first one may close the gaps between
 // particles.
@@ -72,16 +71,7 @@ std::vector<std::size_t> PathFilter::old_key_frames_near(const Pose2& pose, doub
     const double away = distance(graph_.poses()[i], pose);
     if (away < radius_m) near_frames.emplace_back(away, i);
   }
-  std::sort(near_frames.begin(), near_frames.end());
-  std::vector<std::size_t> chosen;
-  for (const auto& [away, i] : near_frames) {
-    const bool new_pass = std::all_of(chosen.begin(), chosen.end(), [&, i = i](std::size_t other) {
-      return (i > other ? i - other : other - i) >= kOtherPass;
-    });
-    if (new_pass) chosen.push_back(i);
-    if (chosen.size() == max_count) break;
-  }
-  return chosen;
+  return nearest_of_passes(std::move(near_frames), max_count);
 }
 
 std::optional<PathFilter::SubmapMatch> PathFilter::match_submap(std::size_t submap_frame, const Pose2& pose,

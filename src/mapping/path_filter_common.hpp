@@ -1,7 +1,10 @@
 #pragma once
 
+#include <algorithm>
 #include <cmath>
 #include <cstddef>
+#include <utility>
+#include <vector>
 
 #include "extperfc/world/pose.hpp"
 
@@ -25,8 +28,8 @@ inline constexpr double kDriftPerM = 0.012;  // standard deviation of the tracke
 // Loops of the whole path.
 inline constexpr double kMinLoopM = 8.0;  // of path between a submap and one that it may be recognized in
 inline constexpr std::size_t kMinLoopFrames = 24;
-inline constexpr double kOverlapM = 4.0;  // two key frames this near have much the same view
-inline constexpr std::size_t kOtherPassFrames = 30;
+inline constexpr double kOverlapM = 4.0;             // two key frames this near have much the same view
+inline constexpr std::size_t kOtherPassFrames = 30;  // apart: another pass of the same location
 inline constexpr int kGraphIterations = 10;
 
 inline double distance(const Pose2& a, const Pose2& b) {
@@ -35,6 +38,21 @@ inline double distance(const Pose2& a, const Pose2& b) {
 
 inline double yaw_between(const Pose2& a, const Pose2& b) {
   return std::abs(wrap_angle(a.yaw - b.yaw));
+}
+
+/// Of key frames and their distances those that are nearest, one of each pass, the nearest first.
+inline std::vector<std::size_t> nearest_of_passes(std::vector<std::pair<double, std::size_t>> frames,
+                                                  std::size_t max_count) {
+  std::sort(frames.begin(), frames.end());
+  std::vector<std::size_t> chosen;
+  for (const auto& [away, i] : frames) {
+    const bool new_pass = std::all_of(chosen.begin(), chosen.end(), [&, i = i](std::size_t other) {
+      return (i > other ? i - other : other - i) >= kOtherPassFrames;
+    });
+    if (new_pass) chosen.push_back(i);
+    if (chosen.size() == max_count) break;
+  }
+  return chosen;
 }
 
 inline bool near(const Pose2& a, const Pose2& b, double m, double rad) {

@@ -121,7 +121,6 @@ Eigen::Matrix3d Constraint::covariance() const {
 }
 
 bool Constraint::is_unknown() const {
-  constexpr double kUnknownRad2 = 2.0;  // variance of the rotation: more than any measured step has
   return !is_loop_closure && information(2, 2) < 1 / kUnknownRad2;
 }
 

@@ -21,6 +21,8 @@ struct Constraint {
   [[nodiscard]] Eigen::Matrix3d covariance() const;  ///< large where nothing is known
   /// A step that tells nothing of where `to` is: the robot was carried.
   [[nodiscard]] bool is_unknown() const;
+
+  static constexpr double kUnknownRad2 = 2.0;  ///< a rotation of larger variance is unknown
 };
 
 /// Key frames as nodes and constraints as edges; optimize() finds the poses that agree with all constraints

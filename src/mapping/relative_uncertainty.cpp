@@ -92,8 +92,7 @@ double RelativeUncertainty::reach_rad() const {
 }
 
 bool RelativeUncertainty::is_unknown() const {
-  constexpr double kUnknownRad2 = 2.0;
-  return !connected || covariance(2, 2) > kUnknownRad2;
+  return !connected || covariance(2, 2) > Constraint::kUnknownRad2;
 }
 
 Eigen::Matrix3d RelativeUncertainty::with_bias() const {

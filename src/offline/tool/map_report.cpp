@@ -37,8 +37,8 @@ void print_scans(std::ostream& out, const MapReport& report) {
     out << "parts        " << statistics.parts
         << " whose poses to each other are unknown, side by side: no place of one was recognized in "
            "another\n";
-  out << std::fixed << "path         " << std::setprecision(1) << statistics.path_m << " m (odometry "
-      << result.odometry_m << " m)\n";
+  out << "path         " << std::setprecision(1) << statistics.path_m << " m (odometry " << result.odometry_m
+      << " m)\n";
 }
 
 void print_cost(std::ostream& out, const MapReport& report) {

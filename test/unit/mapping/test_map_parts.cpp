@@ -158,6 +158,13 @@ class ResumedElsewhere : public testing::Test {
     return std::move(Mapper::load(folder_.path() / "rooms.session", {}).value());
   }
 
+  void expect_found_by_places(Mapper& mapper) const {
+    EXPECT_EQ(add_and_search(mapper, drive_, before_, drive_.scans.size()), 1U);
+    mapper.finish();
+    EXPECT_EQ(mapper.statistics().parts, 1U);
+    EXPECT_LT(worst_m(mapper, drive_, before_), 0.1);
+  }
+
   TemporaryFolder folder_;
   MapperDrive drive_ = carried_between(kThroughAll, kBackFromThird, 7);
   std::size_t before_ = planar_drive(kThroughAll, 0.12, 0.12).size();
@@ -180,18 +187,12 @@ TEST_F(ResumedElsewhere, WithAStartPose) {
 TEST_F(ResumedElsewhere, WithAWrongStartPose) {
   Mapper mapper = loaded();
   ASSERT_TRUE(mapper.put_at({3, 0.5, 0}, about(0.5, 0.25)));  // in the first room
-  EXPECT_EQ(add_and_search(mapper, drive_, before_, drive_.scans.size()), 1U);
-  mapper.finish();
-  EXPECT_EQ(mapper.statistics().parts, 1U);
-  EXPECT_LT(worst_m(mapper, drive_, before_), 0.1);
+  expect_found_by_places(mapper);
 }
 
 TEST_F(ResumedElsewhere, WithoutAStartPose) {
   Mapper mapper = loaded();
-  EXPECT_EQ(add_and_search(mapper, drive_, before_, drive_.scans.size()), 1U);
-  mapper.finish();
-  EXPECT_EQ(mapper.statistics().parts, 1U);
-  EXPECT_LT(worst_m(mapper, drive_, before_), 0.1);
+  expect_found_by_places(mapper);
 }
 
 TEST_F(ResumedElsewhere, StartPosesAreChecked) {
