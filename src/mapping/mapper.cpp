@@ -12,9 +12,11 @@
 #include "extperfc/world/pose.hpp"
 
 #include "mapping/closed_graph.hpp"
+#include "mapping/known_map_tracker.hpp"
 #include "mapping/map_parts.hpp"
 #include "mapping/map_renderer.hpp"
 #include "mapping/path_filter.hpp"
+#include "mapping/pose_distance.hpp"
 #include "mapping/rotation_by.hpp"
 #include "mapping/session.hpp"
 #include "mapping/submap_cache.hpp"
@@ -33,6 +35,10 @@ constexpr std::size_t kSearchAfterFrames = 16;  // of a new part of the map
 
 PathFilterParams filter_params(const MapperParams& params) {
   return {params.particles, params.resample_threshold, params.seed};
+}
+
+OdometryNoise odometry_noise(const MapperParams& params) {
+  return {params.srr, params.srt, params.str, params.stt};
 }
 
 }  // namespace
@@ -54,7 +60,7 @@ class Mapper::Impl {
  public:
   explicit Impl(const MapperParams& params)
       : params_(params),
-        tracker_({params.srr, params.srt, params.str, params.stt}, params.minimum_score),
+        tracker_(odometry_noise(params), params.minimum_score),
         filter_(filter_params(params)),
         renderer_(params.resolution_m, params.occupied_threshold) {}
 
@@ -72,7 +78,11 @@ class Mapper::Impl {
   void resume_from(Session session);
   [[nodiscard]] Session session() const { return {filter_.frames(), filter_.graph(), scans_}; }
   [[nodiscard]] Result<void> put_at(const Pose2& pose, const Eigen::Matrix3d& covariance);
-  void expect_elsewhere() { tracker_.expect_elsewhere(); }
+  void expect_elsewhere();
+  [[nodiscard]] Result<void> set_mode(MapperMode mode);
+  [[nodiscard]] MapperMode mode() const {
+    return known_map_ ? MapperMode::kLocalization : MapperMode::kMapping;
+  }
   [[nodiscard]] bool wants_search() const {
     return filter_.parts() > 1 && filter_.frames().size() >= next_search_;
   }
@@ -81,6 +91,8 @@ class Mapper::Impl {
   [[nodiscard]] std::uint64_t map_version() const { return map_version_; }
 
  private:
+  void map_scan(const LaserScan& scan, const ScanPoints& points, const Tracked& tracked,
+                MapperUpdate& update);
   [[nodiscard]] bool wants_key_frame(const LaserScan& scan, const Tracked& tracked) const;
   bool add_key_frame(const ScanPoints& points, const Tracked& tracked);
   void add_carried(const ScanPoints& points, const Tracked& tracked);
@@ -89,6 +101,7 @@ class Mapper::Impl {
 
   MapperParams params_;
   Tracker tracker_;
+  std::optional<KnownMapTracker> known_map_;  ///< during localization
   PathFilter filter_;
   MapRenderer renderer_;
   std::vector<PassedScan> scans_;
@@ -109,8 +122,9 @@ class Mapper::Impl {
 MapperUpdate Mapper::Impl::add(const LaserScan& scan, const std::optional<Pose2>& odom_T_base) {
   const auto points = scan_points(scan, {params_.max_usable_range_m, params_.max_range_m});
   const Pose2 before = tracker_.pose();
-  const Tracked tracked = tracker_.add(points, odom_T_base);
-  statistics_.path_m += std::hypot(tracked.pose.x - before.x, tracked.pose.y - before.y);
+  const Tracked tracked = known_map_ ? known_map_->add(points, odom_T_base, filter_.frames(), filter_.poses())
+                                     : tracker_.add(points, odom_T_base);
+  statistics_.path_m += distance(tracker_.pose(), before);
   ++statistics_.scans;
   if (tracked.odometry_contradicted) ++statistics_.odometry_contradictions;
   MapperUpdate update;
@@ -119,28 +133,35 @@ MapperUpdate Mapper::Impl::add(const LaserScan& scan, const std::optional<Pose2>
   update.odometry_contradicted = tracked.odometry_contradicted;
   update.lost = tracked.lost;
   update.carried = tracked.carried;
+  if (points.surface.size() < Tracker::kMinPoints) {
+    update.status = ScanStatus::kUnusable;
+    ++statistics_.unusable_scans;
+  }
+  if (!known_map_) map_scan(scan, points, tracked, update);
+  update.pose = pose();
+  update.covariance = known_map_ ? known_map_->covariance() : covariance(tracked);
+  return update;
+}
+
+void Mapper::Impl::map_scan(const LaserScan& scan, const ScanPoints& points, const Tracked& tracked,
+                            MapperUpdate& update) {
   settle_at_once_ = false;
   doubt_ += tracked.doubt;
   scans_.push_back({scan.stamp_s, tracked.pose, 0});
   if (!tracked.carried) lost_scans_ = tracked.lost ? lost_scans_ + 1 : 0;
-  if (points.surface.size() < Tracker::kMinPoints) {
-    update.status = ScanStatus::kUnusable;
-    ++statistics_.unusable_scans;
-  } else if ((tracked.carried || (put_at_ && !tracked.lost)) && !filter_.frames().empty()) {
-    update.status = ScanStatus::kKeyFrame;
-    update.map_changed = true;
-    add_carried(points, tracked);
-    key_stamp_s_ = scan.stamp_s;
-  } else if (!tracked.lost && wants_key_frame(scan, tracked)) {
-    update.status = ScanStatus::kKeyFrame;
-    update.map_changed = add_key_frame(points, tracked);
-    key_stamp_s_ = scan.stamp_s;
+  if (update.status != ScanStatus::kUnusable) {
+    if ((tracked.carried || (put_at_ && !tracked.lost)) && !filter_.frames().empty()) {
+      update.status = ScanStatus::kKeyFrame;
+      update.map_changed = true;
+      add_carried(points, tracked);
+    } else if (!tracked.lost && wants_key_frame(scan, tracked)) {
+      update.status = ScanStatus::kKeyFrame;
+      update.map_changed = add_key_frame(points, tracked);
+    }
+    if (update.status == ScanStatus::kKeyFrame) key_stamp_s_ = scan.stamp_s;
   }
   const std::size_t frames = filter_.frames().size();
   scans_.back().key_frame = frames == 0 ? 0 : static_cast<std::uint32_t>(frames - 1);
-  update.pose = pose();
-  update.covariance = covariance(tracked);
-  return update;
 }
 
 bool Mapper::Impl::wants_key_frame(const LaserScan& scan, const Tracked& tracked) const {
@@ -213,6 +234,10 @@ Result<void> Mapper::Impl::put_at(const Pose2& pose, const Eigen::Matrix3d& cova
       Eigen::LLT<Eigen::Matrix3d>(covariance).info() != Eigen::Success)
     return fail(ErrorCode::kInvalidArgument,
                 "the robot's pose must be finite, and its covariance finite and positive definite");
+  if (known_map_) {
+    known_map_.emplace(odometry_noise(params_), params_.minimum_score, pose, covariance);
+    return {};
+  }
   const Pose2 moved = compose(filter_.poses().back(), inverse(key_pose_));
   for (PassedScan& scan : scans_) scan.tracked = compose(moved, scan.tracked);
   key_pose_ = filter_.poses().back();
@@ -221,7 +246,33 @@ Result<void> Mapper::Impl::put_at(const Pose2& pose, const Eigen::Matrix3d& cova
   return {};
 }
 
+void Mapper::Impl::expect_elsewhere() {
+  if (known_map_)
+    known_map_->expect_elsewhere();
+  else
+    tracker_.expect_elsewhere();
+}
+
+Result<void> Mapper::Impl::set_mode(MapperMode mode) {
+  constexpr double kKnownM = 0.2;
+  constexpr double kKnownRad = 0.1;
+  if (mode == this->mode()) return {};
+  if (filter_.frames().empty())
+    return fail(ErrorCode::kInvalidArgument, "there is no map yet in which the robot could be localized");
+  if (mode == MapperMode::kLocalization) {
+    const StartPose usual{
+        pose(), Eigen::Vector3d(kKnownM * kKnownM, kKnownM * kKnownM, kKnownRad * kKnownRad).asDiagonal()};
+    const StartPose start = put_at_.value_or(usual);
+    put_at_.reset();
+    known_map_.emplace(odometry_noise(params_), params_.minimum_score, start.pose, start.covariance);
+    return {};
+  }
+  const KnownMapTracker localized = *std::exchange(known_map_, std::nullopt);
+  return put_at(localized.pose(), localized.covariance());
+}
+
 Pose2 Mapper::Impl::pose() const {
+  if (known_map_) return known_map_->pose();
   if (filter_.poses().empty()) return tracker_.pose();
   return compose(filter_.poses().back(), between(key_pose_, tracker_.pose()));
 }
@@ -300,7 +351,9 @@ std::shared_ptr<const OccupancyGrid> Mapper::Impl::map() {
 }
 
 bool Mapper::Impl::adopt(PathFilter::Search search) {
+  const std::vector<Pose2> before = filter_.poses();
   if (!filter_.adopt(std::move(search))) return false;
+  if (known_map_) known_map_->follow(before, filter_.poses());
   const std::size_t frames = filter_.frames().size();
   next_search_ = frames + std::max(kSearchAfterFrames, frames - std::min(frames, first_of_part_));
   settled_ = false;
@@ -309,7 +362,9 @@ bool Mapper::Impl::adopt(PathFilter::Search search) {
 }
 
 void Mapper::Impl::finish() {
+  const std::vector<Pose2> before = filter_.poses();
   filter_.finish();
+  if (known_map_) known_map_->follow(before, filter_.poses());
   redraw();
 }
 
@@ -408,6 +463,14 @@ Result<void> Mapper::put_at(const Pose2& pose, const Eigen::Matrix3d& covariance
 
 void Mapper::expect_elsewhere() {
   impl_->expect_elsewhere();
+}
+
+Result<void> Mapper::set_mode(MapperMode mode) {
+  return impl_->set_mode(mode);
+}
+
+MapperMode Mapper::mode() const {
+  return impl_->mode();
 }
 
 bool Mapper::wants_search() const {

@@ -8,6 +8,8 @@
 
 #include "extperfc/world/pose.hpp"
 
+#include "mapping/pose_distance.hpp"
+
 namespace extperfc::mapping {
 
 // Shared by the parts of PathFilter: when a submap counts as matched, and when two poses count as one.
@@ -31,14 +33,6 @@ inline constexpr std::size_t kMinLoopFrames = 24;
 inline constexpr double kOverlapM = 4.0;             // two key frames this near have much the same view
 inline constexpr std::size_t kOtherPassFrames = 30;  // apart: another pass of the same location
 inline constexpr int kGraphIterations = 10;
-
-inline double distance(const Pose2& a, const Pose2& b) {
-  return std::hypot(a.x - b.x, a.y - b.y);
-}
-
-inline double yaw_between(const Pose2& a, const Pose2& b) {
-  return std::abs(wrap_angle(a.yaw - b.yaw));
-}
 
 /// Of key frames and their distances those that are nearest, one of each pass, the nearest first.
 inline std::vector<std::size_t> nearest_of_passes(std::vector<std::pair<double, std::size_t>> frames,

@@ -124,7 +124,8 @@ void Tracker::watch_place(const ScanPoints& points, const PosePrior& prior, Trac
   tracked = {};
   tracked.pose = prior.mean;
   tracked.fit = fit;
-  tracked.lost = lost_scans_ < kCarriedScans;
+  tracked.lost = fixed_ || lost_scans_ < kCarriedScans;
+  if (fixed_ && lost_scans_ >= kCarriedScans) resuming_ = true;
   if (tracked.lost) return;
   restart();
   tracked.fit = 1.0;
@@ -327,6 +328,7 @@ ScanMatch Tracker::look_wider(const ScanPoints& points, const PosePrior& prior,
 }
 
 void Tracker::remember(const ScanPoints& points, const Pose2& pose) {
+  if (fixed_) return;
   if (!recent_.empty()) {
     const Pose2 since = between(recent_.back().pose, pose);
     if (std::hypot(since.x, since.y) < kRememberEveryM && std::abs(since.yaw) < kRememberEveryRad) return;
@@ -364,14 +366,31 @@ void Tracker::resume_from(const std::vector<KeyFrame>& frames, const std::vector
                      [&](std::size_t a, std::size_t b) { return away(a) < away(b); });
   chosen.resize(std::min(chosen.size(), kRemembered));
   std::sort(chosen.begin(), chosen.end());
-  for (const std::size_t i : chosen)
-    recent_.push_back({poses[i], frames[i].points, RangeProfile(frames[i].points)});
-  redraw();
+  take(frames, poses, chosen);
+  begin_at(pose);
+}
+
+void Tracker::begin_at(const Pose2& pose) {
   pose_ = pose;
   last_step_ = {};
   last_odometry_.reset();
   slide_ = {};
   resuming_ = true;
+}
+
+void Tracker::use_as_map(const std::vector<KeyFrame>& frames, const std::vector<Pose2>& poses,
+                         const std::vector<std::size_t>& chosen) {
+  fixed_ = true;
+  take(frames, poses, chosen);
+}
+
+/// As local map.
+void Tracker::take(const std::vector<KeyFrame>& frames, const std::vector<Pose2>& poses,
+                   const std::vector<std::size_t>& chosen) {
+  recent_.clear();
+  for (const std::size_t i : chosen)
+    recent_.push_back({poses[i], frames[i].points, RangeProfile(frames[i].points)});
+  redraw();
 }
 
 }  // namespace extperfc::mapping

@@ -53,8 +53,14 @@ class Tracker {
   /// Resumes at `pose`, using the key frames about it as local map, in the frame of their `poses`. The robot
   /// may stand a step away from there, and its odometry may begin anywhere.
   void resume_from(const std::vector<KeyFrame>& frames, const std::vector<Pose2>& poses, const Pose2& pose);
+  /// The same without a local map yet.
+  void begin_at(const Pose2& pose);
   /// The robot may have been carried since the last scan.
   void expect_elsewhere() { resuming_ = true; }
+  /// Takes the `chosen` key frames as local map, the last of which are nearest; from now on scans are not
+  /// added to it.
+  void use_as_map(const std::vector<KeyFrame>& frames, const std::vector<Pose2>& poses,
+                  const std::vector<std::size_t>& chosen);
 
  private:
   struct Remembered {
@@ -91,6 +97,8 @@ class Tracker {
   [[nodiscard]] ScanMatch look_wider(const ScanPoints& points, const PosePrior& prior,
                                      const ScanMatch& first) const;
   void restart();
+  void take(const std::vector<KeyFrame>& frames, const std::vector<Pose2>& poses,
+            const std::vector<std::size_t>& chosen);
   void redraw();
   void remember(const ScanPoints& points, const Pose2& pose);
 
@@ -107,6 +115,7 @@ class Tracker {
   double usual_fit_{0};       ///< of the latest scans
   bool resuming_{false};      ///< until a scan matches, it is looked for in a wider window
   int lost_scans_{0};         ///< the latest ones, one after another
+  bool fixed_{false};         ///< scans are not added to the local map
 };
 
 }  // namespace extperfc::mapping

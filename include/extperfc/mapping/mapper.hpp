@@ -48,6 +48,11 @@ enum class ScanStatus {
   kUnusable,  ///< too few returns for scan matching: the pose follows odometry alone
 };
 
+enum class MapperMode {
+  kMapping,       ///< scans make the map
+  kLocalization,  ///< the map stays as it is; scans give the robot's pose in it
+};
+
 struct MapperUpdate {
   ScanStatus status{ScanStatus::kTracked};
   Pose2 pose;  ///< of the base in the map, at the scan's stamp
@@ -127,6 +132,13 @@ class Mapper {
   /// The robot may have been carried since the last scan: where the next ones do not fit, the map goes on as
   /// a new part.
   void expect_elsewhere();
+
+  /// Switches between mapping and localization in the same map, in both directions, while the robot drives.
+  /// During localization memory does not grow, trajectory() stays as it is, and put_at() works as it does
+  /// otherwise. A robot that was carried reports `lost` until it is near a place that fits, or is put there.
+  /// Mapping then goes on at the pose that localization found. Errors: localization without a map.
+  [[nodiscard]] Result<void> set_mode(MapperMode mode);
+  [[nodiscard]] MapperMode mode() const;
 
   /// Of the last scan, in the map.
   [[nodiscard]] Pose2 pose() const;

@@ -61,6 +61,7 @@ mapping::Mapper MapperNodelet::make_mapper() const {
     NODELET_FATAL("%s", mapper.error().message.c_str());
     throw std::runtime_error(mapper.error().message);
   }
+  if (params_.localization) (void)mapper->set_mode(mapping::MapperMode::kLocalization);
   return std::move(*mapper);
 }
 
@@ -187,15 +188,17 @@ Result<void> MapperNodelet::add(const sensor_msgs::LaserScan& message, double ti
   }
   const Stopwatch watch;
   mapping::MapperStatistics statistics;
+  auto mode = mapping::MapperMode::kMapping;
   const auto update = mapper_->with([&](mapping::Mapper& mapper) {
     auto result = mapper.add(*scan, step.odom_T_base);
     statistics = mapper.statistics();
+    mode = mapper.mode();
     return result;
   });
   if (!update) return tl::unexpected(update.error());
   if (update->carried)
     NODELET_WARN("the robot was carried: the map goes on as a new part until a place is recognized");
-  health_->used(*update, statistics, watch.milliseconds());
+  health_->used(*update, statistics, mode, watch.milliseconds());
   publish(*update, stamp, *odometry);
   return {};
 }

@@ -55,6 +55,8 @@ namespace extperfc::ros_mapping {
 ///                    for loops first
 ///   ~optimize        std_srvs/Trigger: searches the whole map for loops; mapping goes on meanwhile
 ///   ~load_session    extperfc/LoadSession: resumes a session; a file that cannot be read changes nothing
+///   ~set_localization  std_srvs/SetBool: true: the map stays as it is, and scans give the robot's pose in it;
+///                    false: mapping goes on from there
 ///   ~pause, ~resume  std_srvs/Trigger: scans are skipped meanwhile, tf continues; the robot may be carried
 ///   ~reset           std_srvs/Trigger: a new map
 /// Parameters: config/mapper.yaml. Those of GMapping's own matcher are accepted without effect, and a warning

@@ -55,6 +55,8 @@ MapperServices::MapperServices(ros::NodeHandle handle, ros::NodeHandle private_h
   servers_.push_back(private_handle.advertiseService("save_map", &MapperServices::save_map, this));
   servers_.push_back(private_handle.advertiseService("optimize", &MapperServices::optimize, this));
   servers_.push_back(private_handle.advertiseService("load_session", &MapperServices::load_session, this));
+  servers_.push_back(
+      private_handle.advertiseService("set_localization", &MapperServices::set_localization, this));
   servers_.push_back(private_handle.advertiseService("pause", &MapperServices::pause, this));
   servers_.push_back(private_handle.advertiseService("resume", &MapperServices::resume, this));
   servers_.push_back(private_handle.advertiseService("reset", &MapperServices::reset, this));
@@ -168,9 +170,22 @@ bool MapperServices::load_session(LoadSession::Request& request, LoadSession::Re
     answer(tl::unexpected(loaded.error()), response);
     return true;
   }
+  (void)loaded->set_mode(mapper_.with([](const mapping::Mapper& mapper) { return mapper.mode(); }));
   mapper_.replace(std::move(*loaded));
   callbacks_.restarted();
   answer("resumed from " + request.path, response);
+  return true;
+}
+
+bool MapperServices::set_localization(std_srvs::SetBool::Request& request,
+                                      std_srvs::SetBool::Response& response) {
+  const bool localize = request.data != 0;
+  const auto set = mapper_.with([&](mapping::Mapper& mapper) {
+    return mapper.set_mode(localize ? mapping::MapperMode::kLocalization : mapping::MapperMode::kMapping);
+  });
+  answer(set ? Result<std::string>(localize ? "localizing: the map stays as it is" : "mapping")
+             : Result<std::string>(tl::unexpected(set.error())),
+         response);
   return true;
 }
 

@@ -9,6 +9,7 @@
 #include <ros/callback_queue.h>
 #include <ros/node_handle.h>
 #include <ros/spinner.h>
+#include <std_srvs/SetBool.h>
 #include <std_srvs/Trigger.h>
 
 #include "extperfc/LoadSession.h"
@@ -19,8 +20,8 @@
 
 namespace extperfc::ros_mapping {
 
-/// dynamic_map, ~save_map, ~optimize, ~load_session, ~pause, ~resume and ~reset, whose answers name what was
-/// wrong; the topic initialpose; and the searches that join parts of the map.
+/// dynamic_map, ~save_map, ~optimize, ~load_session, ~set_localization, ~pause, ~resume and ~reset, whose
+/// answers name what was wrong; the topic initialpose; and the searches that join parts of the map.
 class MapperServices {
  public:
   struct Callbacks {
@@ -49,6 +50,7 @@ class MapperServices {
   void join_parts();
   void put_at(const geometry_msgs::PoseWithCovarianceStamped& message);
   bool optimize(Trigger::Request& request, Trigger::Response& response);
+  bool set_localization(std_srvs::SetBool::Request& request, std_srvs::SetBool::Response& response);
   bool pause(Trigger::Request& request, Trigger::Response& response);
   bool resume(Trigger::Request& request, Trigger::Response& response);
   bool reset(Trigger::Request& request, Trigger::Response& response);

@@ -8,11 +8,12 @@ using diagnostic_msgs::DiagnosticStatus;
 using diagnostic_updater::DiagnosticStatusWrapper;
 
 void MappingHealth::used(const mapping::MapperUpdate& update, const mapping::MapperStatistics& statistics,
-                         double mapper_ms) {
+                         mapping::MapperMode mode, double mapper_ms) {
   const std::lock_guard lock(mutex_);
   ++used_;
   last_ = update;
   statistics_ = statistics;
+  mode_ = mode;
   mapper_ms_ = mapper_ms;
   longest_mapper_ms_ = std::max(longest_mapper_ms_, mapper_ms);
   if (update.odometry_contradicted) contradictions_.happened();
@@ -83,8 +84,14 @@ void MappingHealth::report(DiagnosticStatusWrapper& status) const {
   report_warnings(status);
 }
 
+const char* MappingHealth::state() const {
+  if (paused_) return "paused";
+  if (used_ == 0) return "waiting for a scan";
+  return mode_ == mapping::MapperMode::kLocalization ? "localizing" : "mapping";
+}
+
 void MappingHealth::report_counts(DiagnosticStatusWrapper& status) const {
-  status.add("state", paused_ ? "paused" : used_ == 0 ? "waiting for a scan" : "mapping");
+  status.add("state", state());
   status.add("scans used", used_);
   status.add("scans refused", refused_);
   status.add("scans dropped: queue full", queue_full_.count);

@@ -19,7 +19,7 @@ class MappingHealth {
   explicit MappingHealth(double recent_s) : recent_s_(recent_s) {}
 
   void used(const mapping::MapperUpdate& update, const mapping::MapperStatistics& statistics,
-            double mapper_ms);
+            mapping::MapperMode mode, double mapper_ms);
   /// `why_missing`: tf's error; empty: odometry is available or not used.
   void odometry(const std::string& why_missing);
   void imu_missing(const std::string& why);
@@ -49,6 +49,7 @@ class MappingHealth {
 
   void warn_of(diagnostic_updater::DiagnosticStatusWrapper& status, const Event& event,
                const char* text) const;
+  [[nodiscard]] const char* state() const;
   void report_counts(diagnostic_updater::DiagnosticStatusWrapper& status) const;
   void report_mapper(diagnostic_updater::DiagnosticStatusWrapper& status) const;
   void report_warnings(diagnostic_updater::DiagnosticStatusWrapper& status) const;
@@ -57,6 +58,7 @@ class MappingHealth {
   mutable std::mutex mutex_;
   std::optional<mapping::MapperUpdate> last_;
   mapping::MapperStatistics statistics_;
+  mapping::MapperMode mode_{mapping::MapperMode::kMapping};
   double mapper_ms_{0};
   double longest_mapper_ms_{0};
   std::uint64_t used_{0};

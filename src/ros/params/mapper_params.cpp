@@ -46,6 +46,9 @@ void read_inputs(ParamReader& reader, const ros::NodeHandle& handle, MapperNodel
   reader.read("odometry_max_yaw_rate_rad_s", params.odometry_max_yaw_rate_rad_s, {0.1, 100.0});
   reader.read("timeout_s", params.timeout_s, {0.1, kLongS});
   reader.read("session", params.session);
+  reader.read("localization", params.localization);
+  if (params.localization && params.session.empty())
+    reader.complain("localization needs a session, the file of ~save_map, whose map it localizes in");
 }
 
 void read_outputs(ParamReader& reader, MapperNodeletParams& params) {

@@ -38,6 +38,7 @@ struct MapperNodeletParams {
   double timeout_s{5.0};                     ///< silence after which diagnostics warn [s]
   double diagnostic_period{1.0};             ///< [s of wall time]
   std::string session;                       ///< file to resume from; empty: a new map
+  bool localization{false};                  ///< in the session's map, which stays as it is
   std::string notice;                        ///< one line about keys of GMapping without effect; empty: none
 };
 

@@ -7,6 +7,7 @@
 
 #include <nav_msgs/GetMap.h>
 #include <ros/service.h>
+#include <std_srvs/SetBool.h>
 #include <std_srvs/Trigger.h>
 
 #include "extperfc/LoadSession.h"
@@ -25,6 +26,13 @@ namespace fs = std::filesystem;
 std_srvs::Trigger::Response trigger(const std::string& name) {
   std_srvs::Trigger call;
   EXPECT_TRUE(ros::service::call("/mapper/" + name, call)) << name;
+  return call.response;
+}
+
+std_srvs::SetBool::Response set_localization(bool on) {
+  std_srvs::SetBool call;
+  call.request.data = static_cast<unsigned char>(on);
+  EXPECT_TRUE(ros::service::call("/mapper/set_localization", call));
   return call.response;
 }
 
@@ -218,6 +226,44 @@ TEST_F(MapperServicesTest, PausesAndResumes) {
   ASSERT_TRUE(found);
   EXPECT_LT(error_m(*found, {2.3, -0.5, 0.5}), 0.1);
   EXPECT_TRUE(diagnostics_.wait_latest([](const Report& r) { return r.level() == 0; }));
+}
+
+TEST_F(MapperServicesTest, LocalizesInItsMapAndMapsAgain) {
+  mount_lidar();
+  load();
+  EXPECT_FALSE(set_localization(true).success) << "there is no map yet";
+  ASSERT_TRUE(drive(straight_path({0, 0, 0}, {2, -0.5, 0.5}, 20)));
+  const auto before = map_now();
+  ASSERT_TRUE(set_localization(true).success);
+  for (const auto& pose : straight_path({2, -0.5, 0.5}, {0.3, 0.4, 0.2}, 12)) {
+    const auto found = feed(pose);
+    ASSERT_TRUE(found);
+    EXPECT_LT(error_m(*found, pose), 0.06);
+  }
+  EXPECT_TRUE(diagnostics_.wait_latest([](const Report& r) {
+    return r.value("state") == "localizing" && r.level() == 0;
+  })) << diagnostics_.latest().message();
+  EXPECT_EQ(map_now().data, before.data);
+  ASSERT_TRUE(set_localization(false).success);
+  for (const auto& pose : straight_path({0.3, 0.4, 0.2}, {-1.5, 0.4, 0.2}, 12)) {
+    const auto found = feed(pose);
+    ASSERT_TRUE(found);
+    EXPECT_LT(error_m(*found, pose), 0.1);
+  }
+  EXPECT_TRUE(diagnostics_.wait_latest([](const Report& r) { return r.value("state") == "mapping"; }));
+  EXPECT_NE(map_now().data, before.data);
+}
+
+TEST_F(MapperServicesTest, LocalizesInASessionFromTheStart) {
+  load_and_drive();
+  ASSERT_TRUE(save(stem()).success);
+  manager_.unload("/mapper");
+  EXPECT_FALSE(manager_.load("/other", "mapper", {{"localization", true}})) << "without a session";
+  load({{"session", stem().string() + ".session"}, {"localization", true}});
+  const auto found = feed({2, -0.5, 0.5});
+  ASSERT_TRUE(found);
+  EXPECT_LT(error_m(*found, {2, -0.5, 0.5}), 0.1);
+  EXPECT_TRUE(diagnostics_.wait_latest([](const Report& r) { return r.value("state") == "localizing"; }));
 }
 
 TEST_F(MapperServicesTest, BeginsAnew) {
