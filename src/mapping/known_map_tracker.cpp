@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numeric>
 #include <set>
 #include <tuple>
 
@@ -32,9 +31,11 @@ std::tuple<long, long, long> key_of(const Pose2& pose) {
 }
 
 /// The key frames about `pose`, one of each place, the nearest last.
-std::vector<std::size_t> frames_about(const Pose2& pose, const std::vector<Pose2>& poses) {
-  std::vector<std::size_t> order(poses.size());
-  std::iota(order.begin(), order.end(), 0);
+std::vector<std::size_t> frames_about(const Pose2& pose, const std::vector<KeyFrame>& frames,
+                                      const std::vector<Pose2>& poses) {
+  std::vector<std::size_t> order;
+  for (std::size_t i = 0; i < frames.size(); ++i)
+    if (!frames[i].is_thinned()) order.push_back(i);
   std::sort(order.begin(), order.end(),
             [&](std::size_t a, std::size_t b) { return apart(poses[a], pose) < apart(poses[b], pose); });
   std::set<std::tuple<long, long, long>> places;
@@ -85,7 +86,7 @@ void KnownMapTracker::look_around(const std::vector<KeyFrame>& frames, const std
     const Pose2 since = between(*looked_around_at_, pose());
     if (std::hypot(since.x, since.y) < kLookAroundEveryM && std::abs(since.yaw) < kLookAroundEveryRad) return;
   }
-  tracker_.use_as_map(frames, poses, frames_about(pose(), poses));
+  tracker_.use_as_map(frames, poses, frames_about(pose(), frames, poses));
   looked_around_at_ = pose();
 }
 

@@ -98,6 +98,7 @@ std::vector<std::size_t> LoopCloser::references(std::size_t query, const std::ve
   std::vector<std::pair<double, std::size_t>> found;
   const Pose2& here = graph.poses()[query];
   for (std::size_t i = kStride / 2; i + kMinLoopFrames < query; i += kStride) {
+    if (frames[i].is_thinned()) continue;
     if (frames[query].travelled_m - frames[i].travelled_m < kMinLoopM) break;
     const double reach = known[i].is_unknown() ? std::numeric_limits<double>::infinity()
                                                : std::min(kMaxWindowM, known[i].reach_m());
@@ -351,6 +352,7 @@ bool LoopCloser::accept(std::size_t first_new, double min_weight, const std::vec
 }
 
 bool LoopCloser::close(std::size_t query, const std::vector<KeyFrame>& frames, PoseGraph& graph) {
+  if (frames[query].is_thinned()) return false;
   const auto known = relative_uncertainty(graph, query);
   // What a query sees of a reference's uncertainty is as good as the reverse.
   std::vector<std::size_t> near_ones;
@@ -397,17 +399,28 @@ bool LoopCloser::join(const std::vector<std::size_t>& references, std::size_t qu
   return false;
 }
 
-double LoopCloser::close_all(const std::vector<KeyFrame>& frames, PoseGraph& graph) {
-  if (frames.size() < 2) return 0;
+/// Of thinned key frames closures stay, because they cannot be found again, and with them the path's shape.
+void LoopCloser::forget_closures(const std::vector<KeyFrame>& frames, PoseGraph& graph) {
   auto& constraints = graph.constraints();
   constraints.erase(std::remove_if(constraints.begin(), constraints.end(),
-                                   [](const Constraint& constraint) { return constraint.is_loop_closure; }),
+                                   [&](const Constraint& constraint) {
+                                     return constraint.is_loop_closure && !frames[constraint.to].is_thinned();
+                                   }),
                     constraints.end());
+  if (std::any_of(frames.begin(), frames.end(), [](const KeyFrame& frame) { return frame.is_thinned(); })) {
+    graph.optimize(0, kGraphIterations);
+    return;
+  }
   auto poses = graph.poses();
   for (const Constraint& constraint : constraints)
     if (constraint.to == constraint.from + 1)
       poses[constraint.to] = compose(poses[constraint.from], constraint.from_T_to);
   graph.set_poses(poses);
+}
+
+double LoopCloser::close_all(const std::vector<KeyFrame>& frames, PoseGraph& graph) {
+  if (frames.size() < 2) return 0;
+  forget_closures(frames, graph);
   pool_.clear();
   joining_.clear();
   close_along(false, frames, graph);
@@ -462,6 +475,7 @@ std::optional<double> LoopCloser::close_worst_again(const std::vector<KeyFrame>&
   constraints.erase(std::remove_if(constraints.begin(), constraints.end(),
                                    [&](const Constraint& constraint) {
                                      return constraint.is_loop_closure &&
+                                            !frames[constraint.to].is_thinned() &&
                                             (inside(constraint.from) || inside(constraint.to));
                                    }),
                     constraints.end());

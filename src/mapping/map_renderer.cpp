@@ -45,6 +45,10 @@ bool MapRenderer::update(const std::vector<KeyFrame>& frames, const std::vector<
   return true;
 }
 
+std::size_t MapRenderer::forget(std::size_t frame, const ScanPoints& points) {
+  return frame < drawn_.size() ? draw(points, drawn_[frame], -1) : 0;
+}
+
 std::size_t MapRenderer::draw(const ScanPoints& points, const Pose2& map_T_base, int sign) {
   const double c = std::cos(map_T_base.yaw);
   const double s = std::sin(map_T_base.yaw);

@@ -33,6 +33,9 @@ class MapRenderer {
   /// key frame is left to draw.
   bool update(const std::vector<KeyFrame>& frames, const std::vector<Pose2>& poses, std::size_t max_cells);
 
+  /// Takes back a key frame, before its points are dropped. The number of cells touched.
+  std::size_t forget(std::size_t frame, const ScanPoints& points);
+
   /// The map as drawn so far, within the bounds; the next calls add the rest, until complete(). O(changed
   /// cells); O(cells) where the extent grew or the last map is still in use, spread over several calls by the
   /// bounds. A map that takes several calls to copy lags until then.

@@ -20,6 +20,7 @@
 #include "mapping/rotation_by.hpp"
 #include "mapping/session.hpp"
 #include "mapping/submap_cache.hpp"
+#include "mapping/thinning.hpp"
 #include "mapping/tracker.hpp"
 
 namespace extperfc::mapping {
@@ -31,6 +32,7 @@ constexpr std::size_t kCellsPerMapCall = 1'500'000;  // drawn at most in one cal
 // version is still in use.
 constexpr MapRenderer::MapBounds kMapCall{600, 6'000'000};
 constexpr double kSmallestCovariance = 1e-8;
+constexpr std::size_t kThinEveryFrames = 32;
 constexpr std::size_t kSearchAfterFrames = 16;  // of a new part of the map
 
 PathFilterParams filter_params(const MapperParams& params) {
@@ -95,6 +97,7 @@ class Mapper::Impl {
                 MapperUpdate& update);
   [[nodiscard]] bool wants_key_frame(const LaserScan& scan, const Tracked& tracked) const;
   bool add_key_frame(const ScanPoints& points, const Tracked& tracked);
+  void thin();
   void add_carried(const ScanPoints& points, const Tracked& tracked);
   void begin_step(const Tracked& tracked);
   [[nodiscard]] Eigen::Matrix3d covariance(const Tracked& tracked) const;
@@ -187,7 +190,18 @@ bool Mapper::Impl::add_key_frame(const ScanPoints& points, const Tracked& tracke
     step = filter_.add(tracked_step, std::move(frame));
   }
   begin_step(tracked);
+  if (filter_.frames().size() % kThinEveryFrames == 0) thin();
   return step.map_changed;
+}
+
+/// Parts that are not joined yet need all that was seen.
+void Mapper::Impl::thin() {
+  if (filter_.parts() > 1) return;
+  const auto often =
+      seen_often(filter_.frames(), filter_.poses(), static_cast<std::size_t>(params_.kept_passes));
+  for (const std::size_t i : often) renderer_.forget(i, filter_.frames()[i].points);
+  filter_.thin(often);
+  statistics_.thinned_key_frames += often.size();
 }
 
 /// Of a robot that was carried: to a pose that was given, or anywhere.
@@ -390,6 +404,9 @@ void Mapper::Impl::resume_from(Session session) {
   tracker_.resume_from(session.frames, poses, scans_.back().tracked);
   statistics_.scans = scans_.size();
   statistics_.path_m = session.frames.back().travelled_m;
+  statistics_.thinned_key_frames =
+      static_cast<std::size_t>(std::count_if(session.frames.begin(), session.frames.end(),
+                                             [](const KeyFrame& frame) { return frame.is_thinned(); }));
   key_pose_ = poses.back();
   key_path_m_ = statistics_.path_m;
   key_stamp_s_ = scans_.back().stamp_s;
@@ -432,6 +449,7 @@ Result<void> validate(const MapperParams& params) {
       {"srt", params.srt, 0, 10, "[0, 10]"},
       {"str", params.str, 0, 10, "[0, 10]"},
       {"stt", params.stt, 0, 10, "[0, 10]"},
+      {"keptPasses", static_cast<double>(params.kept_passes), 0, 100, "[0, 100]"},
       {"occ_thresh", params.occupied_threshold, 0.01, 0.99, "[0.01, 0.99]"},
   };
   for (const Check& check : checks)

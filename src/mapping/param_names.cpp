@@ -62,6 +62,8 @@ const std::vector<ParamName>& param_names() {
       {"str", &P::str, "m/rad", "odometry's error in translation, by rotation"},
       {"stt", &P::stt, "rad/rad", "odometry's error in rotation, by rotation"},
       {"occ_thresh", &P::occupied_threshold, "", "fraction of hits from which a cell is occupied, 0 to 1"},
+      {"keptPasses", &P::kept_passes, "",
+       "passes of a place seen often, old and new, whose scans stay, 0 to 100; 0: all"},
       {"seed", &P::seed, "", "of every random draw"},
   };
   return kNames;

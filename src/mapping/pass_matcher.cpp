@@ -35,7 +35,7 @@ std::vector<std::size_t> PassMatcher::passes(std::size_t query, const std::vecto
   for (std::size_t i = 0; i + kMinLoopFrames < query; i += 2) {
     if (frames[query].travelled_m - frames[i].travelled_m < kMinLoopM) break;
     const double away = distance(poses[i], poses[query]);
-    if (away < kOverlapM) found.emplace_back(away, i);
+    if (away < kOverlapM && !frames[i].is_thinned()) found.emplace_back(away, i);
   }
   return nearest_of_passes(std::move(found), kMaxPasses);
 }
@@ -82,9 +82,11 @@ Constraint PassMatcher::match_scan(std::size_t reference, std::size_t query,
 std::vector<Constraint> PassMatcher::match_all(const std::vector<KeyFrame>& frames,
                                                const std::vector<Pose2>& poses) {
   std::vector<Constraint> matches;
-  for (std::size_t query = kMinLoopFrames; query < frames.size(); ++query)
+  for (std::size_t query = kMinLoopFrames; query < frames.size(); ++query) {
+    if (frames[query].is_thinned()) continue;
     for (const std::size_t i : passes(query, frames, poses))
       matches.push_back(match_scan(i / 4 * 4 + 2, query, frames, poses));  // neighbours share their submaps
+  }
   return matches;
 }
 

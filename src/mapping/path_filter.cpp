@@ -113,6 +113,11 @@ void PathFilter::add_carried(const std::optional<StartPose>& start, const std::o
   }
 }
 
+void PathFilter::thin(const std::vector<std::size_t>& frames) {
+  for (const std::size_t i : frames) frames_[i].points = ScanPoints{{}, {}, frames_[i].points.scanner};
+  if (!frames.empty()) submaps_.clear();
+}
+
 std::size_t PathFilter::parts() const {
   return parts_.empty() ? 0 : *std::max_element(parts_.begin(), parts_.end()) + 1;
 }

@@ -75,6 +75,8 @@ class PathFilter {
   /// which a search joins to the others when it recognizes a place.
   /// `driven`: the step since the last key frame as odometry has it, in case that the robot was not carried.
   void add_carried(const std::optional<StartPose>& start, const std::optional<Pose2>& driven, KeyFrame frame);
+  /// Drops the points of these key frames; their poses and constraints stay.
+  void thin(const std::vector<std::size_t>& frames);
   /// A search of the whole path for loop closures: a copy, so that it can run in another thread while key
   /// frames are added here. Seconds for a long path.
   struct Search {

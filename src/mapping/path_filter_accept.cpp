@@ -120,8 +120,9 @@ void PathFilter::collapse() {
 }
 
 /// Matches a loop closure again from the optimized pose. False when it does not fit there: its weight is then
-/// zero.
+/// zero. That of a thinned key frame stays as it is.
 bool PathFilter::rematch(Constraint& constraint) {
+  if (frames_[constraint.to].is_thinned()) return true;
   const Pose2 start = between(graph_.poses()[constraint.from], graph_.poses()[constraint.to]);
   Submap& submap =
       submaps_.at(constraint.from, std::min(constraint.to, frames_.size()), frames_, graph_.poses());

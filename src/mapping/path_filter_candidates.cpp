@@ -67,7 +67,7 @@ std::vector<std::size_t> PathFilter::old_key_frames_near(const Pose2& pose, doub
   std::vector<std::pair<double, std::size_t>> near_frames;
   const std::size_t end = old_end();
   for (std::size_t i = 0; i < end; ++i) {
-    if (parts_[i] != parts_.back()) continue;
+    if (parts_[i] != parts_.back() || frames_[i].is_thinned()) continue;
     const double away = distance(graph_.poses()[i], pose);
     if (away < radius_m) near_frames.emplace_back(away, i);
   }

@@ -38,6 +38,7 @@ void draw(Submap& submap, const std::vector<KeyFrame>& frames, const std::vector
   submap.profiles.clear();
   submap.profile_poses.clear();
   for (const std::size_t i : {submap.first, submap.key_frame, submap.last - 1}) {
+    if (frames[i].is_thinned()) continue;
     submap.profiles.emplace_back(frames[i].points);
     submap.profile_poses.push_back(between(middle, poses[i]));
   }

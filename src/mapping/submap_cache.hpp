@@ -46,6 +46,8 @@ class SubmapCache {
   /// The submap around `key_frame`, from key frames before `end` only. Valid until the next call.
   [[nodiscard]] Submap& at(std::size_t key_frame, std::size_t end, const std::vector<KeyFrame>& frames,
                            const std::vector<Pose2>& poses);
+  /// Key frames were thinned: submaps are drawn anew.
+  void clear() { submaps_.clear(); }
 
  private:
   std::vector<std::unique_ptr<Submap>> submaps_;

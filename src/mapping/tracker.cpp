@@ -358,8 +358,9 @@ void Tracker::resume_from(const std::vector<KeyFrame>& frames, const std::vector
                           const Pose2& pose) {
   restart();
   // The newest ones where the robot stands at their end, else those around it.
-  std::vector<std::size_t> chosen(frames.size());
-  std::iota(chosen.rbegin(), chosen.rend(), 0);
+  std::vector<std::size_t> chosen;
+  for (std::size_t i = frames.size(); i-- > 0;)
+    if (!frames[i].is_thinned()) chosen.push_back(i);
   const auto away = [&](std::size_t i) { return std::hypot(poses[i].x - pose.x, poses[i].y - pose.y); };
   if (away(frames.size() - 1) > kReachOfNewestM)
     std::stable_sort(chosen.begin(), chosen.end(),

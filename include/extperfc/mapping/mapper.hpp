@@ -35,7 +35,10 @@ struct MapperParams {
   double str{0.1};                  ///< [m/rad]
   double stt{0.1};                  ///< [rad/rad]
   double occupied_threshold{0.25};  ///< occ_thresh: fraction of hits from which a cell is occupied, (0, 1)
-  std::uint64_t seed{1};            ///< of every random draw
+  /// Of a place that is seen again and again the scans of this many passes stay, and of as many of the
+  /// newest: memory grows with the building, not with the time. [0, 100]; 0: all scans stay.
+  int kept_passes{2};
+  std::uint64_t seed{1};  ///< of every random draw
 };
 
 /// An error that names the first parameter out of its range.
@@ -70,6 +73,7 @@ struct MapperUpdate {
 struct MapperStatistics {
   std::size_t scans{0};
   std::size_t key_frames{0};
+  std::size_t thinned_key_frames{0};  ///< of these, whose scans were dropped: others show the same
   std::size_t unusable_scans{0};
   std::size_t odometry_contradictions{0};
   /// Closed so far: known ground that was reached again after 5 m elsewhere, or a correction of more than 0.1

@@ -107,6 +107,7 @@ void MappingHealth::report_counts(DiagnosticStatusWrapper& status) const {
 
 void MappingHealth::report_mapper(DiagnosticStatusWrapper& status) const {
   status.add("key frames", statistics_.key_frames);
+  status.add("key frames thinned", statistics_.thinned_key_frames);
   status.add("scans unusable", statistics_.unusable_scans);
   status.add("loops closed", statistics_.loops);
   status.add("times carried", statistics_.carried);

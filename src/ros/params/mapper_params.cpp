@@ -75,6 +75,7 @@ Range<double> range_of(std::string_view name) {
                                                                     {"stt", {0, 10}},
                                                                     {"occ_thresh", {0.01, 0.99}},
                                                                     {"minimumScore", {0, kMaxScore}},
+                                                                    {"keptPasses", {0, 100}},
                                                                     {"seed", {0, 2147483647}}};
   const auto found = kRanges.find(name);
   return found == kRanges.end() ? Range<double>{0, 1} : found->second;
