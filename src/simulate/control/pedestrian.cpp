@@ -8,6 +8,7 @@ namespace {
 
 constexpr double kPersonalSpaceM = 1.0;
 constexpr double kYawRateRadS = 4.0;
+constexpr double kPatienceS = 3.0;
 
 }  // namespace
 
@@ -33,9 +34,15 @@ Pose2 Pedestrian::at(double along_m) const {
   return {corners_.back().x(), corners_.back().y(), 0};
 }
 
+Pose2 Pedestrian::heading_along() const {
+  Pose2 pose = at(along_m_);
+  if (direction_ < 0) pose.yaw = wrap_angle(pose.yaw + M_PI);
+  return pose;
+}
+
 bool Pedestrian::path_is_clear(const Pose2& robot) const {
   const Eigen::Vector2d to_robot(robot.x - pose_.x, robot.y - pose_.y);
-  const Pose2 next = at(along_m_);
+  const Pose2 next = heading_along();
   const Eigen::Vector2d ahead(std::cos(next.yaw), std::sin(next.yaw));
   return to_robot.norm() > kPersonalSpaceM || ahead.dot(to_robot) < 0;
 }
@@ -48,8 +55,14 @@ void Pedestrian::rotate_towards(double heading, double step_s) {
 
 void Pedestrian::step(double step_s, const Pose2& robot) {
   if (length_m_ <= 0) return;
-  if (path_is_clear(robot)) along_m_ = std::fmod(along_m_ + speed_m_s_ * step_s, length_m_);
-  const Pose2 next = at(along_m_);
+  if (path_is_clear(robot)) {
+    along_m_ = std::fmod(along_m_ + direction_ * speed_m_s_ * step_s + length_m_, length_m_);
+    waited_s_ = 0;
+  } else if ((waited_s_ += step_s) > kPatienceS) {
+    direction_ = -direction_;
+    waited_s_ = 0;
+  }
+  const Pose2 next = heading_along();
   pose_.x = next.x;
   pose_.y = next.y;
   rotate_towards(next.yaw, step_s);

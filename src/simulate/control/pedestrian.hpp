@@ -7,8 +7,8 @@
 
 namespace extperfc::simulate {
 
-/// A person who walks along a path at constant speed, faces forward, and waits while the path is
-/// not free.
+/// A person who walks along a path at constant speed and faces forward. Where the robot stands in the path
+/// the person waits, and walks back the same path when the robot is still there after 3 s.
 class Pedestrian {
  public:
   explicit Pedestrian(const PersonSpec& person);
@@ -21,11 +21,14 @@ class Pedestrian {
   [[nodiscard]] bool path_is_clear(const Pose2& robot) const;
   void rotate_towards(double heading, double step_s);
   [[nodiscard]] Pose2 at(double along_m) const;
+  [[nodiscard]] Pose2 heading_along() const;
 
   std::vector<Eigen::Vector2d> corners_;  // of the path, there and back when it is open
   double length_m_{0};
   double speed_m_s_;
   double along_m_{0};
+  double direction_{1};  // -1: backwards along the path
+  double waited_s_{0};
   Pose2 pose_;
 };
 

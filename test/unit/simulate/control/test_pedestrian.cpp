@@ -45,8 +45,19 @@ TEST(Pedestrian, WaitsForTheRobotAheadAndPassesOneBehind) {
   Pedestrian pedestrian(person({{0, 0}, {4, 0}}, false));
   walk(pedestrian, 3.0, Pose2{2, 0, 0});
   EXPECT_NEAR(pedestrian.pose().x, 2.0 - 1.0, 0.01);
+  EXPECT_NEAR(pedestrian.pose().yaw, 0.0, 1e-6);
   walk(pedestrian, 1.0, Pose2{0.8, 0, 0});
   EXPECT_GT(pedestrian.pose().x, 2.0);
+}
+
+TEST(Pedestrian, WalksBackWhenTheRobotStays) {
+  Pedestrian pedestrian(person({{0, 0}, {4, 0}, {4, 3}}, true));
+  const Pose2 robot{2, 0, 0};
+  walk(pedestrian, 1.0 + 3.0 + 1.5, robot);
+  EXPECT_NEAR(pedestrian.pose().x, 0.4, 0.05) << "past the start, on the closed path's last segment";
+  EXPECT_GT(pedestrian.pose().y, 0.2);
+  walk(pedestrian, 30.0, robot);
+  EXPECT_GT(std::hypot(pedestrian.pose().x - robot.x, pedestrian.pose().y - robot.y), 0.99);
 }
 
 TEST(Pedestrian, StandsWithoutAPath) {

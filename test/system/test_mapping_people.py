@@ -1,0 +1,25 @@
+"""The office is mapped while twenty people walk about: they leave no trace in the map, and it is as good as without them."""
+
+import unittest
+
+from test_mapping_office import OUT, OfficeCase
+
+ROUNDS = 2
+SECONDS = 1500
+# From where to where people walk, there and back.
+WALKS = [((-9.5, y), (9.5, y)) for y in (2.8, 3.4, 4.0, -2.8, -3.4, -4.0)] + [
+    ((-11.5, -9), (-11.5, 9)), ((-10.6, -8.5), (-10.6, 8.5)), ((11.5, -9), (11.5, 9)), ((10.6, -8.5), (10.6, 8.5)),
+    ((-0.6, -3.8), (-0.6, 3.8)), ((0.6, -3.8), (0.6, 3.8)), ((-9.0, 3.1), (-1.5, 3.1)), ((1.5, 3.1), (9.0, 3.1)),
+    ((-9.0, -3.1), (-1.5, -3.1)), ((1.5, -3.1), (9.0, -3.1)), ((-6.0, 3.7), (6.0, 3.7)), ((-6.0, -3.7), (6.0, -3.7)),
+    ((-3.0, 2.9), (8.0, 2.9)), ((-8.0, -2.9), (3.0, -2.9))]
+
+
+class MappingPeople(OfficeCase):
+    def test_people_leave_no_trace(self):
+        """The bounds are those of the drive without people: what they leave lowers the precision."""
+        self.assertEqual(len(WALKS), 20)
+        self.map_the_office(OUT / "people", WALKS, ROUNDS, SECONDS)
+
+
+if __name__ == "__main__":
+    unittest.main()
