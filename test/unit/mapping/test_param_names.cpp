@@ -32,10 +32,11 @@ TEST(ParamNames, EachNameSetsAFieldOfItsOwn) {
   struct Doubles {
     int particles;
     double rest[13];
+    int kept_passes;
     std::uint64_t seed;
   };
   static_assert(sizeof(MapperParams) == sizeof(Doubles), "a parameter without a name?");
-  EXPECT_EQ(param_names().size(), 15U);
+  EXPECT_EQ(param_names().size(), 16U);
   std::set<std::string_view> names;
   for (const auto& name : param_names()) {
     EXPECT_TRUE(names.insert(name.name).second) << name.name;
