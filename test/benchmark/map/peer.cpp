@@ -167,8 +167,9 @@ Result<Figures> Attempt::score(const ChildRun& run) const {
 const std::vector<PeerProgram>& peer_programs() {
   static const std::vector<PeerProgram> programs{
       {"MRPT rbpf-slam, ICP", "rbpf-slam", "rbpf-slam/gridmapping_RBPF_ICPbased_intel.ini"},
-      {"MRPT rbpf-slam, grid", "rbpf-slam", "rbpf-slam/gridmapping_optimal_sampling.ini"},
-      {"MRPT icp-slam", "icp-slam", "icp-slam/icp-slam_demo_classic.ini"},
+      {"MRPT rbpf-slam, ICP on grids", "rbpf-slam", "rbpf-slam/gridmapping_RBPF_grid_ICPbased_malaga.ini"},
+      {"MRPT rbpf-slam, optimal sampling", "rbpf-slam", "rbpf-slam/gridmapping_optimal_sampling.ini"},
+      {"MRPT icp-slam", "icp-slam", "icp-slam/icp-slam_demo_LM.ini"},
   };
   return programs;
 }

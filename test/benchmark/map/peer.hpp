@@ -17,7 +17,8 @@ struct PeerProgram {
   const char* configuration;  ///< file in MRPT's folder of configurations
 };
 
-/// rbpf-slam with its ICP-based and with its grid-based configuration for the Intel log, and icp-slam.
+/// rbpf-slam by ICP on point maps (the configuration for the Intel log), by ICP on grid maps and by optimal
+/// sampling, and icp-slam with the best of its configurations.
 [[nodiscard]] const std::vector<PeerProgram>& peer_programs();
 
 struct PeerRun {

@@ -149,7 +149,7 @@ Result<std::vector<Row>> log_rows(const std::vector<Subject>& subjects, const Ma
     if (!first) first = runs->front();
     append(rows, seed_rows(subject, kParticles, *runs, options.scans));
   }
-  const auto particles = particle_rows(subjects.front(), *first, options);
+  auto particles = particle_rows(subjects.front(), *first, options);
   if (!particles) return particles;
   append(rows, *particles);
   return rows;
