@@ -81,7 +81,7 @@ void print_map_help(std::ostream& out) {
          "alone in the same run; what particles, the map's size and the scans' rate cost; the time of "
          "map().\n"
          "\n"
-         "  --quick       parts of everything, in minutes\n"
+         "  --quick       parts of everything, in about a minute\n"
          "  --seeds       of every log with 30 particles (default 3); with 1, 10 and 100 particles at most "
          "3,\n"
          "                on the first log alone\n"

@@ -6,6 +6,7 @@
 #include "test/benchmark/map/log_part.hpp"
 #include "test/benchmark/map/peer.hpp"
 #include "test/benchmark/map/rows.hpp"
+#include "test/benchmark/map/score.hpp"
 
 namespace extperfc::benchmark {
 namespace {
@@ -53,9 +54,12 @@ Result<std::vector<Row>> Comparison::rows() {
 }
 
 Result<void> Comparison::add_program(const PeerProgram& peer) {
-  std::cerr << "  " << subject_.name << ", " << peer.name << " ..." << std::endl;
   const auto run = run_peer(peer, subject_.recording, options_.peer_scans);
-  if (run) return add(peer.name, run->figures, run->scans);
+  if (run) {
+    std::cerr << "  " << with_scans(subject_, run->scans) << ", " << peer.name << ": "
+              << summary(run->figures) << std::endl;
+    return add(peer.name, run->figures, run->scans);
+  }
   if (run.error().code == ErrorCode::kNotFound) {
     std::cout << "no comparison with " << peer.name << ": " << run.error().message << "\n";
     return {};

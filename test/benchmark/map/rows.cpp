@@ -10,6 +10,7 @@
 
 #include "test/benchmark/map/child.hpp"
 #include "test/benchmark/map/log_part.hpp"
+#include "test/benchmark/map/score.hpp"
 #include "test/support/temporary_folder.hpp"
 
 namespace extperfc::benchmark {
@@ -34,10 +35,6 @@ double worst_of(const std::vector<Figures>& runs, const std::string& name) {
   return worst;
 }
 
-std::string text(const Figures& figures, const std::string& name) {
-  return detail::number(figure_of(figures, name), "-");
-}
-
 void append(std::vector<Row>& rows, const std::vector<Row>& more) {
   rows.insert(rows.end(), more.begin(), more.end());
 }
@@ -59,9 +56,7 @@ Result<std::vector<Figures>> run_seeds(const Subject& subject, int particles, in
     auto figures = run_log(run);
     if (!figures) return tl::unexpected(figures.error());
     std::cerr << "  " << subject.name << ", " << particles << " particles, seed " << seed << ": "
-              << text(*figures, "translation_m") << " m, " << text(*figures, "rotation_deg") << " deg, loop "
-              << text(*figures, "worst_loop_m") << " m, " << text(*figures, "cpu_s") << " s, "
-              << text(*figures, "peak_mb") << " MB" << std::endl;
+              << summary(*figures) << std::endl;
     runs.push_back(*std::move(figures));
   }
   return runs;

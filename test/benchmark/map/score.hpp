@@ -2,6 +2,7 @@
 
 #include <filesystem>
 #include <optional>
+#include <string>
 #include <vector>
 
 #include "extperfc/base/error.hpp"
@@ -11,10 +12,13 @@
 
 namespace extperfc::benchmark {
 
-/// Adds the score of a file of relations: relations (scored ones), translation_m, rotation_deg (means over
-/// all of them), and where there are loops, worst_loop_m. `poses` by the scan's number; no value where a scan
-/// has none.
+/// Adds the score of a file of relations: relations (scored ones), where there are any translation_m and
+/// rotation_deg (means over all of them), and where there are loops, worst_loop_m. `poses` by the scan's
+/// number; no value where a scan has none.
 [[nodiscard]] Result<void> add_score(const std::filesystem::path& relations_file,
                                      const std::vector<std::optional<Pose2>>& poses, Figures& figures);
+
+/// Errors, CPU and memory in one line, for those who wait.
+[[nodiscard]] std::string summary(const Figures& figures);
 
 }  // namespace extperfc::benchmark
