@@ -7,7 +7,12 @@ import tempfile
 import unittest
 
 REPO = pathlib.Path(__file__).resolve().parents[2]
+LOGS = {"intel": "Intel", "fr079": "fr079", "mit-csail": "mit-csail"}  # file and name in the tables
 KEYS = {"case", "metric", "unit", "ours", "peer", "peer_name", "ratio", "goal", "met"}
+
+
+def is_there(log):
+    return (REPO / "../shared/data/slam" / f"{log}.clf.bz2").exists()
 
 
 class Bench(unittest.TestCase):
@@ -61,8 +66,25 @@ class Bench(unittest.TestCase):
         self.assertTrue({"translational error", "CPU per scan, p99", "peak memory", "map(), worst call"} <= metrics)
         measured = [row for row in rows if row["metric"] == "translational error"]
         self.assertTrue(all(0 < row["ours"] < 0.2 for row in measured), measured)
+        floor = [row for row in measured if row["peer_name"] == "odometry"]
+        self.assertTrue(floor)
+        self.assertTrue(all(row["ours"] < row["peer"] for row in floor), floor)
+        for log in filter(is_there, LOGS):
+            self.assertIn(LOGS[log], {row["case"].split(",")[0] for row in floor})
+            self.assertIn(f"{LOGS[log]}, first 1000 scans, 30 particles", cases)
 
-    @unittest.skipUnless((REPO / "../shared/data/slam/intel.clf.bz2").exists(), "no recording beside the package")
+    @unittest.skipUnless(is_there("fr079"), "no recording beside the package")
+    def test_map_of_one_log(self):
+        rows = self.bench("map", "--quick", "--only", "log", "--log", "fr079")
+        self.assertEqual({"fr079"}, {row["case"].split(",")[0] for row in rows})
+
+    def test_map_of_an_unknown_log_is_one_clear_error(self):
+        done = subprocess.run([REPO / "tools" / "bench", "map", "--log", "nonsense"], capture_output=True, text=True,
+                              timeout=300)
+        self.assertNotEqual(0, done.returncode)
+        self.assertIn("--log needs intel, fr079 or mit-csail, not 'nonsense'", done.stdout + done.stderr)
+
+    @unittest.skipUnless(is_there("intel"), "no recording beside the package")
     def test_localize(self):
         rows = self.bench("localize", "--quick")
         memory = [row for row in rows if row["metric"] == "peak memory"]

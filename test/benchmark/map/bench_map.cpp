@@ -1,7 +1,6 @@
 // What mapping costs, and how good the map is. Run with --help.
 
 #include <cstdio>
-#include <filesystem>
 #include <functional>
 #include <iostream>
 #include <string>
@@ -12,14 +11,13 @@
 #include "test/benchmark/map/log_part.hpp"
 #include "test/benchmark/map/options.hpp"
 #include "test/benchmark/map/rows.hpp"
+#include "test/benchmark/map/subjects.hpp"
 #include "test/benchmark/map/worlds_part.hpp"
 #include "test/benchmark/report.hpp"
 #include "test/support/temporary_folder.hpp"
 
 namespace extperfc::benchmark {
 namespace {
-
-constexpr double kStandInS = 300;  // of driving: once around and into some rooms
 
 constexpr char kExplanation[] =
     "errors: mean over the relations of the metric of Kuemmerle et al. 2009, absolute values. CPU: of all "
@@ -39,41 +37,23 @@ int complain(const std::string& message, int code) {
   return code;
 }
 
-/// The log beside the repository, or a generated one in `folder`.
-Result<Subject> find_subject(const std::filesystem::path& folder) {
-  // The dots are for the system to follow: the folder may be a link.
-  const auto data = std::filesystem::path(EXTPERFC_SOURCE_DIR) / "../shared/data/slam";
-  const Recording intel{data / "intel.clf.bz2", data / "intel.relations"};
-  if (std::filesystem::exists(intel.log) && std::filesystem::exists(intel.relations))
-    return Subject{"Intel", true, intel};
-  std::cout << intel.log.string() << " is not there: a generated building stands in for it, and the goals of "
-            << "that log are left out\n";
-  auto office = record_office({360, 10, kStandInS}, folder);
-  if (!office) return tl::unexpected(office.error());
-  return Subject{"office", false, *std::move(office)};
-}
-
 Result<std::vector<Row>> measure(const MapOptions& options) {
   if (options.only == kWorldsPart) return world_rows(options);
   const TemporaryFolder folder;
-  const auto subject = find_subject(folder.path());
-  if (!subject) return tl::unexpected(subject.error());
+  const auto subjects = find_subjects(options.log, folder.path());
+  if (!subjects) return tl::unexpected(subjects.error());
   struct Part {
     const char* name;
     std::function<Result<std::vector<Row>>()> rows;
   };
-  const std::vector<Part> parts{{"log", [&] { return log_rows(*subject, options); }},
-                                {"peer", [&] { return peer_rows(*subject, options); }},
+  const std::vector<Part> parts{{"log", [&] { return log_rows(*subjects, options); }},
+                                {"peer", [&] { return peer_rows(*subjects, options); }},
                                 {"rates", [&] { return rate_rows(options); }},
-                                {"hall", [&] { return map_call_rows(*subject, options); }}};
+                                {"hall", [&] { return map_call_rows(subjects->front(), options); }}};
   std::vector<Row> rows;
   for (const auto& part : parts) {
     if (!options.only.empty() && options.only != part.name) continue;
-    const auto more = part.rows();
-    if (!more && std::string(part.name) == "peer" && more.error().code == ErrorCode::kNotFound) {
-      std::cout << "no comparison: " << more.error().message << "\n";
-      continue;
-    }
+    auto more = part.rows();
     if (!more) return more;
     rows.insert(rows.end(), more->begin(), more->end());
   }

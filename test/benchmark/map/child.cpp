@@ -1,6 +1,7 @@
 #include "test/benchmark/map/child.hpp"
 
 #include <cerrno>
+#include <cmath>
 #include <csignal>
 #include <cstring>
 #include <fstream>
@@ -35,8 +36,10 @@ double seconds_of(const timeval& time) {
 }
 
 /// In the new process. Standard input is empty: programs of MRPT wait for a key after an error.
-[[noreturn]] void become(const std::vector<char*>& arguments, int output) {
+[[noreturn]] void become(const std::vector<char*>& arguments, int output, unsigned max_cpu_s) {
   prctl(PR_SET_PDEATHSIG, SIGTERM);
+  const rlimit limit{max_cpu_s, RLIM_INFINITY};
+  if (max_cpu_s > 0) setrlimit(RLIMIT_CPU, &limit);
   const int nothing = open("/dev/null", O_RDONLY);
   dup2(nothing, STDIN_FILENO);
   dup2(output, STDOUT_FILENO);
@@ -53,9 +56,27 @@ std::string complaint(const std::vector<std::string>& tokens, int status, const 
          said.substr(said.size() > kMaxErrorText ? said.size() - kMaxErrorText : 0);
 }
 
+/// What wait4() reports.
+Result<ChildRun> ended(const std::vector<std::string>& tokens, int status, const rusage& used,
+                       const fs::path& output) {
+  if (WIFEXITED(status) && WEXITSTATUS(status) == kNotStarted)
+    return fail(ErrorCode::kNotFound, tokens.front() + " cannot be started; is it installed?");
+  const bool out_of_cpu = WIFSIGNALED(status) && WTERMSIG(status) == SIGXCPU;
+  if (!out_of_cpu && (!WIFEXITED(status) || WEXITSTATUS(status) != 0))
+    return fail(ErrorCode::kFailed, complaint(tokens, status, output));
+  return ChildRun{seconds_of(used.ru_utime) + seconds_of(used.ru_stime),
+                  kKibInMb * static_cast<double>(used.ru_maxrss), out_of_cpu};
+}
+
 }  // namespace
 
-Result<ChildRun> run_program(const std::vector<std::string>& tokens, const fs::path& output) {
+double figure_of(const Figures& figures, const std::string& name) {
+  const auto found = figures.find(name);
+  return found == figures.end() ? std::nan("") : found->second;
+}
+
+Result<ChildRun> run_program(const std::vector<std::string>& tokens, const fs::path& output,
+                             unsigned max_cpu_s) {
   const int file = open(output.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0644);
   if (file < 0) return fail(ErrorCode::kFailed, output.string() + ": " + std::strerror(errno));
   std::vector<char*> arguments;
@@ -63,19 +84,14 @@ Result<ChildRun> run_program(const std::vector<std::string>& tokens, const fs::p
     arguments.push_back(const_cast<char*>(token.c_str()));  // NOLINT: exec's type
   arguments.push_back(nullptr);
   const pid_t pid = fork();
-  if (pid == 0) become(arguments, file);
+  if (pid == 0) become(arguments, file, max_cpu_s);
   close(file);
   if (pid < 0) return fail(ErrorCode::kFailed, "starting " + tokens.front() + ": " + std::strerror(errno));
   int status = 0;
   rusage used{};
   while (wait4(pid, &status, 0, &used) < 0)
     if (errno != EINTR) return fail(ErrorCode::kFailed, tokens.front() + ": " + std::strerror(errno));
-  if (WIFEXITED(status) && WEXITSTATUS(status) == kNotStarted)
-    return fail(ErrorCode::kNotFound, tokens.front() + " cannot be started; is it installed?");
-  if (!WIFEXITED(status) || WEXITSTATUS(status) != 0)
-    return fail(ErrorCode::kFailed, complaint(tokens, status, output));
-  return ChildRun{seconds_of(used.ru_utime) + seconds_of(used.ru_stime),
-                  kKibInMb * static_cast<double>(used.ru_maxrss)};
+  return ended(tokens, status, used, output);
 }
 
 Result<Figures> run_part(const std::vector<std::string>& tokens) {

@@ -13,8 +13,9 @@
 #include "extperfc/base/stopwatch.hpp"
 #include "extperfc/mapping/mapper.hpp"
 #include "extperfc/offline/map_recording.hpp"
-#include "extperfc/offline/relations.hpp"
 #include "extperfc/sources/scan_log.hpp"
+
+#include "test/benchmark/map/score.hpp"
 
 namespace extperfc::benchmark {
 namespace {
@@ -159,19 +160,6 @@ Figures Watched::figures() {
   return figures;
 }
 
-Result<void> add_score(const std::filesystem::path& file, const Trajectory& trajectory, Figures& figures) {
-  const auto relations = offline::read_relations(file);
-  if (!relations) return tl::unexpected(relations.error());
-  std::vector<std::optional<Pose2>> poses;
-  for (const auto& stamped : trajectory) poses.emplace_back(stamped.pose);
-  const auto score = offline::score_relations(*relations, poses);
-  figures["relations"] = static_cast<double>(score.all.relations);
-  figures["translation_m"] = score.all.translation_m.mean;
-  figures["rotation_deg"] = score.all.rotation_deg.mean;
-  if (score.loops.relations > 0) figures["worst_loop_m"] = score.loops.translation_m.worst;
-  return {};
-}
-
 Result<Figures> watch(const LogRun& run) {
   auto log = sources::open_carmen_log(run.recording.log);
   if (!log) return tl::unexpected(log.error());
@@ -180,9 +168,11 @@ Result<Figures> watch(const LogRun& run) {
   Watched watched(*std::move(mapper), run);
   if (auto fed = watched.feed(**log); !fed) return tl::unexpected(fed.error());
   Figures figures = watched.figures();
-  if (!run.recording.relations.empty())
-    if (auto scored = add_score(run.recording.relations, watched.trajectory(), figures); !scored)
-      return tl::unexpected(scored.error());
+  if (run.recording.relations.empty()) return figures;
+  std::vector<std::optional<Pose2>> poses;
+  for (const auto& stamped : watched.trajectory()) poses.emplace_back(stamped.pose);
+  if (auto scored = add_score(run.recording.relations, poses, figures); !scored)
+    return tl::unexpected(scored.error());
   return figures;
 }
 

@@ -29,8 +29,7 @@ struct LogRun {
 ///   first_quarter_ms, last_quarter_ms (means), key_frames, loops, seconds (of the recording),
 ///   base_mb (before the first scan), peak_mb (with the map drawn), explored_m2, map_cells,
 ///   map_max_ms, map_last_median_ms (calls of map(), CPU: the worst; the median of the last quarter),
-///   map_calls, and with relations: relations, translation_m, rotation_deg (means over all of them),
-///   worst_loop_m.
+///   map_calls, and with relations those of add_score().
 [[nodiscard]] Result<Figures> run_log(const LogRun& run);
 
 /// The other side of run_log(), in the new process; an exit code.

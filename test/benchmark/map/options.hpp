@@ -13,13 +13,14 @@ constexpr std::size_t kWholeLog = 1'000'000'000;
 constexpr char kWorldsPart[] = "worlds";  ///< runs only when it is asked for
 
 struct MapOptions {
-  int seeds{3};                   ///< with 30 particles; with other numbers at most three
-  std::size_t scans{kWholeLog};   ///< of the log
-  std::size_t peer_scans{4'000};  ///< of the log, for the comparison with rbpf-slam
-  double drive_s{400};            ///< length of the drives in generated buildings [s], at most
-  bool quick{false};              ///< parts of everything
-  int worlds{2};                  ///< generated buildings of every kind
-  std::string only;               ///< "log", "peer", "rates", "hall", kWorldsPart, or empty: all but the last
+  int seeds{3};                       ///< of every log, with 30 particles; with other numbers at most three
+  std::size_t scans{kWholeLog};       ///< of every log
+  std::size_t peer_scans{kWholeLog};  ///< of every log, for the comparison with peers
+  double drive_s{400};                ///< length of the drives in generated buildings [s], at most
+  bool quick{false};                  ///< parts of everything
+  int worlds{2};                      ///< generated buildings of every kind
+  std::string only;  ///< "log", "peer", "rates", "hall", kWorldsPart, or empty: all but the last
+  std::string log;   ///< one of log_names(), or empty: all that are there
   std::string json;
   bool help{false};
 };

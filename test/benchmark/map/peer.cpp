@@ -1,15 +1,17 @@
 #include "test/benchmark/map/peer.hpp"
 
+#include <algorithm>
 #include <filesystem>
 #include <fstream>
 #include <map>
 #include <optional>
 #include <string>
-#include <vector>
+#include <utility>
 
 #include "extperfc/offline/relations.hpp"
 #include "extperfc/sources/scan_log.hpp"
 
+#include "test/benchmark/map/score.hpp"
 #include "test/support/temporary_folder.hpp"
 
 namespace extperfc::benchmark {
@@ -17,16 +19,17 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr char kConfiguration[] =
-    "/usr/share/mrpt/config_files/rbpf-slam/gridmapping_RBPF_ICPbased_intel.ini";
+constexpr char kConfigurations[] = "/usr/share/mrpt/config_files";
 constexpr char kSection[] = "[MappingApplication]";
+constexpr unsigned kMaxCpuS = 600;
+constexpr double kShorten = 0.95;  // of what a run did within the limit: the next one must not reach it
+constexpr int kMaxRuns = 3;
 
 /// The shipped configuration with some keys of its main section set.
-Result<void> configure(const std::map<std::string, std::string>& set, const fs::path& to) {
-  std::ifstream in(kConfiguration);
-  if (!in)
-    return fail(ErrorCode::kNotFound,
-                std::string(kConfiguration) + " is missing (Debian package mrpt-common)");
+Result<void> configure(const fs::path& shipped, const std::map<std::string, std::string>& set,
+                       const fs::path& to) {
+  std::ifstream in(shipped);
+  if (!in) return fail(ErrorCode::kNotFound, shipped.string() + " is missing (Debian package mrpt-common)");
   std::ofstream out(to);
   for (std::string line; std::getline(in, line);) {
     const auto name = line.substr(0, line.find_first_of("= \t\r"));
@@ -38,36 +41,64 @@ Result<void> configure(const std::map<std::string, std::string>& set, const fs::
   return {};
 }
 
-/// Which scans moved the filter: its output says "New pose" once for each, before the end of the step.
-std::vector<std::size_t> filter_steps(const fs::path& output) {
-  std::vector<std::size_t> steps;
+std::map<std::string, std::string> settings(const fs::path& results) {
+  return {{"logOutput_dir", results.string()},
+          {"LOG_FREQUENCY", "0"},
+          {"SAVE_MAP_IMAGES", "0"},
+          {"SAVE_3D_SCENE", "0"},
+          {"SAVE_POSE_LOG", "0"},
+          {"CAMERA_3DSCENE_FOLLOWS_ROBOT", "0"},
+          {"SHOW_PROGRESS_IN_WINDOW", "0"},     // of rbpf-slam
+          {"SHOW_PROGRESS_3D_REAL_TIME", "0"},  // of icp-slam
+          {"verbosity_level", "DEBUG"},         // rbpf-slam says which scans moved the filter
+          {"RANDOM_SEED", "1"}};
+}
+
+/// A program's output, scan by scan.
+struct Progress {
+  std::size_t scans{0};            // that it has done
+  std::vector<std::size_t> steps;  // scans that moved rbpf-slam's filter
+};
+
+/// rbpf-slam says "New pose" once for each scan that moves the filter, before the end of the scan's step.
+Progress progress_of(const fs::path& output) {
+  Progress progress;
   std::ifstream in(output);
   bool moved = false;
-  std::size_t scan = 0;
   for (std::string line; std::getline(in, line);) {
     if (line.find("] New pose=") != std::string::npos) moved = true;
     if (line.find("---- STEP ") == std::string::npos) continue;
-    if (moved) steps.push_back(scan);
+    if (moved) progress.steps.push_back(progress.scans);
     moved = false;
-    ++scan;
+    ++progress.scans;
   }
-  return steps;
+  return progress;
 }
 
-/// A pose for each scan of `steps`, stamped with the scan's number. The first pose of the file is the start.
-Result<Trajectory> read_path(const fs::path& file, const std::vector<std::size_t>& steps) {
+bool is_filter(const PeerProgram& peer) {
+  return std::string(peer.program) == "rbpf-slam";
+}
+
+/// A pose for each scan that moved the filter, stamped with the scan's number. The first pose of the file is
+/// the start.
+Result<Trajectory> read_filter_path(const fs::path& file, const std::vector<std::size_t>& steps) {
   std::ifstream in(file);
   Trajectory path;
-  StampedPose2 pose;
-  for (double yaw = 0; in >> pose.pose.x >> pose.pose.y >> yaw;) {
-    pose.pose.yaw = yaw;
-    path.push_back(pose);
-  }
+  for (Pose2 pose; in >> pose.x >> pose.y >> pose.yaw;) path.push_back({0, pose});
   if (path.size() != steps.size() + 1)
     return fail(ErrorCode::kCorrupt, "rbpf-slam wrote a path of " + std::to_string(path.size()) +
                                          " poses for " + std::to_string(steps.size()) + " filter steps");
   path.erase(path.begin());
   for (std::size_t i = 0; i < steps.size(); ++i) path[i].stamp_s = static_cast<double>(steps[i]);
+  return path;
+}
+
+/// Lines `scan x y yaw`.
+Trajectory read_numbered_path(const fs::path& file) {
+  std::ifstream in(file);
+  Trajectory path;
+  StampedPose2 one;
+  while (in >> one.stamp_s >> one.pose.x >> one.pose.y >> one.pose.yaw) path.push_back(one);
   return path;
 }
 
@@ -85,51 +116,89 @@ Result<std::vector<offline::ScanMoment>> moments_of(const fs::path& file, std::s
   return moments;
 }
 
-Result<void> add_score(const Recording& recording, const std::vector<offline::ScanMoment>& moments,
-                       const Trajectory& path, Figures& figures) {
-  const auto relations = offline::read_relations(recording.relations);
-  if (!relations) return tl::unexpected(relations.error());
-  const auto poses = offline::poses_of_scans(path, moments);
+/// The program over the first scans, in a folder.
+struct Attempt {
+  const PeerProgram& peer;
+  const Recording& recording;
+  std::size_t scans;
+  fs::path folder;
+
+  [[nodiscard]] fs::path output() const { return folder / "output"; }
+  [[nodiscard]] fs::path results() const { return folder / "results"; }
+  [[nodiscard]] Result<ChildRun> run() const;
+  [[nodiscard]] Result<Figures> score(const ChildRun& run) const;
+};
+
+Result<ChildRun> Attempt::run() const {
+  const auto rawlog = folder / "log.rawlog";
+  const auto written = run_program({beside_this_program("bench_map_rawlog").string(), recording.log.string(),
+                                    rawlog.string(), std::to_string(scans)},
+                                   output());
+  if (!written) return tl::unexpected(written.error());
+  const auto configuration = folder / "configuration.ini";
+  if (auto done =
+          configure(fs::path(kConfigurations) / peer.configuration, settings(results()), configuration);
+      !done)
+    return tl::unexpected(done.error());
+  return run_program({peer.program, configuration.string(), rawlog.string()}, output(), kMaxCpuS);
+}
+
+Result<Figures> Attempt::score(const ChildRun& run) const {
+  const auto moments = moments_of(recording.log, scans);
+  if (!moments) return tl::unexpected(moments.error());
+  Figures figures{{"cpu_s", run.cpu_s}, {"peak_mb", run.peak_memory_mb}};
+  Result<Trajectory> path = read_numbered_path(results() / "log_estimated_path.txt");
+  if (is_filter(peer)) {
+    const auto steps = progress_of(output()).steps;
+    figures["filter_steps"] = static_cast<double>(steps.size());
+    path = read_filter_path(results() / "most_likely_path.txt", steps);
+    if (!path) return tl::unexpected(path.error());
+  }
+  if (path->empty()) return fail(ErrorCode::kFailed, std::string(peer.program) + " wrote no path");
+  const auto poses = offline::poses_of_scans(*path, *moments);
   if (!poses) return tl::unexpected(poses.error());
-  const auto score = offline::score_relations(*relations, *poses);
-  figures["relations"] = static_cast<double>(score.all.relations);
-  figures["translation_m"] = score.all.translation_m.mean;
-  figures["rotation_deg"] = score.all.rotation_deg.mean;
-  if (score.loops.relations > 0) figures["worst_loop_m"] = score.loops.translation_m.worst;
-  return {};
+  if (auto scored = add_score(recording.relations, *poses, figures); !scored)
+    return tl::unexpected(scored.error());
+  return figures;
 }
 
 }  // namespace
 
-Result<Figures> run_peer(const Recording& recording, std::size_t scans) {
-  const TemporaryFolder folder;
-  const auto rawlog = folder.path() / "log.rawlog";
-  const auto output = folder.path() / "output";
-  const auto written = run_program({beside_this_program("bench_map_rawlog").string(), recording.log.string(),
-                                    rawlog.string(), std::to_string(scans)},
-                                   output);
-  if (!written) return tl::unexpected(written.error());
-  const auto results = folder.path() / "results";
-  const std::map<std::string, std::string> settings{{"logOutput_dir", results.string()},
-                                                    {"LOG_FREQUENCY", "0"},
-                                                    {"SAVE_MAP_IMAGES", "0"},
-                                                    {"SAVE_3D_SCENE", "0"},
-                                                    {"SHOW_PROGRESS_IN_WINDOW", "0"},
-                                                    {"RANDOM_SEED", "1"}};
-  const auto configuration = folder.path() / "rbpf.ini";
-  if (auto done = configure(settings, configuration); !done) return tl::unexpected(done.error());
-  const auto run = run_program({"rbpf-slam", configuration.string(), rawlog.string()}, output);
-  if (!run) return tl::unexpected(run.error());
+const std::vector<PeerProgram>& peer_programs() {
+  static const std::vector<PeerProgram> programs{
+      {"MRPT rbpf-slam, ICP", "rbpf-slam", "rbpf-slam/gridmapping_RBPF_ICPbased_intel.ini"},
+      {"MRPT rbpf-slam, ICP on grids", "rbpf-slam", "rbpf-slam/gridmapping_RBPF_grid_ICPbased_malaga.ini"},
+      {"MRPT rbpf-slam, optimal sampling", "rbpf-slam", "rbpf-slam/gridmapping_optimal_sampling.ini"},
+      {"MRPT icp-slam", "icp-slam", "icp-slam/icp-slam_demo_LM.ini"},
+  };
+  return programs;
+}
+
+Result<PeerRun> run_peer(const PeerProgram& peer, const Recording& recording, std::size_t scans) {
+  for (int i = 0; i < kMaxRuns; ++i) {
+    const TemporaryFolder folder;
+    const Attempt part{peer, recording, scans, folder.path()};
+    const auto run = part.run();
+    if (!run) return tl::unexpected(run.error());
+    if (!run->out_of_cpu) {
+      auto figures = part.score(*run);
+      if (!figures) return tl::unexpected(figures.error());
+      return PeerRun{scans, *std::move(figures)};
+    }
+    const auto done = static_cast<double>(progress_of(part.output()).scans);
+    scans = static_cast<std::size_t>(kShorten * done);
+  }
+  return fail(ErrorCode::kFailed, std::string(peer.program) + " does not end within " +
+                                      std::to_string(kMaxCpuS) + " s of CPU over a part that it did before");
+}
+
+Result<Figures> run_odometry(const Recording& recording, std::size_t scans) {
   const auto moments = moments_of(recording.log, scans);
   if (!moments) return tl::unexpected(moments.error());
-  const auto steps = filter_steps(output);
-  const auto path = read_path(results / "most_likely_path.txt", steps);
-  if (!path) return tl::unexpected(path.error());
-  Figures figures{{"cpu_s", run->cpu_s},
-                  {"peak_mb", run->peak_memory_mb},
-                  {"scans", static_cast<double>(moments->size())},
-                  {"filter_steps", static_cast<double>(steps.size())}};
-  if (auto scored = add_score(recording, *moments, *path, figures); !scored)
+  std::vector<std::optional<Pose2>> poses;
+  for (const auto& moment : *moments) poses.push_back(moment.odom_T_base);
+  Figures figures;
+  if (auto scored = add_score(recording.relations, poses, figures); !scored)
     return tl::unexpected(scored.error());
   return figures;
 }

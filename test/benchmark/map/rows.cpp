@@ -4,11 +4,13 @@
 #include <cmath>
 #include <iostream>
 #include <map>
+#include <optional>
+#include <string>
 #include <utility>
 
 #include "test/benchmark/map/child.hpp"
 #include "test/benchmark/map/log_part.hpp"
-#include "test/benchmark/map/peer.hpp"
+#include "test/benchmark/map/score.hpp"
 #include "test/support/temporary_folder.hpp"
 
 namespace extperfc::benchmark {
@@ -18,9 +20,7 @@ constexpr int kParticles = 30;  // of the goals
 constexpr int kMaxOtherSeeds = 3;
 constexpr double kMapEveryS = 5;  // the nodelet's map_update_interval
 
-// Goals for 30 particles; those of accuracy, CPU time and memory are of the whole Intel log.
-constexpr double kGoalTranslationM = 0.018;
-constexpr double kGoalRotationDeg = 0.45;
+// Goals for 30 particles and every seed; those of loops, CPU time and memory are of whole logs.
 constexpr double kGoalLoopM = 0.15;
 constexpr double kGoalCpuS = 60;
 constexpr double kGoalP99Ms = 10;
@@ -28,29 +28,20 @@ constexpr double kGoalMemoryMb = 80;
 constexpr double kGoalPercent = 25;
 constexpr double kGoalMapMs = 20;
 
-void say(const std::string& what) {
-  std::cerr << what << std::endl;
-}
-
-double figure(const Figures& figures, const std::string& name) {
-  const auto found = figures.find(name);
-  return found == figures.end() ? std::nan("") : found->second;
-}
-
 /// Of several seeds.
 double worst_of(const std::vector<Figures>& runs, const std::string& name) {
-  double worst = figure(runs.front(), name);
-  for (const auto& run : runs) worst = std::max(worst, figure(run, name));
+  double worst = figure_of(runs.front(), name);
+  for (const auto& run : runs) worst = std::max(worst, figure_of(run, name));
   return worst;
 }
 
-std::string text(const Figures& figures, const std::string& name) {
-  return detail::number(figure(figures, name), "-");
+void append(std::vector<Row>& rows, const std::vector<Row>& more) {
+  rows.insert(rows.end(), more.begin(), more.end());
 }
 
 double mean_of(const std::vector<Figures>& runs, const std::string& name) {
   double sum = 0;
-  for (const auto& run : runs) sum += figure(run, name);
+  for (const auto& run : runs) sum += figure_of(run, name);
   return sum / static_cast<double>(runs.size());
 }
 
@@ -64,10 +55,8 @@ Result<std::vector<Figures>> run_seeds(const Subject& subject, int particles, in
     run.scans = scans;
     auto figures = run_log(run);
     if (!figures) return tl::unexpected(figures.error());
-    say("  " + subject.name + ", " + std::to_string(particles) + " particles, seed " + std::to_string(seed) +
-        ": " + text(*figures, "translation_m") + " m, " + text(*figures, "rotation_deg") + " deg, loop " +
-        text(*figures, "worst_loop_m") + " m, " + text(*figures, "cpu_s") + " s, " +
-        text(*figures, "peak_mb") + " MB");
+    std::cerr << "  " << subject.name << ", " << particles << " particles, seed " << seed << ": "
+              << summary(*figures) << std::endl;
     runs.push_back(*std::move(figures));
   }
   return runs;
@@ -77,34 +66,39 @@ struct Line {
   const char* figure;
   const char* metric;
   const char* unit;
-  double goal;       // for 30 particles
-  bool whole_intel;  // the goal is of the whole Intel log
+  double goal;  // for 30 particles; 0: none
+  bool whole;   // the goal is of a whole log
 };
 
-constexpr Line kLines[] = {
-    {"translation_m", "translational error", "m", kGoalTranslationM, true},
-    {"rotation_deg", "rotational error", "deg", kGoalRotationDeg, true},
-    {"worst_loop_m", "worst loop relation", "m", kGoalLoopM, true},
-    {"cpu_s", "CPU of the log", "s", kGoalCpuS, true},
-    {"scan_mean_ms", "CPU per scan, mean", "ms", 0, false},
-    {"scan_p99_ms", "CPU per scan, p99", "ms", kGoalP99Ms, false},
-    {"scan_max_ms", "CPU per scan, largest", "ms", 0, false},
-    {"peak_mb", "peak memory", "MB", kGoalMemoryMb, true},
-};
+std::vector<Line> lines_of(const AccuracyGoals& goals) {
+  return {
+      {"translation_m", "translational error", "m", goals.translation_m, true},
+      {"rotation_deg", "rotational error", "deg", goals.rotation_deg, true},
+      {"worst_loop_m", "worst loop relation", "m", kGoalLoopM, true},
+      {"cpu_s", "CPU of the log", "s", kGoalCpuS, true},
+      {"scan_mean_ms", "CPU per scan, mean", "ms", 0, false},
+      {"scan_p99_ms", "CPU per scan, p99", "ms", kGoalP99Ms, false},
+      {"scan_max_ms", "CPU per scan, largest", "ms", 0, false},
+      {"peak_mb", "peak memory", "MB", kGoalMemoryMb, true},
+  };
+}
 
-/// Worst and, with several seeds and 30 particles, mean of every figure.
-std::vector<Row> seed_rows(const std::string& case_name, const std::vector<Figures>& runs, bool goals,
-                           bool whole_intel) {
+/// The worst of every figure and, with several seeds and 30 particles, the mean.
+std::vector<Row> seed_rows(const Subject& subject, int particles, const std::vector<Figures>& runs,
+                           std::size_t scans) {
+  const std::string name = with_scans(subject, scans) + ", " + std::to_string(particles) + " particles";
+  const bool goals = particles == kParticles;
+  const bool several = runs.size() > 1;
+  const bool whole = subject.goals && scans == kWholeLog;
   std::vector<Row> rows;
-  for (const Line& line : kLines) {
-    const bool several = runs.size() > 1;
-    Row row{case_name, std::string(line.metric) + (several ? ", worst seed" : ""), line.unit,
-            worst_of(runs, line.figure)};
-    const bool has_goal = goals && line.goal > 0 && (whole_intel || !line.whole_intel);
+  for (const Line& line : lines_of(subject.goals.value_or(AccuracyGoals{}))) {
+    const Row row{name, std::string(line.metric) + (several ? ", worst seed" : ""), line.unit,
+                  worst_of(runs, line.figure)};
+    const bool has_goal = goals && line.goal > 0 && (whole || !line.whole);
     rows.push_back(has_goal ? at_most(row, line.goal) : row);
     if (several && goals)
-      rows.push_back({case_name, std::string(line.metric) + ", mean of " + std::to_string(runs.size()),
-                      line.unit, mean_of(runs, line.figure)});
+      rows.push_back({name, std::string(line.metric) + ", mean of " + std::to_string(runs.size()), line.unit,
+                      mean_of(runs, line.figure)});
   }
   return rows;
 }
@@ -123,59 +117,36 @@ std::vector<Row> growth_rows(const std::string& name, const Figures& one, const 
   };
 }
 
-std::string with_scans(const Subject& subject, std::size_t scans) {
-  return scans == kWholeLog || !subject.is_intel
-             ? subject.name
-             : subject.name + ", first " + std::to_string(scans) + " scans";
+/// The same log with other numbers of particles. `thirty` is a run with 30.
+Result<std::vector<Row>> particle_rows(const Subject& subject, const Figures& thirty,
+                                       const MapOptions& options) {
+  std::vector<Row> rows;
+  std::map<int, Figures> first{{kParticles, thirty}};
+  for (const int particles : {1, 10, 100}) {
+    const auto runs = run_seeds(subject, particles, std::min(options.seeds, kMaxOtherSeeds), options.scans);
+    if (!runs) return tl::unexpected(runs.error());
+    first[particles] = runs->front();
+    append(rows, seed_rows(subject, particles, *runs, options.scans));
+  }
+  append(rows, growth_rows(with_scans(subject, options.scans) + ", growth", first[1], first[kParticles],
+                           first[100]));
+  return rows;
 }
 
 }  // namespace
 
-Result<std::vector<Row>> log_rows(const Subject& subject, const MapOptions& options) {
-  const bool whole_intel = subject.is_intel && options.scans == kWholeLog;
-  const std::string name = with_scans(subject, options.scans);
+Result<std::vector<Row>> log_rows(const std::vector<Subject>& subjects, const MapOptions& options) {
   std::vector<Row> rows;
-  std::map<int, Figures> first;
-  for (const int particles : {kParticles, 1, 10, 100}) {
-    const bool goals = particles == kParticles;
-    const int seeds = goals ? options.seeds : std::min(options.seeds, kMaxOtherSeeds);
-    const auto runs = run_seeds(subject, particles, seeds, options.scans);
+  std::optional<Figures> first;
+  for (const auto& subject : subjects) {
+    const auto runs = run_seeds(subject, kParticles, options.seeds, options.scans);
     if (!runs) return tl::unexpected(runs.error());
-    first[particles] = runs->front();
-    const auto more =
-        seed_rows(name + ", " + std::to_string(particles) + " particles", *runs, goals, whole_intel);
-    rows.insert(rows.end(), more.begin(), more.end());
+    if (!first) first = runs->front();
+    append(rows, seed_rows(subject, kParticles, *runs, options.scans));
   }
-  const auto growth = growth_rows(name + ", growth", first[1], first[kParticles], first[100]);
-  rows.insert(rows.end(), growth.begin(), growth.end());
-  return rows;
-}
-
-Result<std::vector<Row>> peer_rows(const Subject& subject, const MapOptions& options) {
-  say("  " + std::string(kPeerName) + " ...");
-  const auto peer = run_peer(subject.recording, options.peer_scans);
-  if (!peer) return tl::unexpected(peer.error());
-  std::vector<Row> rows;
-  for (const int particles : {kPeerParticles, kParticles}) {
-    if (options.quick && particles != kPeerParticles) continue;
-    const auto runs = run_seeds(subject, particles, 1, options.peer_scans);
-    if (!runs) return tl::unexpected(runs.error());
-    const auto& ours = runs->front();
-    const std::string name = with_scans(subject, options.peer_scans) + ", " + std::to_string(particles) +
-                             " particles : its " + std::to_string(kPeerParticles);
-    const auto add = [&](const char* what, const char* metric, const char* unit) {
-      rows.push_back({name, metric, unit, figure(ours, what), figure(*peer, what), kPeerName});
-    };
-    add("translation_m", "translational error", "m");
-    add("rotation_deg", "rotational error", "deg");
-    add("worst_loop_m", "worst loop relation", "m");
-    add("cpu_s", "CPU of the log", "s");
-    rows.push_back({name, "CPU per scan of the log, mean", "ms", 1e3 * ours.at("cpu_s") / ours.at("scans"),
-                    1e3 * peer->at("cpu_s") / peer->at("scans"), kPeerName});
-    rows.push_back({name, "CPU per filter step, mean", "ms", 1e3 * ours.at("cpu_s") / ours.at("key_frames"),
-                    1e3 * peer->at("cpu_s") / peer->at("filter_steps"), kPeerName});
-    add("peak_mb", "peak memory", "MB");
-  }
+  auto particles = particle_rows(subjects.front(), *first, options);
+  if (!particles) return particles;
+  append(rows, *particles);
   return rows;
 }
 
@@ -195,7 +166,7 @@ Result<std::vector<Row>> rate_rows(const MapOptions& options) {
     if (!office) return tl::unexpected(office.error());
     const std::string name = "office, " + std::to_string(one.rays) + " rays at " +
                              std::to_string(static_cast<int>(one.rate_hz)) + " Hz, 30 particles";
-    const auto runs = run_seeds({name, false, *office}, kParticles, 1, kWholeLog);
+    const auto runs = run_seeds({name, *office, std::nullopt}, kParticles, 1, kWholeLog);
     if (!runs) return tl::unexpected(runs.error());
     const Figures& run = runs->front();
     // CPU seconds of mapping per second of the drive
@@ -204,7 +175,7 @@ Result<std::vector<Row>> rate_rows(const MapOptions& options) {
     rows.push_back(has_goal ? at_most(load, kGoalPercent) : load);
     rows.push_back({name, "CPU per scan, p99", "ms", run.at("scan_p99_ms")});
     rows.push_back({name, "translational error", "m", run.at("translation_m")});
-    rows.push_back({name, "worst loop relation", "m", figure(run, "worst_loop_m")});
+    rows.push_back({name, "worst loop relation", "m", figure_of(run, "worst_loop_m")});
   }
   return rows;
 }
@@ -221,9 +192,10 @@ Result<std::vector<Row>> map_call_rows(const Subject& subject, const MapOptions&
     if (!figures) return tl::unexpected(figures.error());
     const std::string cells =
         name + ", " + std::to_string(static_cast<long>(std::lround(figures->at("map_cells")))) + " cells";
-    rows.push_back(at_most({cells, "map(), worst call", "ms", figure(*figures, "map_max_ms")}, kGoalMapMs));
     rows.push_back(
-        {cells, "map(), median of the last quarter", "ms", figure(*figures, "map_last_median_ms")});
+        at_most({cells, "map(), worst call", "ms", figure_of(*figures, "map_max_ms")}, kGoalMapMs));
+    rows.push_back(
+        {cells, "map(), median of the last quarter", "ms", figure_of(*figures, "map_last_median_ms")});
     rows.push_back({cells, "peak memory", "MB", figures->at("peak_mb")});
     rows.push_back({cells, "memory per explored area", "B/m^2",
                     1e6 * (figures->at("peak_mb") - figures->at("base_mb")) / figures->at("explored_m2")});
