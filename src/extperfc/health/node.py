@@ -1,0 +1,145 @@
+"""The node of tools/health.
+
+  reads      diagnostics; the processes of this machine
+  publishes  diagnostics_agg (diagnostic_msgs/DiagnosticArray): the tree /<group>/<part>/<status>
+             diagnostics_toplevel_state (diagnostic_msgs/DiagnosticStatus, latched, at changes): the whole robot, and which
+             part is missing, silent, failing or starting
+             diagnostics: its own
+  ends       processes of parts that hang, and nodelet loaders whose manager ended; roslaunch starts them again
+  parameters config/health.yaml; ~started: names of the parts that were started, between commas
+"""
+
+import os
+import signal
+import sys
+import threading
+import time
+
+import rosgraph
+import rospy
+from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus, KeyValue
+
+from extperfc.health import settings, tree
+from extperfc.health.part_state import State
+from extperfc.health.ping import Pinger
+from extperfc.health.processes import ProcessTable
+from extperfc.health.supervisor import End, Supervisor
+from extperfc.health.unloader import Unloader
+
+FORGET_S = 10.0  # statuses without a part that are not repeated
+
+
+class Health:
+    """Everything of the node; run() returns at shutdown."""
+
+    def __init__(self, chosen):
+        now = time.monotonic()
+        self._settings = chosen
+        self._lock = threading.Lock()  # of the supervisor and the other statuses
+        self._supervisor = Supervisor(chosen, rospy.get_namespace(), now)
+        self._others = {}  # name -> (status, time)
+        self._table = ProcessTable(rosgraph.get_master_uri())
+        self._unloader = Unloader(chosen.unload_s)
+        self._down = {part.part.name: now for part in self._supervisor.parts}  # name -> since when it does not run
+        self._shown, self._published, self._look_ms = None, now - chosen.publish_period_s, 0.0
+        self._tree = rospy.Publisher("diagnostics_agg", DiagnosticArray, queue_size=5)
+        self._summary = rospy.Publisher("diagnostics_toplevel_state", DiagnosticStatus, queue_size=5, latch=True)
+        self._own = rospy.Publisher("diagnostics", DiagnosticArray, queue_size=5)
+        rospy.Subscriber("diagnostics", DiagnosticArray, self._on_diagnostics, queue_size=100)
+        pinged = [(rospy.resolve_name(part.node), part.node) for part in chosen.parts if part.ping]
+        Pinger(rospy.get_name(), pinged, chosen.ping_period_s, self._add).start()
+
+    def _on_diagnostics(self, message):
+        for status in message.status:
+            self._add(status)
+
+    def _add(self, status):
+        now = time.monotonic()
+        with self._lock:
+            if not self._supervisor.add(status, now):
+                self._others[status.name] = (status, now)
+
+    def run(self):
+        """Wall time counts: simulated time may stand still, and begins anew with the simulator."""
+        while not rospy.is_shutdown():
+            begin = time.monotonic()
+            self._look()
+            self._publish()
+            self._look_ms = 1e3 * (time.monotonic() - begin)
+            time.sleep(self._settings.look_period_s)
+
+    def _look(self):
+        processes, now = self._table.scan(), time.monotonic()
+        with self._lock:
+            actions = self._supervisor.look(processes, now)
+            self._log_changes(now)
+        for action in actions:
+            if isinstance(action, End):
+                self._end(action.process, action.reason)
+            else:
+                self._unloader.unload(action.manager, action.nodelet)
+        for manager in self._unloader.overdue():
+            self._end(manager, "it did not unload a nodelet in time")
+
+    def _log_changes(self, now):
+        for part in self._supervisor.parts:
+            name, runs = part.part.name, part.state(now) is State.RUNNING
+            if runs and name in self._down:
+                rospy.loginfo("health: %s runs after %.1f s", name, now - self._down.pop(name))
+            elif not runs and name not in self._down:
+                self._down[name] = now
+                rospy.logwarn("health: %s is %s", name, part.message(now))
+
+    def _end(self, process, reason):
+        """SIGKILL: roscpp's nodelet managers do nothing at SIGTERM that a process which hangs could still do."""
+        if self._table.alive(process):
+            rospy.logwarn("health: ending %s (pid %d): %s", process.node, process.pid, reason)
+            try:
+                os.kill(process.pid, signal.SIGKILL)
+            except ProcessLookupError:
+                pass  # it ended by itself
+
+    def _publish(self):
+        now = time.monotonic()
+        with self._lock:
+            summary = tree.summary(self._supervisor.parts, now)
+            if summary.message != self._shown:
+                self._shown = summary.message
+                self._summary.publish(summary)
+                (rospy.loginfo if summary.level == DiagnosticStatus.OK else rospy.logwarn)("health: %s", summary.message)
+            if now - self._published < self._settings.publish_period_s:
+                return
+            self._published = now
+            self._others = {name: entry for name, entry in self._others.items() if now - entry[1] < FORGET_S}
+            statuses = tree.build(self._supervisor.parts, [status for status, _ in self._others.values()], now)
+            own = self._own_status(now)
+        for publisher, sent in ((self._tree, statuses), (self._own, [own])):
+            message = DiagnosticArray(status=sent)
+            message.header.stamp = rospy.Time.now()
+            publisher.publish(message)
+
+    def _own_status(self, now):
+        given_up = self._supervisor.given_up
+        text = f"restarted too often, left alone: {', '.join(given_up)}" if given_up else "supervises"
+        level = DiagnosticStatus.ERROR if given_up else DiagnosticStatus.OK
+        values = {"parts": len(self._supervisor.parts), "restarts in a minute": self._supervisor.limit.recent(now),
+                  "look [ms]": f"{self._look_ms:.1f}"}
+        return DiagnosticStatus(level=level, name="health: supervisor", message=text, hardware_id="none",
+                                values=[KeyValue(key=key, value=str(value)) for key, value in values.items()])
+
+
+def main():
+    if {"-h", "--help"} & set(rospy.myargv()[1:]):
+        print(__doc__)
+        return 0
+    if not rosgraph.is_master_online():
+        print(f"health: no ROS master at {rosgraph.get_master_uri()}", file=sys.stderr)
+        return 1
+    rospy.init_node("health")
+    try:
+        chosen = settings.load(rospy.get_param("~", {}))
+    except settings.Wrong as error:
+        rospy.logfatal("health: %s", error)
+        return 1
+    Health(chosen).run()
+    return 0
