@@ -72,14 +72,13 @@ class Health:
         processes, now = self._table.scan(), time.monotonic()
         with self._lock:
             actions = self._supervisor.look(processes, now)
+            actions += self._supervisor.end_overdue(self._unloader.overdue(), now)
             self._log_changes(now)
         for action in actions:
             if isinstance(action, End):
                 self._end(action.process, action.reason)
             else:
                 self._unloader.unload(action.manager, action.nodelet)
-        for manager in self._unloader.overdue():
-            self._end(manager, "it did not unload a nodelet in time")
 
     def _log_changes(self, now):
         for part in self._supervisor.parts:
@@ -119,7 +118,7 @@ class Health:
             publisher.publish(message)
 
     def _own_status(self, now):
-        given_up = self._supervisor.given_up
+        given_up = self._supervisor.given_up(now)
         text = f"restarted too often, left alone: {', '.join(given_up)}" if given_up else "supervises"
         level = DiagnosticStatus.ERROR if given_up else DiagnosticStatus.OK
         values = {"parts": len(self._supervisor.parts), "restarts in a minute": self._supervisor.limit.recent(now),

@@ -2,6 +2,7 @@
 
 import dataclasses
 import numbers
+import re
 import typing
 
 # Numbers of config/health.yaml and their ranges.
@@ -58,7 +59,12 @@ def _part(name, entry, defaults, errors):
     errors.extend(f"{where}{key} is unknown" for key in sorted(set(entry) - PART_KEYS))
     limits = _numbers({**defaults, **entry}, PART_RANGES, where, errors)
     node = str(entry.get("node", name))
-    return Part(name, entry["group"], node, str(entry.get("diagnostics", rf"/?{node}: .*")), bool(entry.get("ping", False)), **limits)
+    diagnostics = str(entry.get("diagnostics", rf"/?{re.escape(node.lstrip('/'))}: .*"))
+    try:
+        re.compile(diagnostics)
+    except re.error as error:
+        errors.append(f"{where}diagnostics is no regular expression: {error}")
+    return Part(name, entry["group"], node, diagnostics, bool(entry.get("ping", False)), **limits)
 
 
 def _started(values, entries):

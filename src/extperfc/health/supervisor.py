@@ -3,9 +3,10 @@
 import collections
 import dataclasses
 
-from extperfc.health.part_state import PartState, State
+from extperfc.health.part_state import PartState
 
 MINUTE_S = 60.0
+GIVEN_UP_S = 5.0  # a node that hangs is looked at more often than that
 
 
 @dataclasses.dataclass(frozen=True)
@@ -51,7 +52,8 @@ class Supervisor:
         self.limit = Limit(settings.max_restarts_per_minute)
         self._namespace = namespace
         self._processes = {}
-        self._given_up = set()  # names of nodes that hang and were restarted too often
+        self._orphans = set()  # loaders whose manager ended: there is nothing that they should have unloaded
+        self._given_up = {}    # name of a node that was to be ended once more than allowed -> when
 
     def add(self, status, now):
         """Gives a status of diagnostics to its part; false where it belongs to none."""
@@ -88,29 +90,31 @@ class Supervisor:
                 continue
             manager_lives, loader_lives = processes.get(manager.node) == manager, processes.get(loader.node) == loader
             if loader_lives and not manager_lives:
+                self._orphans.add(loader)
                 actions.append(End(loader, f"its manager {manager.node} ended"))
-            elif manager_lives and not loader_lives:
+            elif manager_lives and not loader_lives and loader not in self._orphans:
                 actions.append(Unload(manager, loader.node))
+        self._orphans.intersection_update(processes.values())
         return actions
 
     def _end_hanging(self, part, now):
         """The process to end of a part that hangs: of a nodelet first the loader, whose manager must unload it then."""
         node = self._processes.get(self._node_of(part))
         if node is None or not part.hangs(now):
-            self._given_up.discard(self._node_of(part))
             return []
-        if self.limit.allows(node.node, now):
-            return [End(node, f"{part.part.name} is {part.message(now)}")]
-        self._given_up.add(node.node)
+        return self._within_limit(node, f"{part.part.name} is {part.message(now)}", now)
+
+    def end_overdue(self, managers, now):
+        """Ends of managers that did not unload a nodelet in time."""
+        return [end for manager in managers for end in self._within_limit(manager, "it did not unload a nodelet in time", now)]
+
+    def _within_limit(self, process, reason, now):
+        """The End as a list, empty when the process was ended too often."""
+        if self.limit.allows(process.node, now):
+            return [End(process, reason)]
+        self._given_up[process.node] = now
         return []
 
-    def counts(self, now):
-        """{State: names of parts}."""
-        found = {state: [] for state in State}
-        for part in self.parts:
-            found[part.state(now)].append(part.part.name)
-        return found
-
-    @property
-    def given_up(self):
-        return sorted(self._given_up)
+    def given_up(self, now):
+        """Names of nodes that hang and are left alone, since they were ended too often."""
+        return sorted(name for name, time in self._given_up.items() if now - time < GIVEN_UP_S)

@@ -4,7 +4,7 @@ from diagnostic_msgs.msg import DiagnosticStatus, KeyValue
 
 from extperfc.health.part_state import ERROR, OK, STALE, WARN, State
 
-WORDS = {OK: "OK", WARN: "Warning", ERROR: "Error", STALE: "Stale"}
+LEVEL_NAMES = {OK: "OK", WARN: "Warning", ERROR: "Error", STALE: "Stale"}
 OTHER = "Other"  # group of statuses that belong to no part
 
 
@@ -17,7 +17,7 @@ def _branch(path, children, level=None, message=None):
     """A status over its children, which is as bad as the worst of them."""
     level = max((child.level for child in children), default=OK) if level is None else level
     values = [KeyValue(key=child.name[len(path) + 1:], value=child.message) for child in children]
-    return DiagnosticStatus(level=level, name=path, message=message or WORDS[level], values=values)
+    return DiagnosticStatus(level=level, name=path, message=message or LEVEL_NAMES[level], values=values)
 
 
 def _part(group, part, now):
