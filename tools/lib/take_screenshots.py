@@ -253,7 +253,7 @@ def bringup(folder, session):
             time.sleep(0.3)
         robot.ready()
         robot.send(Pose(-0.4, -1.5, 0.0))
-        for _ in range(60):
+        for _ in range(32):
             simulation.step(0.05)
             time.sleep(0.2)  # all parts keep pace
         if robot.status.state != "controlling":
