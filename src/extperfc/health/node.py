@@ -1,10 +1,10 @@
 """The node of tools/health.
 
-  reads      diagnostics; the processes of this machine
+  reads      /diagnostics; the processes of this machine
   publishes  diagnostics_agg (diagnostic_msgs/DiagnosticArray): the tree /<group>/<part>/<status>
              diagnostics_toplevel_state (diagnostic_msgs/DiagnosticStatus, latched, at changes): the whole robot, and which
              part is missing, silent, failing or starting
-             diagnostics: its own
+             /diagnostics: its own
   ends       processes of parts that hang, and nodelet loaders whose manager ended; roslaunch starts them again
   parameters config/health.yaml; ~started: names of the parts that were started, between commas
 """
@@ -36,7 +36,7 @@ class Health:
         now = time.monotonic()
         self._settings = chosen
         self._lock = threading.Lock()  # of the supervisor and the other statuses
-        self._supervisor = Supervisor(chosen, rospy.get_namespace(), now)
+        self._supervisor = Supervisor(chosen, now)
         self._others = {}  # name -> (status, time)
         self._table = ProcessTable(rosgraph.get_master_uri())
         self._unloader = Unloader(chosen.unload_s)
@@ -44,9 +44,9 @@ class Health:
         self._shown, self._published, self._look_ms = None, now - chosen.publish_period_s, 0.0
         self._tree = rospy.Publisher("diagnostics_agg", DiagnosticArray, queue_size=5)
         self._summary = rospy.Publisher("diagnostics_toplevel_state", DiagnosticStatus, queue_size=5, latch=True)
-        self._own = rospy.Publisher("diagnostics", DiagnosticArray, queue_size=5)
-        rospy.Subscriber("diagnostics", DiagnosticArray, self._on_diagnostics, queue_size=100)
-        pinged = [(rospy.resolve_name(part.node), part.node) for part in chosen.parts if part.ping]
+        self._own = rospy.Publisher("/diagnostics", DiagnosticArray, queue_size=5)
+        rospy.Subscriber("/diagnostics", DiagnosticArray, self._on_diagnostics, queue_size=100)
+        pinged = [part.node for part in chosen.parts if part.ping]
         Pinger(rospy.get_name(), pinged, chosen.ping_period_s, self._add).start()
 
     def _on_diagnostics(self, message):
@@ -123,7 +123,7 @@ class Health:
         level = DiagnosticStatus.ERROR if given_up else DiagnosticStatus.OK
         values = {"parts": len(self._supervisor.parts), "restarts in a minute": self._supervisor.limit.recent(now),
                   "look [ms]": f"{self._look_ms:.1f}"}
-        return DiagnosticStatus(level=level, name="health: supervisor", message=text, hardware_id="none",
+        return DiagnosticStatus(level=level, name=f"{rospy.get_name()[1:]}: supervisor", message=text, hardware_id="none",
                                 values=[KeyValue(key=key, value=str(value)) for key, value in values.items()])
 
 
@@ -136,7 +136,7 @@ def main():
         return 1
     rospy.init_node("health")
     try:
-        chosen = settings.load(rospy.get_param("~", {}))
+        chosen = settings.load(rospy.get_param("~", {}), rospy.get_namespace())
     except settings.Wrong as error:
         rospy.logfatal("health: %s", error)
         return 1

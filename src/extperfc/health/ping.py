@@ -40,6 +40,6 @@ class Pinger(threading.Thread):
     def run(self):
         master = rosgraph.Master(self._caller)
         while not self._ended.wait(self._period_s):
-            for node, shown in self._nodes:
+            for node in self._nodes:
                 if answers(master, self._caller, node):
-                    self._report(DiagnosticStatus(level=DiagnosticStatus.OK, name=f"{shown}: ping", message="answers"))
+                    self._report(DiagnosticStatus(level=DiagnosticStatus.OK, name=f"{node[1:]}: ping", message="answers"))

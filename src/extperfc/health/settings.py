@@ -5,6 +5,8 @@ import numbers
 import re
 import typing
 
+from extperfc.health.processes import resolve
+
 # Numbers of config/health.yaml and their ranges.
 RANGES = {"look_period_s": (0.05, 5.0), "publish_period_s": (0.1, 60.0), "ping_period_s": (0.2, 60.0), "start_s": (0.5, 600.0),
           "max_age_s": (0.2, 600.0), "hang_s": (1.0, 600.0), "unload_s": (0.1, 60.0), "max_restarts_per_minute": (0, 60)}
@@ -18,8 +20,8 @@ class Wrong(Exception):
 
 @dataclasses.dataclass(frozen=True)
 class Part:
-    """One supervised part: the ROS node `node`, whose diagnostics have names that match the regular expression `diagnostics`.
-    ping: it has no diagnostics, its node must answer."""
+    """One supervised part: the ROS node `node`, its whole name; its diagnostics have names that match the regular expression
+    `diagnostics`. ping: it has none, but its node must answer."""
     name: str
     group: str
     node: str
@@ -51,15 +53,15 @@ def _numbers(values, ranges, where, errors):
     return found
 
 
-def _part(name, entry, defaults, errors):
+def _part(name, entry, namespace, defaults, errors):
     where = f"parts/{name}/"
     if not isinstance(entry, dict) or not isinstance(entry.get("group"), str) or not entry["group"]:
         errors.append(f"{where}group must name a group, e.g. {name}: {{group: Robot}}")
         return None
     errors.extend(f"{where}{key} is unknown" for key in sorted(set(entry) - PART_KEYS))
     limits = _numbers({**defaults, **entry}, PART_RANGES, where, errors)
-    node = str(entry.get("node", name))
-    diagnostics = str(entry.get("diagnostics", rf"/?{re.escape(node.lstrip('/'))}: .*"))
+    node = resolve(str(entry.get("node", name)), namespace)
+    diagnostics = str(entry.get("diagnostics", rf"/?{re.escape(node[1:])}: .*"))
     try:
         re.compile(diagnostics)
     except re.error as error:
@@ -73,8 +75,8 @@ def _started(values, entries):
     return list(dict.fromkeys([*named, *map(str, values.get("also") or [])])) or list(entries)
 
 
-def load(values):
-    """Settings of the parameters of the node, a dict. Raises Wrong."""
+def load(values, namespace="/"):
+    """Settings of the parameters of the node, a dict; its namespace is that of the parts. Raises Wrong."""
     errors = []
     errors.extend(f"{key} is unknown" for key in sorted(set(values) - {*RANGES, "parts", "started", "also"}))
     found = _numbers(values, RANGES, "", errors)
@@ -82,7 +84,7 @@ def load(values):
     entries = entries if isinstance(entries, dict) else {}
     started = _started(values, entries)
     errors.extend(f"started: parts has no {name}; add it there" for name in started if name not in entries)
-    parts = [_part(name, entries[name], values, errors) for name in started if name in entries]
+    parts = [_part(name, entries[name], namespace, values, errors) for name in started if name in entries]
     if not parts:
         errors.append("parts has no part that was started")
     if errors:

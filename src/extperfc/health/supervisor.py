@@ -47,10 +47,9 @@ class Limit:
 class Supervisor:
     """The parts of `settings`, seen from time to time by look()."""
 
-    def __init__(self, settings, namespace, now):
+    def __init__(self, settings, now):
         self.parts = [PartState(part, now) for part in settings.parts]
         self.limit = Limit(settings.max_restarts_per_minute)
-        self._namespace = namespace
         self._processes = {}
         self._orphans = set()  # loaders whose manager ended: there is nothing that they should have unloaded
         self._given_up = {}    # name of a node that was to be ended once more than allowed -> when
@@ -71,15 +70,13 @@ class Supervisor:
             actions += self._end_hanging(part, now)
         return actions
 
-    def _needed(self, part, processes):
-        node = processes.get(self._node_of(part))
+    @staticmethod
+    def _needed(part, processes):
+        node = processes.get(part.part.node)
         if node is None or node.manager is None:
             return (node,) if node else ()
         manager = processes.get(node.manager)
         return (node, manager) if manager else ()
-
-    def _node_of(self, part):
-        return part.part.node if part.part.node.startswith("/") else self._namespace + part.part.node
 
     def _left_behind(self, processes):
         """Loaders whose manager ended, and nodelets whose loader ended."""
@@ -99,7 +96,7 @@ class Supervisor:
 
     def _end_hanging(self, part, now):
         """The process to end of a part that hangs: of a nodelet first the loader, whose manager must unload it then."""
-        node = self._processes.get(self._node_of(part))
+        node = self._processes.get(part.part.node)
         if node is None or not part.hangs(now):
             return []
         return self._within_limit(node, f"{part.part.name} is {part.message(now)}", now)

@@ -35,8 +35,12 @@ class HealthSettings(unittest.TestCase):
 
     def test_defaults_of_a_part(self):
         part = settings.load({**shipped(), "parts": {"lidar": {"group": "Drivers", "max_age_s": 9.0}}}).parts[0]
-        self.assertEqual(("lidar", r"/?lidar: .*", False, 9.0), (part.node, part.diagnostics, part.ping, part.max_age_s))
+        self.assertEqual(("/lidar", r"/?lidar: .*", False, 9.0), (part.node, part.diagnostics, part.ping, part.max_age_s))
         self.assertEqual(shipped()["hang_s"], part.hang_s)
+
+    def test_names_in_a_namespace(self):
+        parts = settings.load({**shipped(), "parts": {"a": {"group": "G"}, "b": {"group": "G", "node": "/far/b"}}}, "/one/").parts
+        self.assertEqual([("/one/a", "/?one/a: .*"), ("/far/b", "/?far/b: .*")], [(part.node, part.diagnostics) for part in parts])
 
     def test_every_error_is_named(self):
         text = self.wrong(hang_s=0, colour="red", started="arm,legs", parts={"arm": {"group": "Arms", "speed": 1, "diagnostics": "("}})

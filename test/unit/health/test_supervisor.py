@@ -30,7 +30,7 @@ def status(name, level=OK, message="fine"):
 
 class Supervised(unittest.TestCase):
     def setUp(self):
-        self.supervisor = Supervisor(settings.load(VALUES), "/", 0.0)
+        self.supervisor = Supervisor(settings.load(VALUES), 0.0)
         self.parts = {part.part.name: part for part in self.supervisor.parts}
         self.supervisor.look(ALL, 0.0)
 
@@ -68,7 +68,7 @@ class States(Supervised):
         self.assertEqual(State.RUNNING, self.states(1.4)["publisher"])
 
     def test_a_part_on_another_machine_counts_by_its_reports(self):
-        far = Supervisor(settings.load(VALUES), "/", 0.0)
+        far = Supervisor(settings.load(VALUES), 0.0)
         far.look({}, 0.0)
         far.add(status("mux: it"), 1.0)
         self.assertEqual(State.RUNNING, far.parts[1].state(2.0))
