@@ -26,6 +26,7 @@ from extperfc.health.processes import ProcessTable
 from extperfc.health.supervisor import End, Supervisor
 from extperfc.health.unloader import Unloader
 
+SCAN_PERIOD_S = 1.0  # of looks for new nodes while all parts run
 FORGET_S = 10.0  # statuses without a part that are not repeated
 
 
@@ -41,7 +42,7 @@ class Health:
         self._table = ProcessTable(rosgraph.get_master_uri())
         self._unloader = Unloader(chosen.unload_s)
         self._down = {part.part.name: now for part in self._supervisor.parts}  # name -> since when it does not run
-        self._shown, self._published, self._look_ms = None, now - chosen.publish_period_s, 0.0
+        self._shown, self._published, self._scanned, self._look_ms = None, now - chosen.publish_period_s, now, 0.0
         self._tree = rospy.Publisher("diagnostics_agg", DiagnosticArray, queue_size=5)
         self._summary = rospy.Publisher("diagnostics_toplevel_state", DiagnosticStatus, queue_size=5, latch=True)
         self._own = rospy.Publisher("/diagnostics", DiagnosticArray, queue_size=5)
@@ -69,7 +70,11 @@ class Health:
             time.sleep(self._settings.look_period_s)
 
     def _look(self):
-        processes, now = self._table.scan(), time.monotonic()
+        now = time.monotonic()
+        if self._down or now - self._scanned > SCAN_PERIOD_S:
+            processes, self._scanned = self._table.scan(), now
+        else:
+            processes = self._table.scan_known()
         with self._lock:
             actions = self._supervisor.look(processes, now)
             actions += self._supervisor.end_overdue(self._unloader.overdue(), now)

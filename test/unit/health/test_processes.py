@@ -47,6 +47,16 @@ class Table(unittest.TestCase):
         self.process(9, 90, "zombie", "__name:=z", state="Z")
         self.assertEqual({"/m": Process(5, 50, "/m"), "/y": Process(6, 60, "/y", "/m")}, ProcessTable(URI, self.root).scan())
 
+    def test_known_nodes_alone_are_looked_at(self):
+        table = ProcessTable(URI, self.root)
+        self.process(5, 50, "x", "__name:=m")
+        self.process(6, 60, "x", "__name:=n")
+        table.scan()
+        self.process(7, 70, "x", "__name:=new")
+        self.process(6, 60, "x", "__name:=n", state="Z")
+        self.assertEqual({"/m"}, set(table.scan_known()))
+        self.assertEqual({"/m", "/new"}, set(table.scan()))
+
     def test_a_pid_that_is_used_again_is_another_process(self):
         table = ProcessTable(URI, self.root)
         self.process(5, 50, "x", "__name:=m")
