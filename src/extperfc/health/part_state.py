@@ -1,9 +1,14 @@
 """Whether a part runs: what its processes and its diagnostics say together. Times are seconds of a clock that never jumps."""
 
+import collections
 import enum
 import re
 
 OK, WARN, ERROR, STALE = 0, 1, 2, 3  # levels of diagnostic_msgs/DiagnosticStatus
+
+
+MINUTE_S = 60.0
+MANY_STARTS = 3  # within a minute
 
 
 class State(enum.Enum):
@@ -23,6 +28,7 @@ class PartState:
         self._processes = ()   # of the node and of its manager; empty where one of them is missing
         self._was_local = False
         self._since = now      # of the latest start or end of a process
+        self._starts = collections.deque(maxlen=100)  # times
 
     def matches(self, status_name):
         return self._pattern.fullmatch(status_name) is not None
@@ -34,6 +40,8 @@ class PartState:
         """The living processes that the part needs, empty where one is missing."""
         if processes != self._processes:
             self._processes, self._since, self._statuses = processes, now, {}
+            if processes:
+                self._starts.append(now)
         self._was_local = self._was_local or bool(processes)
 
     def state(self, now):
@@ -68,6 +76,9 @@ class PartState:
         state, level = self.state(now), self.level(now)
         if state is State.SILENT:
             return f"silent for {now - self._last_sign():.0f} s"
-        if state is not State.RUNNING or level == OK:
-            return state.value
-        return "; ".join(dict.fromkeys(status.message for status in self.statuses(now) if status.level == level))
+        if state is State.RUNNING and level != OK:
+            return "; ".join(dict.fromkeys(status.message for status in self.statuses(now) if status.level == level))
+        starts = sum(now - time < MINUTE_S for time in self._starts)
+        if state is not State.RUNNING and starts >= MANY_STARTS:
+            return f"{state.value}, started {starts} times within a minute"
+        return state.value

@@ -3,9 +3,8 @@
 import collections
 import dataclasses
 
-from extperfc.health.part_state import PartState
+from extperfc.health.part_state import MINUTE_S, PartState
 
-MINUTE_S = 60.0
 GIVEN_UP_S = 5.0  # a node that hangs is looked at more often than that
 
 

@@ -67,6 +67,13 @@ class States(Supervised):
         self.report(1.3, "publisher")
         self.assertEqual(State.RUNNING, self.states(1.4)["publisher"])
 
+    def test_what_refuses_to_start_is_said_to(self):
+        for pid in range(50, 54):
+            self.supervisor.look(table(Process(pid, pid, "/publisher")), float(pid))
+            self.supervisor.look(table(), pid + 0.5)
+        self.assertEqual("missing, started 5 times within a minute", self.parts["publisher"].message(54.0))
+        self.assertEqual("missing", self.parts["publisher"].message(112.0))
+
     def test_a_part_on_another_machine_counts_by_its_reports(self):
         far = Supervisor(settings.load(VALUES), 0.0)
         far.look({}, 0.0)
