@@ -16,6 +16,8 @@ from roslaunch.config import ROSLaunchConfig
 from roslaunch.xmlloader import XmlLoader
 
 import simulated_robot
+from nav_robot import NavRobot
+from pose_errors import Pose
 
 REPO = pathlib.Path(__file__).resolve().parents[2]
 START_LIMIT_S = 20.0   # what is aimed at; printed beside the measured times, the deadlines below are for any machine
@@ -33,6 +35,7 @@ KILLED = {  # node: the parts that end with it, and a topic that shows that they
     "/arm_manager": (("arm",), None),  # its service arm/get_scene does
 }
 HANGS = "/navigation_manager"
+GOAL = Pose(0.1, 1.1, 0.0)  # free floor beside the start, where the simulator and the mapper began anew
 
 
 class Listener:
@@ -146,6 +149,13 @@ class Bringup(unittest.TestCase):
         self.wait(lambda: not self.table.alive(before), f"the end of {HANGS}")
         self.wait(lambda: all(runs(self.listener.summary.message, part) for part in parts), f"{parts} to run again")
         print(f"{HANGS}, stopped: back after {time.monotonic() - begin:.1f} s", file=sys.stderr)
+
+    def test_5_after_all_that_it_drives(self):
+        robot = NavRobot(self.session.alive)
+        robot.ready()
+        drive = robot.drive(GOAL, limit_s=60, real_s=DEADLINE_S)
+        self.assertTrue(drive.reached, drive.text)
+        self.assertGreater(drive.driven_m, 0.5)
 
 
 class Arguments(unittest.TestCase):

@@ -65,7 +65,10 @@ class Health:
         while not rospy.is_shutdown():
             begin = time.monotonic()
             self._look()
-            self._publish()
+            self._publish_summary()
+            if begin - self._published >= self._settings.publish_period_s:
+                self._published = begin
+                self._publish_tree()
             self._look_ms = 1e3 * (time.monotonic() - begin)
             time.sleep(self._settings.look_period_s)
 
@@ -78,21 +81,21 @@ class Health:
         with self._lock:
             actions = self._supervisor.look(processes, now)
             actions += self._supervisor.end_overdue(self._unloader.overdue(), now)
-            self._log_changes(now)
+            states = [(part.part.name, part.state(now), part.message(now)) for part in self._supervisor.parts]
         for action in actions:
             if isinstance(action, End):
                 self._end(action.process, action.reason)
             else:
                 self._unloader.unload(action.manager, action.nodelet)
+        self._log_changes(states, now)
 
-    def _log_changes(self, now):
-        for part in self._supervisor.parts:
-            name, runs = part.part.name, part.state(now) is State.RUNNING
-            if runs and name in self._down:
+    def _log_changes(self, states, now):
+        for name, state, message in states:
+            if state is State.RUNNING and name in self._down:
                 rospy.loginfo("health: %s runs after %.1f s", name, now - self._down.pop(name))
-            elif not runs and name not in self._down:
+            elif state is not State.RUNNING and name not in self._down:
                 self._down[name] = now
-                rospy.logwarn("health: %s is %s", name, part.message(now))
+                rospy.logwarn("health: %s is %s", name, message)
 
     def _end(self, process, reason):
         """SIGKILL: roscpp's nodelet managers do nothing at SIGTERM that a process which hangs could still do."""
@@ -103,17 +106,22 @@ class Health:
             except ProcessLookupError:
                 pass  # it ended by itself
 
-    def _publish(self):
+    def _publish_summary(self):
+        """At once when its line changed, else with the tree when the message of a part did."""
         now = time.monotonic()
         with self._lock:
             summary = tree.summary(self._supervisor.parts, now)
-            if summary.message != self._shown:
-                self._shown = summary.message
-                self._summary.publish(summary)
-                (rospy.loginfo if summary.level == DiagnosticStatus.OK else rospy.logwarn)("health: %s", summary.message)
-            if now - self._published < self._settings.publish_period_s:
-                return
-            self._published = now
+        is_new = self._shown is None or summary.message != self._shown.message
+        is_due = now - self._published >= self._settings.publish_period_s
+        if is_new or (is_due and summary != self._shown):
+            self._shown = summary
+            self._summary.publish(summary)
+        if is_new:
+            (rospy.loginfo if summary.level == DiagnosticStatus.OK else rospy.logwarn)("health: %s", summary.message)
+
+    def _publish_tree(self):
+        now = time.monotonic()
+        with self._lock:
             self._others = {name: entry for name, entry in self._others.items() if now - entry[1] < FORGET_S}
             statuses = tree.build(self._supervisor.parts, [status for status, _ in self._others.values()], now)
             own = self._own_status(now)
@@ -145,5 +153,9 @@ def main():
     except settings.Wrong as error:
         rospy.logfatal("health: %s", error)
         return 1
-    Health(chosen).run()
+    try:
+        Health(chosen).run()
+    except rospy.ROSException:  # a topic was closed meanwhile
+        if not rospy.is_shutdown():
+            raise
     return 0
