@@ -72,7 +72,7 @@ def named(message, title, part):
 
 
 def runs(message, part):
-    return not any(named(message, title, part) for title in ("missing", "silent", "starting"))
+    return not any(named(message, title, part) for title in ("missing", "silent", "starting", "refuses to start"))
 
 
 class Bringup(unittest.TestCase):

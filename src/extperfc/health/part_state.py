@@ -8,7 +8,7 @@ OK, WARN, ERROR, STALE = 0, 1, 2, 3  # levels of diagnostic_msgs/DiagnosticStatu
 
 
 MINUTE_S = 60.0
-MANY_STARTS = 3  # within a minute
+MANY_STARTS = 6  # within a minute, without a report: it will not start by itself
 
 
 class State(enum.Enum):
@@ -16,6 +16,7 @@ class State(enum.Enum):
     RUNNING = "running"
     SILENT = "silent"    # a process lives, its diagnostics are old
     MISSING = "missing"  # no process
+    REFUSING = "refuses to start"  # started again and again, and ended each time
 
 
 class PartState:
@@ -44,7 +45,12 @@ class PartState:
                 self._starts.append(now)
         self._was_local = self._was_local or bool(processes)
 
+    def _recent_starts(self, now):
+        return sum(now - time < MINUTE_S for time in self._starts)
+
     def state(self, now):
+        if not self._statuses and self._recent_starts(now) >= MANY_STARTS:
+            return State.REFUSING
         if self._was_local and not self._processes:
             return State.MISSING
         if not self._statuses and now - self._since < self.part.start_s:
@@ -69,7 +75,7 @@ class PartState:
         state = self.state(now)
         if state is State.RUNNING:
             return max(status.level for status in self.statuses(now))
-        return {State.STARTING: WARN, State.SILENT: STALE, State.MISSING: ERROR}[state]
+        return {State.STARTING: WARN, State.SILENT: STALE}.get(state, ERROR)
 
     def message(self, now):
         """One line: the state, and what the diagnostics complain of."""
@@ -78,7 +84,6 @@ class PartState:
             return f"silent for {now - self._last_sign():.0f} s"
         if state is State.RUNNING and level != OK:
             return "; ".join(dict.fromkeys(status.message for status in self.statuses(now) if status.level == level))
-        starts = sum(now - time < MINUTE_S for time in self._starts)
-        if state is not State.RUNNING and starts >= MANY_STARTS:
-            return f"{state.value}, started {starts} times within a minute"
+        if state is State.REFUSING:
+            return f"{state.value}: started {self._recent_starts(now)} times within a minute"
         return state.value

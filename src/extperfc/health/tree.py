@@ -46,14 +46,15 @@ def _names(title, parts):
 
 
 def summary(parts, now):
-    """One status of the whole robot: which part is missing, silent, failing, starting or warns, and each part's message."""
+    """One status of the whole robot: which part refuses to start, is missing, silent, failing or starting,
+    or warns, and each part's message."""
     states = {part.part.name: part.state(now) for part in parts}
     levels = {part.part.name: part.level(now) for part in parts}
 
     def named(state, level=None):
         return [name for name, found in states.items() if found is state and level in (None, levels[name])]
 
-    complaints = [*_names("missing", named(State.MISSING)), *_names("silent", named(State.SILENT)),
+    complaints = [*_names("refuses to start", named(State.REFUSING)), *_names("missing", named(State.MISSING)), *_names("silent", named(State.SILENT)),
                   *_names("failing", named(State.RUNNING, ERROR)), *_names("starting", named(State.STARTING)),
                   *_names("warning", named(State.RUNNING, WARN))]
     return DiagnosticStatus(level=min(ERROR, max(levels.values())), name="robot",

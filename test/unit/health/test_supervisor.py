@@ -71,8 +71,12 @@ class States(Supervised):
         for pid in range(50, 54):
             self.supervisor.look(table(Process(pid, pid, "/publisher")), float(pid))
             self.supervisor.look(table(), pid + 0.5)
-        self.assertEqual("missing, started 5 times within a minute", self.parts["publisher"].message(54.0))
-        self.assertEqual("missing", self.parts["publisher"].message(112.0))
+        self.assertEqual("missing", self.parts["publisher"].message(54.9), "four starts and that at 0 s")
+        self.supervisor.look(table(Process(55, 55, "/publisher")), 55.0)
+        self.assertEqual((ERROR, "refuses to start: started 6 times within a minute"),
+                         (self.parts["publisher"].level(55.1), self.parts["publisher"].message(55.1)))
+        self.report(55.2, "publisher")
+        self.assertEqual("running", self.parts["publisher"].message(55.3))
 
     def test_a_part_on_another_machine_counts_by_its_reports(self):
         far = Supervisor(settings.load(VALUES), 0.0)
