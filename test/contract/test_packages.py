@@ -57,7 +57,7 @@ class Packages(unittest.TestCase):
         self.assertEqual(exported, defined)
 
     def test_launch_arguments_are_documented_and_files_exist(self):
-        for file in sorted((REPO / "launch").glob("*.launch")):
+        for file in sorted([*(REPO / "launch").glob("*.launch"), *(REPO / "config" / "robots").rglob("*.launch")]):
             root = xml.etree.ElementTree.parse(file).getroot()
             for argument in root.findall("arg"):
                 with self.subTest(file=file.name, argument=argument.get("name")):
@@ -65,6 +65,13 @@ class Packages(unittest.TestCase):
             for path in re.findall(r"\$\(find extperfc\)/([\w./]+)", file.read_text()):
                 with self.subTest(file=file.name, path=path):
                     self.assertTrue((REPO / path).exists())
+
+
+    def test_a_robots_folder_is_complete(self):
+        for folder in (path for path in (REPO / "config" / "robots").iterdir() if path.is_dir()):
+            for name in ("robot.launch", "parameters.yaml", "self_volumes.yaml"):
+                with self.subTest(folder.name, file=name):
+                    self.assertTrue((folder / name).is_file())
 
 
 if __name__ == "__main__":

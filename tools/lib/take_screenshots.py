@@ -51,18 +51,20 @@ def display():
 
 
 @contextlib.contextmanager
-def rviz(folder, config, edits=()):
-    """rviz without panels and bars, over the whole screen; `edits` are (pattern, replacement) of its configuration."""
+def rviz(folder, config, edits=(), panels=False):
+    """rviz over the whole screen, without panels and bars unless `panels`; `edits` are (pattern, replacement) of its
+    configuration."""
     text = (REPO / "config" / "rviz" / config).read_text()
-    text = re.sub(r"(    - Class: rviz/Image\n(?:      .*\n)*?      Enabled:) true", r"\1 false", text)
+    if not panels:
+        text = re.sub(r"(    - Class: rviz/Image\n(?:      .*\n)*?      Enabled:) true", r"\1 false", text)
     for pattern, replacement in ((r"\n  Height: .*", f"\n  Height: {HEIGHT}"), (r"\n  Width: .*", f"\n  Width: {WIDTH}"), *edits):
         text, count = re.subn(pattern, replacement, text)
         if count == 0:
             raise SystemExit(f"error: {config} has nothing like '{pattern}'")
     changed = folder / config
     changed.write_text(text)
-    with subprocess.Popen(["rviz", "--fullscreen", "-d", str(changed)], stdout=subprocess.DEVNULL,
-                          stderr=subprocess.DEVNULL) as process:
+    command = ["rviz", *([] if panels else ["--fullscreen"]), "-d", str(changed)]
+    with subprocess.Popen(command, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL) as process:
         try:
             yield
         finally:
@@ -153,12 +155,12 @@ def view(distance, focal_point, yaw, pitch):
 WITHOUT_FRAMES = (r"(Name: Frames\n      Enabled:) true", r"\1 false")
 
 
-def start(folder, session, launch_file, config, edits, **arguments):
+def start(folder, session, launch_file, config, edits, panels=False, **arguments):
     """The simulation with rviz after some steps, and a watcher of the camera."""
     simulation = Simulation(session, launch_file, **arguments)
     watcher = Latest(types.SimpleNamespace(out=folder), types.SimpleNamespace(header=lambda: None))
     stack = contextlib.ExitStack()
-    stack.enter_context(rviz(folder, config, edits))
+    stack.enter_context(rviz(folder, config, edits, panels))
     for _ in range(12):
         simulation.step(0.2)
         time.sleep(2)  # rviz starts, loads meshes and draws
@@ -240,6 +242,26 @@ def navigation(folder, session):
         save(screen(), "navigation_rviz.png")
 
 
+def bringup(folder, session):
+    """bringup_rviz.png: the whole robot on a path through the laboratory while it maps and detects; rviz with its panels."""
+    from nav_robot import NavRobot, Pose
+    simulation, _, windows = start(folder, session, "bringup.launch", "bringup.rviz", (), panels=True)
+    with windows:
+        robot = NavRobot(session.alive)
+        for _ in range(20):
+            simulation.step(0.1)
+            time.sleep(0.3)
+        robot.ready()
+        robot.send(Pose(-0.4, -1.5, 0.0))
+        for _ in range(32):
+            simulation.step(0.05)
+            time.sleep(0.2)  # all parts keep pace
+        if robot.status.state != "controlling":
+            raise SystemExit(f"error: the robot does not drive: {robot.status}")
+        time.sleep(4)
+        save(screen(), "bringup_rviz.png")
+
+
 def label(folder, _):
     """labelling_window.png, labelling_proposals.png, labelling_keys.png, labelling_statistics.png: extperfc-label with rendered
     images, some of which are labelled."""
@@ -260,7 +282,7 @@ def save(image, name):
 
 
 IMAGES_BY_NAME = {"demo": demo, "grasp": grasp, "lab": lab, "office": office,
-                  "navigation": navigation, "label": label}
+                  "navigation": navigation, "bringup": bringup, "label": label}
 
 
 def main():
