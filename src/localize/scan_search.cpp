@@ -12,6 +12,7 @@ namespace extperfc::localize {
 namespace {
 
 constexpr std::size_t kFirstBeams = 30;  // for the first choice
+constexpr std::size_t kSecondRays = 30;  // whole ones
 constexpr std::size_t kKeptOf = 5;       // the first choice keeps one of so many
 constexpr double kJitter_m = 0.1;        // about the distance of neighbours among the kept
 constexpr double kJitter_rad = 0.06;
@@ -63,7 +64,9 @@ ParticleSet search_scan(const MapModel& map_model, const Beams& beams, std::size
   map_model.wide.mean_logs(map_model.field, beams, poses, logs, every);
   poses = choose(poses, logs, std::min(beams.ends(), kFirstBeams), std::max(count, tries / kKeptOf), rng);
   add_jitter(poses, kJitter_m, kJitter_rad, rng);
-  map_model.exact.mean_logs(map_model.field, beams, poses, logs);
+  logs.resize(poses.size());
+  for (std::size_t i = 0; i < poses.size(); ++i)
+    logs[i] = static_cast<float>(map_model.place_log(beams, poses.pose(i), kSecondRays));
   return choose(poses, logs, beams.ends(), count, rng);
 }
 
