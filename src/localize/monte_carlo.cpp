@@ -26,12 +26,6 @@ constexpr std::size_t kTriesPerParticle = 10;
 constexpr double kEnoughEvidence = 5;  // of a hypothesis, in log odds
 constexpr double kMinFresh = 0.1;      // fraction of particles around hypotheses
 
-void append(ParticleSet& particles, const ParticleSet& more) {
-  particles.x.insert(particles.x.end(), more.x.begin(), more.x.end());
-  particles.y.insert(particles.y.end(), more.y.begin(), more.y.end());
-  particles.yaw.insert(particles.yaw.end(), more.yaw.begin(), more.yaw.end());
-}
-
 /// The rays against which single poses are refined and judged: more than the particles can afford.
 Beams refining_beams(const LaserScan& scan, LocalizerParams params) {
   params.sensor_model = SensorModel::kLikelihoodField;
