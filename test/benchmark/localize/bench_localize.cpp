@@ -256,7 +256,7 @@ Result<std::vector<Row>> measure_all(const Options& options) {
     rows = std::move(*measured);
   }
   if (options.only == kInterleaved) return rows;
-  const auto halves = halves_rows(options.halves);
+  auto halves = halves_rows(options.halves);
   if (!halves) return halves;
   rows.insert(rows.end(), halves->begin(), halves->end());
   return rows;
