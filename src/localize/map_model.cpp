@@ -38,27 +38,25 @@ double MapModel::mean_log(const Beams& beams, const Pose2& pose) const {
   return sum / static_cast<double>(beams.ends());
 }
 
-double MapModel::agreement(const Beams& beams, const Pose2& pose) const {
-  constexpr std::size_t kRays = 90;
+double MapModel::agreement(const Beams& beams, const Pose2& pose, std::size_t max_rays) const {
   constexpr double kThrough_m = 0.3;  // beyond an obstacle
   constexpr double kShort = -1;       // log likelihood of an object that the map does not contain
+  constexpr double kGone = -1.5;      // the same of an object that only the map contains
   if (beams.ends() == 0) return 0;
   const Pose2 sensor = compose(pose, {beams.sensor_x_m, beams.sensor_y_m, 0});
   const double impossible = std::log(rand_per_hit / (1 + rand_per_hit));
-  const std::size_t every = (beams.ends() + kRays - 1) / kRays;
+  const std::size_t every = (beams.ends() + max_rays - 1) / max_rays;
   double sum = 0;
   std::size_t count = 0;
   for (std::size_t i = 0; i < beams.ends(); i += every, ++count) {
     const auto angle = static_cast<float>(sensor.yaw + beams.angle_rad[i]);
-    const auto clear = static_cast<float>(beams.range_m[i] - kThrough_m);
-    if (clear > 0 &&
-        cast_ray(field, static_cast<float>(sensor.x), static_cast<float>(sensor.y), angle, clear) < clear) {
-      sum += impossible;
-      continue;
-    }
     const auto x = static_cast<float>(sensor.x + beams.range_m[i] * std::cos(angle));
     const auto y = static_cast<float>(sensor.y + beams.range_m[i] * std::sin(angle));
-    sum += std::max<double>(kShort, exact.log_of(field.at(x, y)));
+    const double end = exact.log_of(field.at(x, y));
+    const auto clear = static_cast<float>(beams.range_m[i] - kThrough_m);
+    const bool through = clear > 0 && cast_ray(field, static_cast<float>(sensor.x),
+                                               static_cast<float>(sensor.y), angle, clear) < clear;
+    sum += !through ? std::max(kShort, end) : end > kShort ? kGone : impossible;
   }
   return sum / static_cast<double>(count);
 }

@@ -26,10 +26,16 @@ struct MapModel {
   /// Mean log likelihood of the beams' end points at one pose, in (-inf, 0].
   [[nodiscard]] double mean_log(const Beams& beams, const Pose2& pose) const;
   /// How well a scan agrees with the map at one pose, as the mean of a logarithm per ray, in (-inf, 0].
-  /// Unlike mean_log() it considers the whole ray: a ray through a wall is nearly impossible, one that ends
-  /// before the wall met an object that the map does not contain, such as a person. `beams` without misses;
-  /// takes up to 90 rays.
-  [[nodiscard]] double agreement(const Beams& beams, const Pose2& pose) const;
+  /// Unlike mean_log() it considers the whole ray: one that ends before the wall met an object that the map
+  /// does not contain, such as a person; one through an obstacle onto another passed where an object was; any
+  /// other ray through an obstacle is nearly impossible. `beams` without misses.
+  [[nodiscard]] double agreement(const Beams& beams, const Pose2& pose, std::size_t max_rays = 90) const;
+  /// Mean of mean_log() and agreement(): for a choice between places. End points alone prefer a wrong place
+  /// whose walls the rays pass through where the map has holes; whole rays alone are misled by an object near
+  /// the robot that has gone.
+  [[nodiscard]] double place_log(const Beams& beams, const Pose2& pose, std::size_t max_rays = 90) const {
+    return (mean_log(beams, pose) + agreement(beams, pose, max_rays)) / 2;
+  }
   /// Fraction of the beams' end points near an obstacle (0.15 m, or one and a half cells), [0, 1].
   [[nodiscard]] double fit(const Beams& beams, const Pose2& pose) const;
 };

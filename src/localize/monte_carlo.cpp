@@ -26,12 +26,6 @@ constexpr std::size_t kTriesPerParticle = 10;
 constexpr double kEnoughEvidence = 5;  // of a hypothesis, in log odds
 constexpr double kMinFresh = 0.1;      // fraction of particles around hypotheses
 
-void append(ParticleSet& particles, const ParticleSet& more) {
-  particles.x.insert(particles.x.end(), more.x.begin(), more.x.end());
-  particles.y.insert(particles.y.end(), more.y.begin(), more.y.end());
-  particles.yaw.insert(particles.yaw.end(), more.yaw.begin(), more.yaw.end());
-}
-
 /// The rays against which single poses are refined and judged: more than the particles can afford.
 Beams refining_beams(const LaserScan& scan, LocalizerParams params) {
   params.sensor_model = SensorModel::kLikelihoodField;
@@ -68,6 +62,7 @@ void MonteCarlo::restart() {
   updates_ = 0;
   recovery_.reset();
   hypotheses_.clear();
+  tests_left_ = 0;
 }
 
 void MonteCarlo::initialize_globally() {
@@ -107,8 +102,10 @@ PoseEstimate MonteCarlo::update(const LaserScan& scan) {
   const std::size_t count = params_.sensor_model == SensorModel::kBeam ? beams.range_m.size() : beams.ends();
   const double exponent_fraction = count > 0 ? reweight_particles(beams, count) : 1;
   const PoseBins bins(particles_);
+  if (params_.sensor_model == SensorModel::kLikelihoodField && all_beams.ends() >= kFewBeams)
+    compare_clusters(bins, all_beams, exponent_fraction * kIndependence * static_cast<double>(count));
   PoseEstimate estimate = heaviest_cluster(particles_, bins);
-  refine_estimate(all_beams, estimate);
+  refine_estimate(all_beams, bins, estimate);
   estimate.fit = map_model_.fit(all_beams, estimate.pose);
   if (all_beams.ends() >= kFewBeams) test_hypotheses(beams, all_beams, estimate);
   estimate.resampled = count > 0 && ++updates_ % params_.resample_interval == 0;
@@ -129,25 +126,60 @@ double MonteCarlo::reweight_particles(const Beams& beams, std::size_t count) {
   return likelihood_exponent / max_exponent;
 }
 
-/// Matches the scan from the cluster's mean. Its covariance keeps the directions that the scan leaves open.
-void MonteCarlo::refine_estimate(const Beams& all_beams, PoseEstimate& estimate) {
+/// Between places whole rays count too, of which a likelihood field sees the end points alone.
+void MonteCarlo::compare_clusters(const PoseBins& bins, const Beams& all_beams, double likelihood_exponent) {
+  constexpr std::size_t kMaxClusters = 16;
+  constexpr std::size_t kMinParticles = 5;
+  const auto cluster_of_bin = bins.clusters();
+  auto clusters = list_clusters(particles_, bins, cluster_of_bin, logs_);
+  const auto few = [](const Cluster& cluster) { return cluster.particles < kMinParticles; };
+  clusters.erase(std::remove_if(clusters.begin(), clusters.end(), few), clusters.end());
+  if (clusters.size() < 2) return;
+  clusters.resize(std::min(clusters.size(), kMaxClusters));
+  std::vector<float> correction(cluster_of_bin.size(), 0.0F);  // by number of cluster
+  for (const Cluster& cluster : clusters) {
+    const Pose2 pose = refine(map_model_.field, all_beams, particles_.pose(cluster.best), loose_prior(),
+                              kRefineSigma_m, map_model_.rand_per_hit)
+                           .pose;
+    correction[cluster.number] =
+        static_cast<float>(map_model_.place_log(all_beams, pose) - map_model_.mean_log(all_beams, pose));
+  }
+  std::vector<float> corrections(particles_.size());
+  for (std::size_t i = 0; i < particles_.size(); ++i)
+    corrections[i] = correction[cluster_of_bin[bins.bin_of()[i]]];
+  reweight(particles_.weight, corrections, likelihood_exponent);
+}
+
+/// Matches the scan from the cluster's mean, and from its best particle where the mean lies off the peak.
+/// The cluster's covariance keeps the directions that the scan leaves open.
+void MonteCarlo::refine_estimate(const Beams& all_beams, const PoseBins& bins, PoseEstimate& estimate) {
   constexpr double kTooWide_m = 0.5;
   constexpr double kLoosening = 4;  // the particles have seen this scan already
+  constexpr double kSame_m = 0.1;
+  constexpr double kSame_rad = 0.05;
   if (searching_ || all_beams.ends() < kFewBeams) return;
   if (estimate.covariance(0, 0) + estimate.covariance(1, 1) > kTooWide_m * kTooWide_m) return;
   const Eigen::Matrix3d floor = Eigen::Vector3d(1e-4, 1e-4, 1e-5).asDiagonal();
   const Eigen::Matrix3d prior = (kLoosening * (estimate.covariance + floor)).inverse();
-  const Pose2 refined =
-      refine(map_model_.field, all_beams, estimate.pose, prior, kRefineSigma_m, map_model_.rand_per_hit).pose;
+  const auto refined_from = [&](const Pose2& start) {
+    return refine(map_model_.field, all_beams, start, prior, kRefineSigma_m, map_model_.rand_per_hit).pose;
+  };
+  const Pose2 refined = refined_from(estimate.pose);
+  const std::size_t best = list_clusters(particles_, bins, bins.clusters(), logs_).front().best;
+  const Pose2 other = refined_from(particles_.pose(best));
   if (map_model_.mean_log(all_beams, refined) >= map_model_.mean_log(all_beams, estimate.pose))
     estimate.pose = refined;
+  if (!is_near(other, estimate.pose, kSame_m, kSame_rad) &&
+      map_model_.place_log(all_beams, other) > map_model_.place_log(all_beams, estimate.pose))
+    estimate.pose = other;
 }
 
-/// Tests the estimate against other pose hypotheses while the scans fit badly.
+/// Tests the estimate against other pose hypotheses while the scans fit badly, and a while longer.
 void MonteCarlo::test_hypotheses(const Beams& beams, const Beams& all_beams, const PoseEstimate& estimate) {
   constexpr double kDecided = 0.95;  // weight of the cluster
   constexpr double kFits = 0.6;
   constexpr double kAsUsual = 0.93;
+  constexpr int kTestsAfter = 20;  // scans fit as usual again: perhaps at a place that looks alike
   const double agreement = map_model_.agreement(all_beams, estimate.pose);
   if (searching_ && estimate.cluster_weight > kDecided && estimate.fit > kFits) {
     searching_ = false;
@@ -156,6 +188,10 @@ void MonteCarlo::test_hypotheses(const Beams& beams, const Beams& all_beams, con
   if (params_.recovery_alpha_slow <= 0) return;
   if (!searching_) recovery_.add(std::exp(agreement));
   if (searching_ || recovery_.fraction() > 0)
+    tests_left_ = kTestsAfter;
+  else if (tests_left_ > 0)
+    --tests_left_;
+  if (tests_left_ > 0)
     hypotheses_.test(map_model_, beams, all_beams, estimate.pose, agreement,
                      std::log(kAsUsual * recovery_.usual()), rng_);
   else

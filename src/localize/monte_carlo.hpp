@@ -37,7 +37,8 @@ class MonteCarlo {
  private:
   void restart();
   double reweight_particles(const Beams& beams, std::size_t count);
-  void refine_estimate(const Beams& all_beams, PoseEstimate& estimate);
+  void compare_clusters(const PoseBins& bins, const Beams& all_beams, double likelihood_exponent);
+  void refine_estimate(const Beams& all_beams, const PoseBins& bins, PoseEstimate& estimate);
   void test_hypotheses(const Beams& beams, const Beams& all_beams, const PoseEstimate& estimate);
   void resample(const PoseBins& bins, double exponent_fraction);
 
@@ -51,6 +52,7 @@ class MonteCarlo {
   ParticleSet particles_;
   std::vector<float> logs_;  ///< by particle
   int updates_{0};
+  int tests_left_{0};      ///< updates for which hypotheses are tested
   bool searching_{false};  ///< after initialize_globally(), until one cluster is left that fits
   bool unseen_{false};     ///< after initialize_globally(), until the first scan
 };

@@ -3,6 +3,8 @@
 #include <cstddef>
 #include <vector>
 
+#include "extperfc/world/pose.hpp"
+
 namespace extperfc::localize {
 
 /// Particles as a structure of arrays. Positions are metres from the map's lower left corner along its own
@@ -23,6 +25,7 @@ struct ParticleSet {
     y[i] = y_m;
     yaw[i] = yaw_rad;
   }
+  [[nodiscard]] Pose2 pose(std::size_t i) const { return {x[i], y[i], yaw[i]}; }
   void make_weights_equal() { weight.assign(size(), 1.0F / static_cast<float>(size())); }
 };
 

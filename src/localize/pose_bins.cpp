@@ -88,6 +88,25 @@ std::vector<std::uint32_t> PoseBins::clusters() const {
   return parent;
 }
 
+std::vector<Cluster> list_clusters(const ParticleSet& particles, const PoseBins& bins,
+                                   const std::vector<std::uint32_t>& cluster_of_bin,
+                                   const std::vector<float>& logs) {
+  std::vector<Cluster> clusters(cluster_of_bin.size());
+  for (std::size_t i = 0; i < particles.size(); ++i) {
+    const std::uint32_t number = cluster_of_bin[bins.bin_of()[i]];
+    Cluster& cluster = clusters[number];
+    if (cluster.particles == 0 || logs[i] > logs[cluster.best]) cluster.best = i;
+    cluster.number = number;
+    cluster.weight += particles.weight[i];
+    ++cluster.particles;
+  }
+  const auto empty = [](const Cluster& cluster) { return cluster.particles == 0; };
+  clusters.erase(std::remove_if(clusters.begin(), clusters.end(), empty), clusters.end());
+  std::stable_sort(clusters.begin(), clusters.end(),
+                   [](const Cluster& a, const Cluster& b) { return a.weight > b.weight; });
+  return clusters;
+}
+
 PoseEstimate heaviest_cluster(const ParticleSet& particles, const PoseBins& bins) {
   const auto cluster = bins.clusters();
   std::vector<double> weight(cluster.size(), 0);

@@ -31,6 +31,17 @@ class PoseBins {
   std::vector<std::uint32_t> slots_;  ///< open addressing, a power of two of them
 };
 
+struct Cluster {
+  std::uint32_t number{0};  ///< as in PoseBins::clusters()
+  double weight{0};         ///< sum of its particles' weights
+  std::size_t particles{0};
+  std::size_t best{0};  ///< number of the particle with the largest log likelihood
+};
+/// Every cluster, the heaviest first. `logs`: of the particles' likelihoods.
+[[nodiscard]] std::vector<Cluster> list_clusters(const ParticleSet& particles, const PoseBins& bins,
+                                                 const std::vector<std::uint32_t>& cluster_of_bin,
+                                                 const std::vector<float>& logs);
+
 /// Mean, covariance (both along the map's own axes, from its lower left corner) and weight of the heaviest
 /// cluster. `fit` and `resampled` stay as they are by default. There must be a particle.
 [[nodiscard]] PoseEstimate heaviest_cluster(const ParticleSet& particles, const PoseBins& bins);

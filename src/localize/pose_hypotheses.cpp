@@ -25,12 +25,8 @@ constexpr double kMaxPerScan = 3;  // of evidence
 constexpr double kMaxOfPoor = 1;   // the same for a hypothesis that explains the scan less well than usual
 constexpr double kRejected = -3;
 
-bool near(const Pose2& a, const Pose2& b, double within_m, double within_rad) {
-  return distance_m(a, b) < within_m && std::abs(wrap_angle(a.yaw - b.yaw)) < within_rad;
-}
-
 bool same_pose(const Pose2& a, const Pose2& b) {
-  return near(a, b, kSame_m, kSame_rad);
+  return is_near(a, b, kSame_m, kSame_rad);
 }
 
 /// One pose of each bin, the most crowded bins first.
@@ -49,7 +45,7 @@ std::vector<Pose2> distinct(const ParticleSet& poses, std::size_t max_count) {
   std::vector<Pose2> picked;
   for (std::size_t i = 0; i < std::min(max_count, order.size()); ++i) {
     const std::size_t p = member[order[i]];
-    picked.push_back({poses.x[p], poses.y[p], poses.yaw[p]});
+    picked.push_back(poses.pose(p));
   }
   return picked;
 }
@@ -62,9 +58,9 @@ void PoseHypotheses::propagate(const Pose2& motion) {
 
 void PoseHypotheses::refine_pose(const MapModel& map_model, const Beams& all_beams,
                                  PoseHypothesis& hypothesis) const {
-  const Eigen::Matrix3d loose = Eigen::Vector3d(1, 1, 10).asDiagonal();
-  hypothesis.pose =
-      refine(map_model.field, all_beams, hypothesis.pose, loose, kRefineSigma_m, map_model.rand_per_hit).pose;
+  hypothesis.pose = refine(map_model.field, all_beams, hypothesis.pose, loose_prior(), kRefineSigma_m,
+                           map_model.rand_per_hit)
+                        .pose;
   hypothesis.agreement = map_model.agreement(all_beams, hypothesis.pose);
 }
 
@@ -84,9 +80,9 @@ void PoseHypotheses::add_near(const MapModel& map_model, const Beams& all_beams,
         found = true;
       }
   const auto known = [&](const PoseHypothesis& other) {
-    return near(best.pose, other.pose, kAtEstimate_m, kAtEstimate_rad);
+    return is_near(best.pose, other.pose, kAtEstimate_m, kAtEstimate_rad);
   };
-  if (!found || near(best.pose, estimate, kAtEstimate_m, kAtEstimate_rad) ||
+  if (!found || is_near(best.pose, estimate, kAtEstimate_m, kAtEstimate_rad) ||
       std::any_of(hypotheses_.begin(), hypotheses_.end(), known))
     return;
   hypotheses_.push_back(best);
@@ -118,7 +114,7 @@ void PoseHypotheses::test(const MapModel& map_model, const Beams& beams, const B
   const auto gone =
       std::remove_if(hypotheses_.begin(), hypotheses_.end(), [&](const PoseHypothesis& hypothesis) {
         return hypothesis.evidence <= kRejected ||
-               near(hypothesis.pose, estimate, kAtEstimate_m, kAtEstimate_rad);
+               is_near(hypothesis.pose, estimate, kAtEstimate_m, kAtEstimate_rad);
       });
   hypotheses_.erase(gone, hypotheses_.end());
   std::stable_sort(hypotheses_.begin(), hypotheses_.end(),

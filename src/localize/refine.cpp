@@ -37,6 +37,10 @@ Normal linearise(const DistanceField& field, const Beams& beams, const Pose2& po
 
 }  // namespace
 
+bool is_near(const Pose2& a, const Pose2& b, double within_m, double within_rad) {
+  return distance_m(a, b) < within_m && std::abs(wrap_angle(a.yaw - b.yaw)) < within_rad;
+}
+
 SmoothDistance smooth_distance(const DistanceField& field, float x_m, float y_m) {
   const float scale = field.cells_per_m();
   const float column = std::clamp(x_m * scale + field.margin() - 0.5F, 0.0F, field.last_column() - 1.5F);

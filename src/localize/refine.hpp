@@ -17,6 +17,13 @@ struct SmoothDistance {
 
 constexpr double kRefineSigma_m = 0.05;  ///< of a scan against a map of 0.05 m cells
 
+[[nodiscard]] bool is_near(const Pose2& a, const Pose2& b, double within_m, double within_rad);
+
+/// Information that holds a pose within about a metre.
+[[nodiscard]] inline Eigen::Matrix3d loose_prior() {
+  return Eigen::Vector3d(1, 1, 10).asDiagonal();
+}
+
 struct Refined {
   Pose2 pose;                   ///< metres from the map's lower left corner, along its own axes
   Eigen::Matrix3d information;  ///< of the scan alone, in (x, y, yaw) at that pose

@@ -12,6 +12,7 @@ namespace extperfc::localize {
 namespace {
 
 constexpr std::size_t kFirstBeams = 30;  // for the first choice
+constexpr std::size_t kSecondRays = 30;  // whole ones
 constexpr std::size_t kKeptOf = 5;       // the first choice keeps one of so many
 constexpr double kJitter_m = 0.1;        // about the distance of neighbours among the kept
 constexpr double kJitter_rad = 0.06;
@@ -47,6 +48,12 @@ ParticleSet pick(const ParticleSet& from, const std::vector<std::uint32_t>& numb
   return picked;
 }
 
+void append(ParticleSet& particles, const ParticleSet& more) {
+  particles.x.insert(particles.x.end(), more.x.begin(), more.x.end());
+  particles.y.insert(particles.y.end(), more.y.begin(), more.y.end());
+  particles.yaw.insert(particles.yaw.end(), more.yaw.begin(), more.yaw.end());
+}
+
 void add_jitter(ParticleSet& particles, double sigma_m, double sigma_rad, Rng& rng) {
   for (std::size_t i = 0; i < particles.size(); ++i)
     particles.set(i, static_cast<float>(particles.x[i] + rng.normal(0, 1) * sigma_m),
@@ -64,7 +71,12 @@ ParticleSet search_scan(const MapModel& map_model, const Beams& beams, std::size
   poses = choose(poses, logs, std::min(beams.ends(), kFirstBeams), std::max(count, tries / kKeptOf), rng);
   add_jitter(poses, kJitter_m, kJitter_rad, rng);
   map_model.exact.mean_logs(map_model.field, beams, poses, logs);
-  return choose(poses, logs, beams.ends(), count, rng);
+  ParticleSet chosen = choose(poses, logs, beams.ends(), count - count / 2, rng);
+  for (std::size_t i = 0; i < poses.size(); ++i)
+    logs[i] = static_cast<float>(map_model.place_log(beams, poses.pose(i), kSecondRays));
+  append(chosen, choose(poses, logs, beams.ends(), count / 2, rng));
+  chosen.make_weights_equal();
+  return chosen;
 }
 
 }  // namespace extperfc::localize

@@ -14,7 +14,8 @@ namespace extperfc::localize {
 
 /// Poses on the whole map that explain a scan (sensor resetting, Lenser and Veloso 2000): particles for
 /// global localization. Draws `tries` poses uniformly over the free space, selects some of them by a widened
-/// likelihood field, jitters them and selects `count` by the true one, with equal weights.
+/// likelihood field, jitters them and selects `count` with equal weights: half by the true field, half by
+/// whole rays too, because the rays of a pose that is not refined graze walls.
 ///
 /// Similar poses are all kept, in proportion to their fit, with the likelihood exponent limited so that a
 /// quarter of the poses stays effective. O(tries * 30 + max(count, tries / 5) * beams). Uniform poses where
@@ -27,6 +28,9 @@ namespace extperfc::localize {
 
 /// The particles with the given numbers, in that order, with equal weights.
 [[nodiscard]] ParticleSet pick(const ParticleSet& from, const std::vector<std::uint32_t>& numbers);
+
+/// Puts the poses of `more` behind those of `particles`; the weights become invalid.
+void append(ParticleSet& particles, const ParticleSet& more);
 
 /// Adds normal noise to every particle.
 void add_jitter(ParticleSet& particles, double sigma_m, double sigma_rad, Rng& rng);

@@ -124,11 +124,16 @@ std::vector<std::size_t> key_frames(const Recording& recording) {
   return frames;
 }
 
+std::vector<std::size_t> every_second(const std::vector<std::size_t>& frames) {
+  std::vector<std::size_t> chosen;
+  for (std::size_t k = 0; k < frames.size(); k += 2) chosen.push_back(frames[k]);
+  return chosen;
+}
+
 std::shared_ptr<OccupancyGrid> draw_map(const Recording& recording, const std::vector<std::size_t>& frames) {
   Counts counts(recording.truth);
-  for (std::size_t k = 0; k < frames.size(); k += 2)
-    counts.add(recording.scans[frames[k]],
-               compose(recording.truth[frames[k]], recording.scans[frames[k]].base_T_sensor));
+  for (const std::size_t frame : frames)
+    counts.add(recording.scans[frame], compose(recording.truth[frame], recording.scans[frame].base_T_sensor));
   return counts.map();
 }
 

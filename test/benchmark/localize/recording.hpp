@@ -27,7 +27,10 @@ struct Recording {
 /// Numbers of the scans at which the robot had moved by 0.5 m or rotated by 0.5 rad since the last one.
 [[nodiscard]] std::vector<std::size_t> key_frames(const Recording& recording);
 
-/// Cells of 0.05 m, from every second key frame: occupied where an eighth of the rays that came by ended.
+/// The first, the third, ...
+[[nodiscard]] std::vector<std::size_t> every_second(const std::vector<std::size_t>& frames);
+
+/// Cells of 0.05 m, from the scans `frames`: occupied where an eighth of the rays that came by ended.
 [[nodiscard]] std::shared_ptr<OccupancyGrid> draw_map(const Recording& recording,
                                                       const std::vector<std::size_t>& frames);
 

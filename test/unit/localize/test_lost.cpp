@@ -63,6 +63,29 @@ TEST(Lost, KidnappedAndSetDownSomewhereElse) {
   }
 }
 
+/// A wrong room that looks nearly alike fits well enough for the averages to recover.
+TEST(Lost, KidnappedIntoRoomsThatLookAlike) {
+  const Plan plan = building();
+  for (const std::uint64_t seed : {1, 9}) {
+    auto params = test_params();
+    params.seed = seed;
+    auto localizer = Localizer::make(params, plan.map());
+    ASSERT_TRUE(localizer);
+    Drive drive(plan, {12, 7, 0}, 23 + seed);
+    ASSERT_TRUE(localizer->set_pose(drive.truth(), 0.01 * Eigen::Matrix3d::Identity()));
+    for (int i = 0; i < 20; ++i) {
+      drive.move({0.2, 0, 0});
+      ASSERT_TRUE(localizer->update(drive.scan(), drive.odom()));
+    }
+    for (const Pose2& start : start_poses()) {
+      drive.carry_to(start);
+      EXPECT_TRUE(updates_until_found(*localizer, drive, 30))
+          << "seed " << seed << ": " << start.x << " " << start.y << " taken for "
+          << localizer->estimate().pose.x << " " << localizer->estimate().pose.y;
+    }
+  }
+}
+
 TEST(Lost, WrongFirstPose) {
   const Plan plan = building();
   auto localizer = Localizer::make(test_params(), plan.map());

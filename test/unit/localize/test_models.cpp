@@ -7,6 +7,7 @@
 #include "localize/beam_model.hpp"
 #include "localize/beams.hpp"
 #include "localize/field_model.hpp"
+#include "localize/map_model.hpp"
 #include "localize/odometry.hpp"
 #include "localize/refine.hpp"
 #include "test/unit/localize/plan.hpp"
@@ -247,6 +248,24 @@ Moments after(const LocalizerParams& params, const Pose2& motion, std::size_t co
 
 constexpr std::size_t kSamples = 40000;
 constexpr double kRelative = 0.02;  // sigma of n samples is good to 1 / sqrt(2 n) = 0.35 %: six of these
+
+TEST(MapModel, AnObjectThatHasGoneCountsLessThanAWall) {
+  Plan plan = room();
+  Rng rng(4);
+  LocalizerParams params;
+  params.laser_max_beams = 180;
+  const Pose2 truth{4.7, 3.2, 0};
+  const Beams beams = select_beams(plan.scan(truth, rng), params);
+  plan.box(5.2, 2.6, 5.5, 3.8);  // was there when the map was drawn
+  const MapModel map_model(plan.map(), params);
+  const Pose2 in_map = between(map_model.map->origin, truth);
+  const double gone = map_model.agreement(beams, in_map);
+  EXPECT_GT(gone, -0.7) << "a quarter to a third of the rays pass through it, onto walls";
+  EXPECT_LT(gone, -0.2);
+  const Pose2 wrong = compose(in_map, {1.5, 1.5, 0});
+  EXPECT_LT(map_model.agreement(beams, wrong), gone - 0.3);
+  EXPECT_LT(map_model.place_log(beams, wrong), map_model.place_log(beams, in_map) - 0.3);
+}
 
 TEST(Odometry, NoNoiseMeansTheMotionItself) {
   for (const auto model : {OdometryModel::kDifferential, OdometryModel::kOmni}) {
