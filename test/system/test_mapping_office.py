@@ -25,6 +25,7 @@ GOALS = [(0, 3.4), (-9, 3.4), (-9, 6.5), (-9, 3.4), (-11, 3.4), (-11, -3.4), (-8
          (-3.2, -3.4), (-3.2, -0.8), (-3.2, -3.4), (0, -3.4), (0, 0), (0, -3.4), (8, -3.4), (11, -3.4), (11, 0),
          (13, 0), (11, 0), (11, 3.4), (3, 3.4), (3, 6.0), (-2.5, 7.2), (-3, 3.4), (0, 3.4), (0, 0)]
 MIN_GOALS = 20                   # that the robot must have reached; doors are 7 cm wider on each side than its chassis
+BLOCKED_STEPS = 20               # of a tenth of a second, that the robot waits
 TOLERANCE_CELLS = 1              # a cell counts as right when a right one is among its eight neighbours
 # Recall cannot be full: the truth shows all that stands between 0.1 and 1.5 m above each cell, also the tops of tables,
 # under which the scan looks through to the wall.
@@ -79,6 +80,7 @@ class Robot:
         find_services()
         from extperfc.srv import StepSimulation
         self.truth, self.estimates, self.true_map, self.goal, self.steps = Newest(), Newest(), None, None, 0
+        self.last_pose, self.still = None, 0
         self.deadline = Deadline(deadline_s, self.where)
         rospy.Subscriber("sim/truth/odom", Odometry, self._on_truth, queue_size=100)
         rospy.Subscriber("pose", PoseWithCovarianceStamped, self._on_pose, queue_size=100)
@@ -134,7 +136,7 @@ class Robot:
             if path is None:
                 print(f"no path to {goal} for the chassis", flush=True)
                 return False
-            held_at = self.follow(plan, path, goal)
+            held_at = self.follow(plan, path, goal, among_people)
             if held_at is None:
                 return True
             print(f"stopped on the path to {goal} at {self.pose()}", flush=True)
@@ -142,13 +144,29 @@ class Robot:
                 plan.block(*held_at)
         return False
 
-    def follow(self, plan, path, goal):
-        """None at the goal, or the point of the path that could not be reached."""
+    def stood(self):
+        return self.last_pose is not None and math.dist(self.pose()[:2], self.last_pose[:2]) < 0.003
+
+    def is_blocked(self, velocity):
+        """Whether the robot stood still in the last three steps though it was to drive."""
+        self.still = self.still + 1 if self.stood() and math.hypot(*velocity[:2]) > 0.1 else 0
+        self.last_pose = self.pose()
+        blocked = self.still >= 3
+        if blocked:
+            self.still = 0
+        return blocked
+
+    def follow(self, plan, path, goal, among_people):
+        """None at the goal, or the point of the path that could not be reached. Among people the robot stops when something
+        blocks it, and waits until it has gone; otherwise its wheels would spin."""
         at, farthest, progress = 0, -1, self.steps
         while math.dist(self.pose()[:2], goal) > ARRIVED_M:
             held = self.steps - progress
             velocity, at = command(plan, path, at, self.pose(), back=held >= 40)
             self.step(velocity)
+            if among_people and self.is_blocked(velocity):
+                for _ in range(BLOCKED_STEPS):
+                    self.step()
             if at > farthest:
                 farthest, progress = at, self.steps
             if self.steps - progress > 55:
