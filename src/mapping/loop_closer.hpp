@@ -49,9 +49,9 @@ class LoopCloser {
                                           std::vector<bool>& tried);
 
  private:
+  static void forget_closures(const std::vector<KeyFrame>& frames, PoseGraph& graph);
   /// Searches the submap of `query` in older ones and accepts what is certain. True when a far closure was
   /// accepted.
-  static void forget_closures(const std::vector<KeyFrame>& frames, PoseGraph& graph);
   bool close(std::size_t query, const std::vector<KeyFrame>& frames, PoseGraph& graph);
   [[nodiscard]] std::vector<std::size_t> references(std::size_t query, const std::vector<KeyFrame>& frames,
                                                     const PoseGraph& graph,

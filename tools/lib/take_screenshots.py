@@ -222,19 +222,25 @@ def office(folder, session):
         save(screen(), "simulation_office.png")
 
 
+def send_to(session, simulation, x, y, yaw):
+    """Waits until the robot can navigate, and sends it to a pose in the map. Gives the robot."""
+    from nav_robot import NavRobot, Pose
+    robot = NavRobot(session.alive)
+    for _ in range(20):
+        simulation.step(0.1)
+        time.sleep(0.3)
+    robot.ready()
+    robot.send(Pose(x, y, yaw))
+    return robot
+
+
 def navigation(folder, session):
     """navigation_rviz.png: on a path through the office: cost maps, footprint, paths, candidates, people."""
-    from nav_robot import NavRobot, Pose
     edits = ((r"(Current:(?:\n      .*)*?\n      Scale:).*", r"\1 78"), (r"(Current:(?:\n      .*)*?\n      X:).*", r"\1 -1.5"),
              (r"(Current:(?:\n      .*)*?\n      Y:).*", r"\1 3.0"))
     simulation, _, windows = start(folder, session, "sim_navigation.launch", "navigation.rviz", edits)
     with windows:
-        robot = NavRobot(session.alive)
-        for _ in range(20):
-            simulation.step(0.1)
-            time.sleep(0.3)
-        robot.ready()
-        robot.send(Pose(-3.6, 6.4, 1.57))
+        send_to(session, simulation, -3.6, 6.4, 1.57)
         for _ in range(125):
             simulation.step(0.05)
             time.sleep(0.15)  # localizer and navigator keep pace
@@ -244,15 +250,9 @@ def navigation(folder, session):
 
 def bringup(folder, session):
     """bringup_rviz.png: the whole robot on a path through the laboratory while it maps and detects; rviz with its panels."""
-    from nav_robot import NavRobot, Pose
     simulation, _, windows = start(folder, session, "bringup.launch", "bringup.rviz", (), panels=True)
     with windows:
-        robot = NavRobot(session.alive)
-        for _ in range(20):
-            simulation.step(0.1)
-            time.sleep(0.3)
-        robot.ready()
-        robot.send(Pose(-0.4, -1.5, 0.0))
+        robot = send_to(session, simulation, -0.4, -1.5, 0.0)
         for _ in range(32):
             simulation.step(0.05)
             time.sleep(0.2)  # all parts keep pace

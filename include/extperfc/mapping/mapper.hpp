@@ -36,7 +36,8 @@ struct MapperParams {
   double stt{0.1};                  ///< [rad/rad]
   double occupied_threshold{0.25};  ///< occ_thresh: fraction of hits from which a cell is occupied, (0, 1)
   /// Of a place that is seen again and again the scans of this many passes stay, and of as many of the
-  /// newest: memory grows with the building, not with the time. [0, 100]; 0: all scans stay.
+  /// newest: scans, which take most of the memory, grow with the building; poses and constraints, some
+  /// hundred bytes per key frame, with the path. [0, 100]; 0: all scans stay.
   int kept_passes{2};
   std::uint64_t seed{1};  ///< of every random draw
 };

@@ -195,7 +195,7 @@ void Direction::find_rows(std::vector<Row>& rows) const {
                     other ? std::optional<double>(static_cast<double>(other->right)) : std::nullopt),
                static_cast<double>(mine->trials)));
   rows.push_back({name_, "updates until found, median", "", percentile(mine->updates, 0.5)});
-  rows.push_back({name_, "updates until found, most", "", percentile(mine->updates, 1)});
+  rows.push_back({name_, "updates until found, largest", "", percentile(mine->updates, 1)});
 }
 
 void Direction::kidnap_rows(const std::string& how, Found found, std::vector<Row>& rows) const {
@@ -207,7 +207,7 @@ void Direction::kidnap_rows(const std::string& how, Found found, std::vector<Row
                           kGoal * static_cast<double>(found.trials)));
   rows.push_back({name_, "right later" + of, "trials", static_cast<double>(found.right - found.in_time)});
   rows.push_back({name_, "updates until right, median", "", percentile(found.updates, 0.5)});
-  rows.push_back({name_, "updates until right, most", "", percentile(found.updates, 1)});
+  rows.push_back({name_, "updates until right, largest", "", percentile(found.updates, 1)});
   rows.push_back({name_, "certain and over 1 m wrong at the end" + of, "trials",
                   static_cast<double>(found.certain_at_end)});
 }
