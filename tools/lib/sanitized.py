@@ -32,7 +32,7 @@ class Variant:
             return Counts(0, 0, 0)
         configure = ["cmake", "-S", str(REPO), "-B", str(self.build), "-G", "Ninja", "-DCMAKE_BUILD_TYPE=None",
                      "-DCMAKE_CXX_FLAGS=-O1", "-DEXTPERFC_WITH_ROS=OFF", "-DEXTPERFC_WERROR=ON",
-                     "-DEXTPERFC_BENCHMARKS=OFF", "-DEXTPERFC_UNITY=ON", *self.cmake_options]
+                     "-DEXTPERFC_BENCHMARKS=OFF", *self.cmake_options]
         if run(configure, log, 120) != 0:
             return Counts(0, 1, 0)
         names = [name for name, _ in ctest_list(self.build) if re.search(self.pattern, name)]

@@ -76,7 +76,7 @@ def tidy_configuration():
     command = ["cmake", "-S", str(WS / "src"), "-B", str(WS / "tidy"), "-G", "Ninja",
                "-DCMAKE_EXPORT_COMPILE_COMMANDS=ON", "-DPYTHON_EXECUTABLE=/usr/bin/python3",
                f"-DCATKIN_DEVEL_PREFIX={WS}/devel", "-DCATKIN_ENABLE_TESTING=OFF", "-DEXTPERFC_TESTS=OFF",
-               "-DEXTPERFC_BENCHMARKS=OFF", "-DCMAKE_DISABLE_PRECOMPILE_HEADERS=ON"]
+               "-DEXTPERFC_BENCHMARKS=OFF", "-DEXTPERFC_UNITY=OFF", "-DCMAKE_DISABLE_PRECOMPILE_HEADERS=ON"]
     return command + (openvino_options() if (WS / "openvino").exists() else [])
 
 

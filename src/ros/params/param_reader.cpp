@@ -14,7 +14,10 @@ namespace {
 template <typename T>
 std::string text_of(const T& value) {
   std::ostringstream stream;
-  stream << value;
+  if constexpr (std::is_same_v<T, XmlRpc::XmlRpcValue>)
+    value.write(stream);
+  else
+    stream << value;
   return stream.str();
 }
 
