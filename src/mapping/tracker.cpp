@@ -2,9 +2,11 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <numeric>
 
 #include <Eigen/Eigenvalues>
+#include <Eigen/Geometry>
 
 namespace extperfc::mapping {
 
@@ -15,7 +17,7 @@ constexpr double kRememberEveryM = 0.15;
 constexpr double kRememberEveryRad = 0.12;
 constexpr double kReachOfNewestM =
     2.0;  // of the newest key frame, where they are the local map of a resumed session
-constexpr double kReachM = 0.25;  // maximum distance from a point to its surface
+constexpr double kPointReachM = 0.25;  // maximum distance from a point to its surface
 // A match this many standard deviations from odometry contradicts it.
 constexpr double kContradiction = 6.0;
 // No robot moves this far from scan to scan: its odometry was reset.
@@ -40,6 +42,17 @@ constexpr int kCarriedScans = 5;  // that show other surroundings, one after ano
 /// The component of the motion between two poses along a direction of unit length.
 Eigen::Vector2d moved_along(const Eigen::Vector2d& along, const Pose2& from, const Pose2& to) {
   return along.dot(Eigen::Vector2d(to.x - from.x, to.y - from.y)) * along;
+}
+
+/// The points of surfaces that face along a direction of the map, one way or the other.
+ScanPoints facing_along(const ScanPoints& points, const Pose2& map_T_base, const Eigen::Vector2d& along) {
+  constexpr double kFaces = 0.5;  // cosine
+  const Eigen::Vector2f in_base = (Eigen::Rotation2Dd(-map_T_base.yaw) * along).cast<float>();
+  ScanPoints facing;
+  facing.scanner = points.scanner;
+  std::copy_if(points.surface.begin(), points.surface.end(), std::back_inserter(facing.surface),
+               [&](const SurfacePoint& point) { return std::abs(point.normal.dot(in_base)) > kFaces; });
+  return facing;
 }
 
 }  // namespace
@@ -88,6 +101,7 @@ Tracked Tracker::add(const ScanPoints& points, const std::optional<Pose2>& odom_
         tracked.pose = before.mean;
       } else {
         watch_slide(points, before, step, tracked);
+        judge_hold(points, tracked);
       }
     }
   }
@@ -133,7 +147,7 @@ void Tracker::watch_place(const ScanPoints& points, const PosePrior& prior, Trac
 }
 
 void Tracker::match_scan(const ScanPoints& points, const PosePrior& prior, Tracked& tracked) const {
-  ScanMatch best = match(map_, points, prior.mean, prior, kReachM);
+  ScanMatch best = match(map_, points, prior.mean, prior, kPointReachM);
   if (best.fit < minimum_fit_ + kComfortableFit || is_unusual(best)) best = look_wider(points, prior, best);
   tracked.fit = best.fit;
   if (best.fit < minimum_fit_ && best.used * 2 < static_cast<int>(points.surface.size())) return;
@@ -177,8 +191,8 @@ double Tracker::common_with_last(const ScanPoints& points, const Pose2& step) co
                     backward.on_surface / std::max(1.0, backward.all));
   };
   const Pose2 wide = search_near(last, points, step, kWindowM, kWindowRad);
-  return std::max(common(match(last, points, step, {step, 0.1, 0.1}, kReachM)),
-                  common(match(last, points, wide, {wide, 1.0, 1.0}, kReachM)));
+  return std::max(common(match(last, points, step, {step, 0.1, 0.1}, kPointReachM)),
+                  common(match(last, points, wide, {wide, 1.0, 1.0}, kPointReachM)));
 }
 
 /// Fraction of the scan that the local map explains, less what contradicts it: points beside surfaces that
@@ -274,15 +288,81 @@ void Tracker::hold(const ScanPoints& points, PosePrior prior, Tracked& tracked) 
   const double slid_m = prior.along.dot(slide_.off_m);
   prior.mean = {tracked.pose.x - slid_m * prior.along.x(), tracked.pose.y - slid_m * prior.along.y(),
                 tracked.pose.yaw};
-  const ScanMatch held = match(map_, points, prior.mean, prior, kReachM);
+  const ScanMatch held = match(map_, points, prior.mean, prior, kPointReachM);
   if (graded_fit(map_, points, held.pose) < graded_fit(map_, points, tracked.pose) - kClearlyWorse) {
     slide_ = {};
     return;
   }
+  if (!held_) begin_hold(prior.along);
   slide_.off_m += moved_along(prior.along, tracked.pose, held.pose);
   tracked.pose = held.pose;
   tracked.fit = held.fit;
   tracked.information = held.information;
+}
+
+void Tracker::begin_hold(const Eigen::Vector2d& along) {
+  constexpr double kWellBeforeM = 0.5;  // people who walk along have moved on since
+  held_.emplace(Held{pose_, along, {}});
+  for (const Remembered& scan : recent_)
+    if (std::hypot(scan.pose.x - pose_.x, scan.pose.y - pose_.y) > kWellBeforeM)
+      held_->before.add(scan.points, scan.pose);
+}
+
+/// Whether odometry decides rightly: the few surfaces that face along the corridor, as door frames do, tell
+/// when they were seen before. Where wheels spin they stay where they are; people who walk along were
+/// elsewhere then.
+void Tracker::judge_hold(const ScanPoints& points, Tracked& tracked) {
+  constexpr double kStepM = 0.04;
+  constexpr int kSameSteps = 2;  // this near to odometry's pose the points speak for it
+  constexpr double kUndecidedM = 1.0;
+  constexpr double kEnough = 10;  // points
+  constexpr double kClearly = 2;
+  if (!held_) return;
+  const double moved_m =
+      held_->along.dot(Eigen::Vector2d(tracked.pose.x - held_->from.x, tracked.pose.y - held_->from.y));
+  const int steps = static_cast<int>(std::abs(moved_m) / kStepM);
+  if (steps <= kSameSteps) return;
+  const ScanPoints facing = facing_along(points, tracked.pose, held_->along);
+  const auto shifted = [&](int step) {
+    const Eigen::Vector2d by = std::copysign(kStepM * step, moved_m) * held_->along;
+    return Pose2{tracked.pose.x - by.x(), tracked.pose.y - by.y(), tracked.pose.yaw};
+  };
+  double by_wheels = 0;
+  double by_scan = 0;
+  Pose2 best = tracked.pose;
+  for (int step = -kSameSteps; step <= steps + kSameSteps; ++step) {
+    const double seen = agreement(held_->before, facing, shifted(step)).on_surface;
+    if (step <= kSameSteps) {
+      by_wheels = std::max(by_wheels, seen);
+    } else if (seen > by_scan) {
+      by_scan = seen;
+      best = shifted(step);
+    }
+  }
+  held_->by_wheels += by_wheels;
+  held_->by_scan += by_scan;
+  if (by_scan > by_wheels && held_->by_scan > std::max(kEnough, kClearly * held_->by_wheels)) {
+    const ScanMatch found = match(held_->before, points, best, {best, kStepM, kUnknownStepRad}, kPointReachM);
+    tracked.pose = found.pose;
+    tracked.fit = found.fit;
+    tracked.information = found.information;
+    end_hold(true);
+  } else if (held_->by_wheels > std::max(kEnough, kClearly * held_->by_scan) ||
+             std::abs(moved_m) > kUndecidedM) {
+    end_hold(false);
+  }
+}
+
+void Tracker::end_hold(bool wheels_spun) {
+  held_.reset();
+  slide_ = {};
+  if (wheels_spun) {
+    recent_.erase(
+        std::remove_if(recent_.begin(), recent_.end(), [](const Remembered& scan) { return scan.held; }),
+        recent_.end());
+    redraw();
+  }
+  for (Remembered& scan : recent_) scan.held = false;
 }
 
 /// For slipping wheels, jumps of odometry, a carried robot, or much new surroundings: searches around the
@@ -318,7 +398,7 @@ ScanMatch Tracker::look_wider(const ScanPoints& points, const PosePrior& prior,
     tried.push_back(centre);
     const Pose2 start = search_near(map_, points, centre, resuming_ ? kResumingWindowM : kWindowM,
                                     resuming_ ? kResumingWindowRad : kWindowRad);
-    const ScanMatch wide = match(map_, points, start, {start, 1.0, 1.0}, kReachM);
+    const ScanMatch wide = match(map_, points, start, {start, 1.0, 1.0}, kPointReachM);
     const double score = support(points, wide.pose) - cost(wide.pose);
     if (score <= best_score) continue;
     best = wide;
@@ -333,7 +413,7 @@ void Tracker::remember(const ScanPoints& points, const Pose2& pose) {
     const Pose2 since = between(recent_.back().pose, pose);
     if (std::hypot(since.x, since.y) < kRememberEveryM && std::abs(since.yaw) < kRememberEveryRad) return;
   }
-  recent_.push_back({pose, points, RangeProfile(points)});
+  recent_.push_back({pose, points, RangeProfile(points), held_.has_value()});
   map_.add(points, pose);
   if (recent_.size() < 2 * kRemembered) return;
   while (recent_.size() > kRemembered) recent_.pop_front();
@@ -345,6 +425,7 @@ void Tracker::restart() {
   recent_.clear();
   map_.clear();
   slide_ = {};
+  held_.reset();
   lost_scans_ = 0;
   usual_fit_ = 0;
 }
@@ -390,7 +471,7 @@ void Tracker::take(const std::vector<KeyFrame>& frames, const std::vector<Pose2>
                    const std::vector<std::size_t>& chosen) {
   recent_.clear();
   for (const std::size_t i : chosen)
-    recent_.push_back({poses[i], frames[i].points, RangeProfile(frames[i].points)});
+    recent_.push_back({poses[i], frames[i].points, RangeProfile(frames[i].points), false});
   redraw();
 }
 

@@ -40,8 +40,9 @@ struct Tracked {
 /// Scan-to-map tracking: matches every scan to the surfaces seen over the last metres, with odometry (without
 /// odometry the last motion) as prior. Precise over a room, drifts over a building. Where the scan hardly
 /// constrains the position along a corridor and the match deviates from odometry more than srr and str allow,
-/// odometry decides along that direction; compare degenerate directions in Zhang, Kaess and Singh, "On
-/// Degeneracy of Optimization-based State Estimation Problems", ICRA 2016.
+/// odometry decides along that direction, until what faces it shows that the wheels spin; compare degenerate
+/// directions in Zhang, Kaess and Singh, "On Degeneracy of Optimization-based State Estimation Problems",
+/// ICRA 2016.
 class Tracker {
  public:
   static constexpr std::size_t kMinPoints = 12;  ///< fewer do not determine a pose
@@ -67,11 +68,20 @@ class Tracker {
     Pose2 pose;
     ScanPoints points;
     RangeProfile profile;
+    bool held{false};  ///< placed while odometry decided, see Held
   };
   /// Recent deviation of the matches from odometry along directions that scans hardly constrain.
   struct Slide {
     Eigen::Vector2d off_m{0, 0};  ///< in the tracker's frame
     double wheels_m{0};           ///< expected error of wheel odometry over the same distance
+  };
+  /// Odometry decides along a corridor, against the matches.
+  struct Held {
+    Pose2 from;                   ///< where that began
+    Eigen::Vector2d along{0, 0};  ///< of unit length
+    SurfaceMap before;            ///< what was seen well before
+    double by_wheels{0};          ///< points since then that say that odometry is right ...
+    double by_scan{0};            ///< ... or that the robot is farther back
   };
 
   [[nodiscard]] bool jumps(const std::optional<Pose2>& odom_T_base) const;
@@ -81,6 +91,9 @@ class Tracker {
   void watch_place(const ScanPoints& points, const PosePrior& prior, Tracked& tracked);
   void watch_slide(const ScanPoints& points, const PosePrior& prior, const Pose2& step, Tracked& tracked);
   void hold(const ScanPoints& points, PosePrior prior, Tracked& tracked);
+  void begin_hold(const Eigen::Vector2d& along);
+  void judge_hold(const ScanPoints& points, Tracked& tracked);
+  void end_hold(bool wheels_spun);
   [[nodiscard]] bool is_unusual(const ScanMatch& match) const;
   [[nodiscard]] bool shows_elsewhere(const ScanPoints& points, const Tracked& tracked) const;
   [[nodiscard]] double common_with_last(const ScanPoints& points, const Pose2& step) const;
@@ -111,6 +124,7 @@ class Tracker {
   SurfaceMap map_;
   ScanPoints last_scan_;
   Slide slide_;
+  std::optional<Held> held_;
   double longest_step_m_{0};  ///< of the latest scans
   double usual_fit_{0};       ///< of the latest scans
   bool resuming_{false};      ///< until a scan matches, it is looked for in a wider window

@@ -226,6 +226,49 @@ TEST(Tracker, NoiseOfABareCorridorDoesNotHoldItBack) {
     }
 }
 
+/// A corridor with door frames, along which the robot drives until a person stands in its path: it pushes,
+/// and the wheels spin. Then the person goes away.
+struct SpinningWheels {
+  PlanarScanner scanner;
+  double spin_m{2.5};   ///< what the wheels report meanwhile
+  double step_m{0.05};  ///< from scan to scan
+  double off_m{0};      ///< of the tracked pose, at the end, along the corridor
+
+  void drive(std::uint64_t seed) {
+    constexpr double kBeforeM = 8;
+    constexpr double kAfterM = 6;
+    Rng rng(seed);
+    PlanarWorld world = planar_corridor();
+    for (const double x : {-22.0, -18.7, -16.5, -13.0, -10.2, -8.0, -4.4, -1.7, 1.0, 4.6, 7.1, 9.5})
+      for (const double y : {-1.0, 0.85}) world.add_box(x + y, y, x + y + 0.9, y + 0.15);
+    PlanarWorld with_person = world;
+    with_person.add_box(-12 + kBeforeM + 0.5, -0.25, -12 + kBeforeM + 0.8, 0.25);
+    PlanarOdometry odometry;
+    odometry.veer_rad_per_m = 0;
+    Tracker tracker({}, kMinimumFit);
+    double moved_m = 0;
+    double spun_m = 0;
+    while (moved_m < kBeforeM + kAfterM) {
+      const bool blocked = moved_m >= kBeforeM && spun_m < spin_m;
+      (blocked ? spun_m : moved_m) += step_m;
+      const auto scan = scanner.scan(blocked ? with_person : world, {-12 + moved_m, 0, 0}, rng);
+      (void)tracker.add(scan_points(scan, {}), odometry.move({step_m, 0, 0}, rng));
+    }
+    off_m = tracker.pose().x - moved_m + step_m;
+  }
+};
+
+TEST(Tracker, WheelsThatSpinInACorridorAreFoundOut) {
+  for (const bool all_around : {true, false})
+    for (const std::uint64_t seed : {21U, 22U, 23U}) {
+      SCOPED_TRACE(testing::Message() << (all_around ? "all around" : "half a circle") << ", seed " << seed);
+      SpinningWheels run;
+      if (!all_around) run.scanner = half_circle_scanner();
+      run.drive(seed);
+      EXPECT_NEAR(run.off_m, 0, 0.2);
+    }
+}
+
 TEST(Tracker, JumpOfOdometry) {
   for (const Pose2& jump : {Pose2{5, -2, 1.0}, Pose2{0, 0, 2.5}, Pose2{-300, 200, 0}}) {
     SCOPED_TRACE(jump.x);
