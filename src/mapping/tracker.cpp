@@ -2,11 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
-#include <iterator>
-#include <numeric>
 
 #include <Eigen/Eigenvalues>
-#include <Eigen/Geometry>
 
 namespace extperfc::mapping {
 
@@ -42,17 +39,6 @@ constexpr int kCarriedScans = 5;  // that show other surroundings, one after ano
 /// The component of the motion between two poses along a direction of unit length.
 Eigen::Vector2d moved_along(const Eigen::Vector2d& along, const Pose2& from, const Pose2& to) {
   return along.dot(Eigen::Vector2d(to.x - from.x, to.y - from.y)) * along;
-}
-
-/// The points of surfaces that face along a direction of the map, one way or the other.
-ScanPoints facing_along(const ScanPoints& points, const Pose2& map_T_base, const Eigen::Vector2d& along) {
-  constexpr double kFaces = 0.5;  // cosine
-  const Eigen::Vector2f in_base = (Eigen::Rotation2Dd(-map_T_base.yaw) * along).cast<float>();
-  ScanPoints facing;
-  facing.scanner = points.scanner;
-  std::copy_if(points.surface.begin(), points.surface.end(), std::back_inserter(facing.surface),
-               [&](const SurfacePoint& point) { return std::abs(point.normal.dot(in_base)) > kFaces; });
-  return facing;
 }
 
 }  // namespace
@@ -293,7 +279,7 @@ void Tracker::hold(const ScanPoints& points, PosePrior prior, Tracked& tracked) 
     slide_ = {};
     return;
   }
-  if (!held_) begin_hold(prior.along);
+  if (!wheel_spin_) begin_hold(prior.along);
   slide_.off_m += moved_along(prior.along, tracked.pose, held.pose);
   tracked.pose = held.pose;
   tracked.fit = held.fit;
@@ -301,67 +287,33 @@ void Tracker::hold(const ScanPoints& points, PosePrior prior, Tracked& tracked) 
 }
 
 void Tracker::begin_hold(const Eigen::Vector2d& along) {
-  constexpr double kWellBeforeM = 0.5;  // people who walk along have moved on since
-  held_.emplace(Held{pose_, along, {}});
+  SurfaceMap before;
   for (const Remembered& scan : recent_)
-    if (std::hypot(scan.pose.x - pose_.x, scan.pose.y - pose_.y) > kWellBeforeM)
-      held_->before.add(scan.points, scan.pose);
+    if (std::hypot(scan.pose.x - pose_.x, scan.pose.y - pose_.y) > WheelSpin::kWellBeforeM)
+      before.add(scan.points, scan.pose);
+  wheel_spin_.emplace(pose_, along, std::move(before));
 }
 
-/// Whether odometry decides rightly: the few surfaces that face along the corridor, as door frames do, tell
-/// when they were seen before. Where wheels spin they stay where they are; people who walk along were
-/// elsewhere then.
+/// Whether odometry decides rightly along the corridor, or the wheels spin.
 void Tracker::judge_hold(const ScanPoints& points, Tracked& tracked) {
-  constexpr double kStepM = 0.04;
-  constexpr int kSameSteps = 2;  // this near to odometry's pose the points speak for it
-  constexpr double kUndecidedM = 1.0;
-  constexpr double kEnough = 10;  // points
-  constexpr double kClearly = 2;
-  if (!held_) return;
-  const double moved_m =
-      held_->along.dot(Eigen::Vector2d(tracked.pose.x - held_->from.x, tracked.pose.y - held_->from.y));
-  const int steps = static_cast<int>(std::abs(moved_m) / kStepM);
-  if (steps <= kSameSteps) return;
-  const ScanPoints facing = facing_along(points, tracked.pose, held_->along);
-  const auto shifted = [&](int step) {
-    const Eigen::Vector2d by = std::copysign(kStepM * step, moved_m) * held_->along;
-    return Pose2{tracked.pose.x - by.x(), tracked.pose.y - by.y(), tracked.pose.yaw};
-  };
-  double by_wheels = 0;
-  double by_scan = 0;
-  Pose2 best = tracked.pose;
-  for (int step = -kSameSteps; step <= steps + kSameSteps; ++step) {
-    const double seen = agreement(held_->before, facing, shifted(step)).on_surface;
-    if (step <= kSameSteps) {
-      by_wheels = std::max(by_wheels, seen);
-    } else if (seen > by_scan) {
-      by_scan = seen;
-      best = shifted(step);
-    }
-  }
-  held_->by_wheels += by_wheels;
-  held_->by_scan += by_scan;
-  if (by_scan > by_wheels && held_->by_scan > std::max(kEnough, kClearly * held_->by_wheels)) {
-    const ScanMatch found = match(held_->before, points, best, {best, kStepM, kUnknownStepRad}, kPointReachM);
-    tracked.pose = found.pose;
-    tracked.fit = found.fit;
-    tracked.information = found.information;
-    end_hold(true);
-  } else if (held_->by_wheels > std::max(kEnough, kClearly * held_->by_scan) ||
-             std::abs(moved_m) > kUndecidedM) {
-    end_hold(false);
-  }
-}
-
-void Tracker::end_hold(bool wheels_spun) {
-  held_.reset();
-  slide_ = {};
-  if (wheels_spun) {
+  if (!wheel_spin_) return;
+  const WheelSpin::Verdict verdict = wheel_spin_->add(points, tracked.pose);
+  if (verdict == WheelSpin::Verdict::kStands) {
+    const ScanMatch& place = wheel_spin_->place();
+    tracked.pose = place.pose;
+    tracked.fit = place.fit;
+    tracked.information = place.information;
     recent_.erase(
         std::remove_if(recent_.begin(), recent_.end(), [](const Remembered& scan) { return scan.held; }),
         recent_.end());
     redraw();
   }
+  if (verdict != WheelSpin::Verdict::kOpen) end_hold();
+}
+
+void Tracker::end_hold() {
+  wheel_spin_.reset();
+  slide_ = {};
   for (Remembered& scan : recent_) scan.held = false;
 }
 
@@ -413,7 +365,7 @@ void Tracker::remember(const ScanPoints& points, const Pose2& pose) {
     const Pose2 since = between(recent_.back().pose, pose);
     if (std::hypot(since.x, since.y) < kRememberEveryM && std::abs(since.yaw) < kRememberEveryRad) return;
   }
-  recent_.push_back({pose, points, RangeProfile(points), held_.has_value()});
+  recent_.push_back({pose, points, RangeProfile(points), wheel_spin_.has_value()});
   map_.add(points, pose);
   if (recent_.size() < 2 * kRemembered) return;
   while (recent_.size() > kRemembered) recent_.pop_front();
@@ -425,7 +377,7 @@ void Tracker::restart() {
   recent_.clear();
   map_.clear();
   slide_ = {};
-  held_.reset();
+  wheel_spin_.reset();
   lost_scans_ = 0;
   usual_fit_ = 0;
 }

@@ -11,6 +11,7 @@
 #include "mapping/scan_points.hpp"
 #include "mapping/surface_map.hpp"
 #include "mapping/visibility.hpp"
+#include "mapping/wheel_spin.hpp"
 
 namespace extperfc::mapping {
 
@@ -68,20 +69,12 @@ class Tracker {
     Pose2 pose;
     ScanPoints points;
     RangeProfile profile;
-    bool held{false};  ///< placed while odometry decided, see Held
+    bool held{false};  ///< placed while odometry decided along a corridor
   };
   /// Recent deviation of the matches from odometry along directions that scans hardly constrain.
   struct Slide {
     Eigen::Vector2d off_m{0, 0};  ///< in the tracker's frame
     double wheels_m{0};           ///< expected error of wheel odometry over the same distance
-  };
-  /// Odometry decides along a corridor, against the matches.
-  struct Held {
-    Pose2 from;                   ///< where that began
-    Eigen::Vector2d along{0, 0};  ///< of unit length
-    SurfaceMap before;            ///< what was seen well before
-    double by_wheels{0};          ///< points since then that say that odometry is right ...
-    double by_scan{0};            ///< ... or that the robot is farther back
   };
 
   [[nodiscard]] bool jumps(const std::optional<Pose2>& odom_T_base) const;
@@ -93,7 +86,7 @@ class Tracker {
   void hold(const ScanPoints& points, PosePrior prior, Tracked& tracked);
   void begin_hold(const Eigen::Vector2d& along);
   void judge_hold(const ScanPoints& points, Tracked& tracked);
-  void end_hold(bool wheels_spun);
+  void end_hold();
   [[nodiscard]] bool is_unusual(const ScanMatch& match) const;
   [[nodiscard]] bool shows_elsewhere(const ScanPoints& points, const Tracked& tracked) const;
   [[nodiscard]] double common_with_last(const ScanPoints& points, const Pose2& step) const;
@@ -124,12 +117,12 @@ class Tracker {
   SurfaceMap map_;
   ScanPoints last_scan_;
   Slide slide_;
-  std::optional<Held> held_;
-  double longest_step_m_{0};  ///< of the latest scans
-  double usual_fit_{0};       ///< of the latest scans
-  bool resuming_{false};      ///< until a scan matches, it is looked for in a wider window
-  int lost_scans_{0};         ///< the latest ones, one after another
-  bool fixed_{false};         ///< scans are not added to the local map
+  std::optional<WheelSpin> wheel_spin_;  ///< while odometry decides along a corridor
+  double longest_step_m_{0};             ///< of the latest scans
+  double usual_fit_{0};                  ///< of the latest scans
+  bool resuming_{false};                 ///< until a scan matches, it is looked for in a wider window
+  int lost_scans_{0};                    ///< the latest ones, one after another
+  bool fixed_{false};                    ///< scans are not added to the local map
 };
 
 }  // namespace extperfc::mapping
