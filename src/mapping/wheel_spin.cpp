@@ -114,11 +114,11 @@ bool WheelSpin::several_agree(const ScanPoints& facing, const Pose2& stands, con
 
 WheelSpin::Verdict WheelSpin::judge(double stands, double moves) const {
   constexpr int kMinScans = 4;
-  constexpr double kEnough = 6;   // points ...
-  constexpr double kShare = 0.3;  // ... and this much of all that face along the corridor
+  constexpr double kEnough = 6;      // points ...
+  constexpr double kFraction = 0.1;  // ... and this fraction of all that face along the corridor
   constexpr double kClearly = 1.5;
   constexpr double kNearly = 1.1;
-  if (scans_ >= kMinScans && stands > std::max({kEnough, kShare * facing_, kClearly * moves}))
+  if (scans_ >= kMinScans && stands > std::max({kEnough, kFraction * facing_, kClearly * moves}))
     return Verdict::kStands;
   return moves > kEnough && stands < kNearly * moves ? Verdict::kMoves : Verdict::kOpen;
 }
