@@ -81,7 +81,7 @@ WheelSpin::Verdict WheelSpin::add(const ScanPoints& points, const Pose2& by_odom
     const int index = step - first + kBesideSteps;
     return peaks[static_cast<std::size_t>(index)];
   };
-  // Where the robot may be by neither side nothing is looked for: as good as where the wheels have it.
+  // Places beyond both ends are not looked at; they count as much as where the wheels have the robot.
   for (int step = -kReachSteps; step <= kReachSteps; ++step)
     standing(step) += step < first || step > last ? peak(wheels) : peak(step);
   facing_ += static_cast<double>(facing.surface.size());

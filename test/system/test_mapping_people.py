@@ -1,4 +1,4 @@
-"""The office is mapped while twenty people walk about: they leave no trace in the map, and it is as good as without them."""
+"""The office is mapped while twenty people walk about: they leave no trace in the map."""
 
 import unittest
 
@@ -20,7 +20,7 @@ class MappingPeople(OfficeCase):
     max_error_m, max_error_deg = 0.5, 5.0
 
     def test_people_leave_no_trace(self):
-        """The bounds are those of the drive without people: what they leave lowers the precision."""
+        """But for the moments above, the bounds are those of the drive without people: what they leave lowers the precision."""
         self.assertEqual(len(WALKS), 20)
         self.map_the_office(OUT / "people", WALKS, ROUNDS, SECONDS, MIN_GOALS)
 
