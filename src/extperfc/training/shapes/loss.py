@@ -63,6 +63,6 @@ def detection_loss(logits, reach, centres, strides, truth, valid):
     skipped &= ~positive
     each = functional.binary_cross_entropy_with_logits(logits, wanted, reduction='none')
     score_loss = (each * ~skipped[..., None]).sum() / total
-    fraction = wanted.sum(-1)[positive]
-    box_loss = ((1 - overlap(boxes[positive], target[positive])[1]) * fraction).sum() / total
+    fraction = wanted.sum(-1) * positive  # a mask, as choosing rows would wait for the GPU
+    box_loss = ((1 - overlap(boxes, target)[1]) * fraction).sum() / total
     return score_loss, 5.0 * box_loss

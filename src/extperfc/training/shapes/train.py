@@ -8,16 +8,13 @@ import time
 from dataclasses import asdict, dataclass
 from pathlib import Path
 
-import cv2
-import numpy as np
 import torch
-from torch.utils.data import DataLoader, IterableDataset
 
-from . import network
+from . import HEIGHT, WIDTH, network
+from .augment import Augmenter
 from .loss import detection_loss
-from .samples import Augmenter
+from .store import NONE, ImageStore
 
-OBJECTS = 40  # maximum of objects in one sample
 WAIT_S = 600.0  # for an image that is being rendered
 
 
@@ -25,23 +22,24 @@ WAIT_S = 600.0  # for an image that is being rendered
 class Recipe:
     """Everything that decides about the weights."""
     seed: int = 1
-    images: int = 28000  # rendered ones
-    first_images: int = 4000  # that the first steps draw from; three more per step, so that rendering may go on
-    steps: int = 7200
-    small_steps: int = 5000  # of them, the first, with a small input
+    images: int = 90000  # rendered ones
+    first_images: int = 3000  # that the first steps draw from
+    more_images: int = 12  # with every step, so that rendering may go on
+    steps: int = 7500
+    small_steps: int = 3000  # of them, the first, with a small input
     small_size: tuple = (256, 192)
-    size: tuple = (384, 288)
-    decay_steps: int = 2200  # of them, the last, with a falling rate and, in their second half, without mosaics
-    warmup_steps: int = 300
-    batch: int = 16
-    rate: float = 2e-3
+    size: tuple = (WIDTH, HEIGHT)
+    decay_steps: int = 4500  # of them, the last, with a falling rate and, in their second half, without mosaics
+    warmup_steps: int = 500
+    batch: int = 128
+    rate: float = 3e-3
     weight_decay: float = 0.03
     mosaic: float = 0.3  # fraction of samples
     averaging: float = 0.9995  # of the weights, per step
 
     def pool(self, step):
         """Images that a step draws from."""
-        return min(self.images, self.first_images + 3 * step)
+        return min(self.images, self.first_images + self.more_images * step)
 
     def input_size(self, step):
         """Width and height [px]."""
@@ -62,31 +60,13 @@ class Recipe:
         return min(change for change in changes if change > step)
 
 
-class Samples(IterableDataset):
-    """Samples of steps `first` to `last`: image (H, W, 3) uint8, truth (OBJECTS, 5), valid (OBJECTS,)."""
-
-    def __init__(self, recipe, folder, first, last):
-        self.recipe, self.folder, self.first, self.last = recipe, folder, first, last
-
-    def __iter__(self):
-        cv2.setNumThreads(1)
-        augmenter = Augmenter(self.folder, self.recipe.input_size(self.first), self.recipe.seed, WAIT_S)
-        for index in range(self.first * self.recipe.batch, self.last * self.recipe.batch):
-            step = index // self.recipe.batch
-            image, boxes = augmenter.sample(index, self.recipe.pool(step), self.recipe.mosaics(step))
-            boxes = boxes[np.argsort(boxes[:, 0] < 0, kind='stable')][:OBJECTS]
-            truth, valid = np.zeros((OBJECTS, 5), np.float32), np.zeros(OBJECTS, bool)
-            truth[:len(boxes)], valid[:len(boxes)] = boxes, True
-            yield image, truth, valid
-
-
 def average(slow, fast, step, keep):
     """Moves the averaged network towards the trained one."""
     keep = min(keep, (1 + step) / (20 + step))
     with torch.no_grad():
         for a, b in zip(slow.state_dict().values(), fast.state_dict().values()):
             if a.dtype.is_floating_point:
-                a.mul_(keep).add_(b, alpha=1 - keep)
+                a.lerp_(b, 1 - keep)
             else:
                 a.copy_(b)
 
@@ -111,6 +91,7 @@ class Trainer:
         self.recipe, self.options = recipe, options
         name = ('cuda' if torch.cuda.is_available() else 'cpu') if options.device == 'auto' else options.device
         self.device = torch.device(name)
+        torch.backends.cudnn.benchmark = True  # a run has few sizes
         self.net = network.ShapeNet()
         if start is not None:
             self.net.load_state_dict({name: value.float() if value.is_floating_point() else value
@@ -140,40 +121,52 @@ class Trainer:
                     'step': self.step, 'recipe': asdict(self.recipe)}, partial)
         partial.rename(self.checkpoint)
 
-    def one_step(self, batch, cells):
-        """Learns from one batch; returns both losses."""
-        images, truth, valid = (part.to(self.device) for part in batch)
-        used = max(1, int(valid.sum(1).max()))
-        truth, valid = truth[:, :used], valid[:, :used]
-        images = images.permute(0, 3, 1, 2).float().mul_(1 / 255).contiguous(memory_format=torch.channels_last)
+    def one_step(self, images, boxes, cells):
+        """Learns from one batch; returns both losses (2,), on the device."""
+        images = images.mul(1 / 255).contiguous(memory_format=torch.channels_last)
         for group in self.solver.param_groups:
             group['lr'] = self.recipe.learning_rate(self.step)
         with torch.autocast(self.device.type, torch.bfloat16, enabled=self.options.bfloat16):
             logits, reach = self.net(images)
-        score_loss, box_loss = detection_loss(logits, reach, *cells, truth, valid)
+        losses = torch.stack(detection_loss(logits, reach, *cells, boxes, boxes[..., 0] > NONE))
         self.solver.zero_grad(set_to_none=True)
-        (score_loss + box_loss).backward()
+        losses.sum().backward()
         torch.nn.utils.clip_grad_norm_(self.net.parameters(), 10.0)
         self.solver.step()
         self.step += 1
         average(self.slow, self.net, self.step, self.recipe.averaging)
-        return float(score_loss), float(box_loss)
+        return losses.detach()
 
     def run(self):
         """Trains to the last step."""
-        begin, first = time.time(), self.step
-        sums = np.zeros(2)
-        while self.step < self.recipe.steps:
-            end = self.recipe.phase_end(self.step)
-            cells = [part.to(self.device) for part in network.cells(*self.recipe.input_size(self.step))]
-            samples = Samples(self.recipe, self.options.folder, self.step, end)
-            for batch in DataLoader(samples, self.recipe.batch, num_workers=1, prefetch_factor=4):
-                losses = np.array(self.one_step(batch, cells))
-                sums = losses if not sums.any() else 0.98 * sums + 0.02 * losses
-                if self.step % 50 == 0:
-                    left = (time.time() - begin) / (self.step - first) * (self.recipe.steps - self.step)
-                    print(f'step {self.step} of {self.recipe.steps} score {sums[0]:.3f} box {sums[1]:.3f} '
-                          f'rate {self.recipe.learning_rate(self.step):.5f} left {left / 60:.0f} min', flush=True)
-                if self.step % self.options.save_every == 0:
+        recipe, options = self.recipe, self.options
+        store = ImageStore(options.folder, recipe.images, self.device, WAIT_S, options.threads)
+        progress = Progress(recipe.steps, self.step)
+        while self.step < recipe.steps:
+            end, size = recipe.phase_end(self.step), recipe.input_size(self.step)
+            cells = [part.to(self.device) for part in network.cells(*size)]
+            augmenter = Augmenter(store, size, recipe.seed, recipe.batch)
+            while self.step < end:
+                pool = recipe.pool(self.step)
+                store.grow(pool)
+                losses = self.one_step(*augmenter.samples(self.step, pool, recipe.mosaics(self.step)), cells)
+                progress.add(losses, self.step, recipe.learning_rate(self.step))
+                if self.step % options.save_every == 0:
                     self.save()
         self.save()
+
+
+class Progress:
+    """Prints smoothed losses and the time left, every 50 steps."""
+
+    def __init__(self, steps, first):
+        self.steps, self.first, self.begin, self.smooth = steps, first, time.time(), None
+
+    def add(self, losses, step, rate):
+        """Losses (2,) of a step; read from the device only when they are printed."""
+        self.smooth = losses if self.smooth is None else self.smooth.lerp(losses, 0.02)
+        if step % 50 == 0:
+            score, box = self.smooth.tolist()
+            left = (time.time() - self.begin) / (step - self.first) * (self.steps - step)
+            print(f'step {step} of {self.steps} score {score:.3f} box {box:.3f} rate {rate:.5f} left {left / 60:.1f} min',
+                  flush=True)
