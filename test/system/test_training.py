@@ -7,6 +7,7 @@ import re
 import subprocess
 import sys
 import tempfile
+import time
 import unittest
 
 import cv2
@@ -41,6 +42,16 @@ def call(*arguments, **more):
                           timeout=TIME_LIMIT_S,
                           env=environment,
                           **more)
+
+
+def waited(condition, seconds):
+    """Whether a condition holds within some seconds."""
+    end = time.monotonic() + seconds
+    while not condition():
+        if time.monotonic() > end:
+            return False
+        time.sleep(0.2)
+    return True
 
 
 class Place(unittest.TestCase):
@@ -118,9 +129,23 @@ class Matrix(Place):
 
     def test_started_again_it_trains_nothing_again(self):
         runs = {file: file.stat().st_mtime_ns for file in self.output.rglob("weights.pt")}
-        again = call(*self.command)
+        rows = json.loads((self.output / "matrix.json").read_text())
+        again = call(*self.command, "--jobs", "2")
         self.assertEqual(0, again.returncode, again.stderr)
         self.assertEqual(runs, {file: file.stat().st_mtime_ns for file in self.output.rglob("weights.pt")})
+        self.assertEqual(rows, json.loads((self.output / "matrix.json").read_text()), "networks side by side: the same")
+        for network in SMALL:
+            self.assertIn(f"{network} is finished", again.stdout)
+            self.assertIn("mAP", (self.output / network / "log.txt").read_text())
+
+    def test_side_by_side_every_failure_is_named(self):
+        (self.folder / "empty").mkdir()
+        failed = call(TOOL, "matrix", "--smoke", "--data", self.folder / "empty", "--jobs", "2", "--output",
+                      self.folder / "failed", "--networks", *SMALL)
+        self.assertEqual(2, failed.returncode, failed.stderr)
+        for network in SMALL:
+            self.assertRegex(failed.stderr, f"{network}: .*empty")
+        self.assertNotIn("Traceback", failed.stderr)
 
     def test_evaluate_a_run(self):
         run = self.output / SMALL[0] / "instance_transfer"
@@ -138,6 +163,21 @@ class Long(Place):
         ended = call(TOOL, "matrix", "--smoke", "--output", self.folder / "matrix", "--networks", *ALL)
         self.assertEqual(0, ended.returncode, ended.stderr)
         self.assertEqual(15, len(self.check_matrix(self.folder / "matrix", ALL)))
+
+    @test_tiers.long_scenario("Matrix has networks side by side that end by themselves")
+    def test_networks_side_by_side_end_with_the_program_that_began_them(self):
+        output = self.folder / "left"
+        command = [TOOL, "matrix", "--output", output, "--device", "cpu", "--jobs", "2", "--workers", "0", "--batch-size", "2",
+                   "--networks", *SMALL]
+        drawn.write_drawn(self.folder / "few", "solids", 40, 3, (96, 72))
+        with subprocess.Popen([*map(str, command), "--data", self.folder / "few", "--source-data", self.folder / "few"],
+                              stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL) as program:
+            logs = [output / name / "source" / "provenance.json" for name in SMALL]
+            self.assertTrue(waited(lambda: all(log.exists() for log in logs), 120), "they do not begin")
+            began = [int(pid) for pid in pathlib.Path(f"/proc/{program.pid}/task/{program.pid}/children").read_text().split()]
+            program.kill()
+        self.assertGreaterEqual(len(began), 2)
+        self.assertTrue(waited(lambda: not any(pathlib.Path(f"/proc/{pid}").exists() for pid in began), 60), began)
 
     @test_tiers.long_scenario("test_training_kills has two processes, and the kill of one")
     def test_two_processes_that_are_killed_go_on_to_the_same_bits(self):

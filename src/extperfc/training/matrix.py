@@ -4,13 +4,21 @@ For each network a source model is trained on the source domain, then the strate
 result is evaluated on its test split. A matrix that was interrupted goes on where it ended.
 """
 
+import concurrent.futures
+import contextlib
 import dataclasses
 import json
+import multiprocessing
+import multiprocessing.connection
+import os
 import pathlib
 import shutil
+import signal
+import threading
 
 from . import trainer
 from .data import read_dataset
+from .errors import TrainingError
 from .evaluation import plots
 from .evaluation.detector import TorchDetector, detect_all
 from .evaluation.report import figure, table_of, write_report
@@ -83,21 +91,74 @@ def evaluate_one(plan, network, strategy, build, device):
                         lambda index: test.samples[index].read_image())
 
 
-def run_matrix(plan, build=trainer.build_network, report=print):
-    """Runs everything, writes matrix.md, matrix.json and the figures; returns {(network, strategy): report}."""
-    plan.output.mkdir(parents=True, exist_ok=True)
+def run_network(plan, network, build, report):
+    """All runs of one network: {(network, strategy): history} and {(network, strategy): report}."""
     device = plan.training.get("device", "auto")
     histories, reports = {}, {}
-    needs_source = any(strategy != "random_weights" for strategy in plan.strategies)
-    for network in plan.networks:
-        if needs_source:
-            run_one(plan, network, "source", build, report)
-        for strategy in plan.strategies:
-            key = network, strategy
-            histories[key] = run_one(plan, network, strategy, build, report)
-            reports[key] = evaluate_one(plan, network, strategy, build, device)
-            report(f"{network}, {strategy.replace('_', ' ')}: mAP {figure(reports[key]['mean_ap'])} (mean over IoU),"
-                   f" {figure(reports[key]['mean_ap50'])} (IoU 0.50) on the test images")
+    if any(strategy != "random_weights" for strategy in plan.strategies):
+        run_one(plan, network, "source", build, report)
+    for strategy in plan.strategies:
+        key = network, strategy
+        histories[key] = run_one(plan, network, strategy, build, report)
+        reports[key] = evaluate_one(plan, network, strategy, build, device)
+        report(f"{network}, {strategy.replace('_', ' ')}: mAP {figure(reports[key]['mean_ap'])} (mean over IoU),"
+               f" {figure(reports[key]['mean_ap50'])} (IoU 0.50) on the test images")
+    return histories, reports
+
+
+def end_with_parent(ended):
+    """When the process that started this one is gone: SIGTERM, which leaves a checkpoint, and the end."""
+    multiprocessing.connection.wait([multiprocessing.parent_process().sentinel])
+    os.kill(os.getpid(), signal.SIGTERM)
+    ended.wait()
+    os._exit(1)  # a worker without its pool waits for work for ever
+
+
+def run_logged(plan, network, build):
+    """run_network in a process of its own; what it prints goes to NETWORK/log.txt."""
+    ended = threading.Event()
+    threading.Thread(target=end_with_parent, args=[ended], daemon=True).start()
+    folder = plan.output / network
+    folder.mkdir(parents=True, exist_ok=True)
+    with contextlib.ExitStack() as stack:
+        stack.callback(ended.set)
+        log = stack.enter_context(open(folder / "log.txt", "a", buffering=1))
+        stack.enter_context(contextlib.redirect_stdout(log))
+        stack.enter_context(contextlib.redirect_stderr(log))
+        return run_network(plan, network, build, lambda text: print(text, flush=True))
+
+
+def run_side_by_side(plan, build, report, jobs):
+    """Yields run_network's results of all networks, `jobs` of them at a time. TrainingError names those that failed."""
+    failed = []
+    spawn = multiprocessing.get_context("spawn")  # a process per network: its memory of the GPU goes with it
+    with concurrent.futures.ProcessPoolExecutor(jobs, spawn, max_tasks_per_child=1) as processes:
+        running = {processes.submit(run_logged, plan, network, build): network for network in plan.networks}
+        report(f"{len(running)} networks, {jobs} at a time; their output is in {plan.output}/NETWORK/log.txt")
+        for ended in concurrent.futures.as_completed(running):
+            if ended.exception():
+                failed.append(f"{running[ended]}: {ended.exception()}")
+            else:
+                report(f"{running[ended]} is finished")
+                yield ended.result()
+    if failed:
+        raise TrainingError("\n".join(failed))
+
+
+def run_matrix(plan, build=trainer.build_network, report=print, jobs=1):
+    """Runs everything, writes matrix.md, matrix.json and the figures; returns {(network, strategy): report}.
+
+    jobs: networks that are trained at a time, each in a process of its own on the same device.
+    """
+    plan.output.mkdir(parents=True, exist_ok=True)
+    each = (run_side_by_side(plan, build, report, jobs) if jobs > 1 else
+            (run_network(plan, network, build, report) for network in plan.networks))
+    histories, reports = {}, {}
+    for some_histories, some_reports in each:
+        histories.update(some_histories)
+        reports.update(some_reports)
+    order = [(network, strategy) for network in plan.networks for strategy in plan.strategies]
+    reports = {key: reports[key] for key in order}
     write_results(plan, histories, reports)
     return reports
 

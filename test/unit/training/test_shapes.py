@@ -246,6 +246,15 @@ class Shipped(unittest.TestCase):
         stated = re.search(r'^sha256: ([0-9a-f]{64})$', (MODEL / 'model.yaml').read_text(), re.M).group(1)
         self.assertEqual(stated, hashlib.sha256((MODEL / 'shapes.onnx').read_bytes()).hexdigest())
 
+    def test_the_folder_and_its_network_find_the_same(self):
+        image = np.full((480, 640, 3), 180, np.uint8)
+        cv2.circle(image, (200, 240), 60, (200, 40, 30), -1, cv2.LINE_AA)
+        cv2.circle(image, (182, 222), 14, (240, 150, 140), -1, cv2.LINE_AA)
+        network, folder = evaluate.open_model(MODEL / 'shapes.onnx'), evaluate.open_model(MODEL)
+        found = network(image, score=0.2)
+        self.assertGreater(len(found), 0)
+        np.testing.assert_allclose(found, folder(image, score=0.2), atol=0.02)
+
     def test_input_is_that_of_the_recipe(self):
         self.assertIn(f'width: {WIDTH}, height: {HEIGHT}', (MODEL / 'model.yaml').read_text())
 

@@ -32,8 +32,13 @@ def add_arguments(parser):
                         help=f"default: {' '.join(STRATEGIES)}")
     parser.add_argument("--epochs", type=int, default=100, help="of each target run (default: 100)")
     parser.add_argument("--source-epochs", type=int, default=60, help="of each source model (default: 60)")
+    parser.add_argument("--validate-epochs", type=int, default=1, help="epochs between validations (default: 1)")
     parser.add_argument("--batch-size", type=int, default=32, help="images per step (default: 32)")
     parser.add_argument("--workers", type=int, default=8, help="processes that read images (default: 8)")
+    parser.add_argument("--jobs",
+                        type=int,
+                        default=1,
+                        help="networks trained at a time, for a GPU that one alone does not fill (default: 1)")
     parser.add_argument("--device", default="auto", help="auto, cpu, cuda or cuda:N (default: auto)")
     parser.add_argument("--seed", type=int, default=1, help="of weights, order and augmentation (default: 1)")
     parser.add_argument("--smoke", action="store_true", help="a moment of each run on a few drawn images")
@@ -46,7 +51,9 @@ def run(options):
     unknown = [name for name in options.networks if name not in known]
     if unknown:
         raise SettingsError(f"unknown networks: {', '.join(unknown)}; there are {', '.join(known)}")
-    run_matrix(make_plan(options))
+    if options.jobs < 1:
+        raise SettingsError(f"--jobs {options.jobs}: give 1 or more")
+    run_matrix(make_plan(options), jobs=options.jobs)
     print((options.output / "matrix.md").read_text())
     return 0
 
@@ -62,7 +69,7 @@ def make_plan(options):
     if options.smoke:
         training = source = {**SMOKE, **shared}
     else:
-        shared.update(batch_size=options.batch_size, workers=options.workers)
+        shared.update(batch_size=options.batch_size, workers=options.workers, validate_epochs=options.validate_epochs)
         training, source = {**shared, "epochs": options.epochs}, {**shared, "epochs": options.source_epochs}
     return Plan(options.output, data["target"], data["source"], tuple(options.networks), tuple(options.strategies),
                 training, source)

@@ -1,4 +1,4 @@
-"""How well a model folder's network finds rendered objects, run by OpenCV's DNN module as the robot would. Needs no torch."""
+"""How well a network finds rendered objects, run as the robot would. Needs no torch."""
 import json
 import re
 import time
@@ -40,6 +40,25 @@ class Detector:
         found[:, 2::2] = found[:, 2::2].clip(0, width)
         found[:, 3::2] = found[:, 3::2].clip(0, height)
         return found
+
+
+class FolderModel:
+    """The same of a whole model folder by OpenCV or OpenVINO, which runs INT8 networks too."""
+
+    def __init__(self, folder, backend):
+        from ..evaluation.model_folder import FolderDetector
+        self.detector = FolderDetector(folder, backend)
+
+    def __call__(self, image, score=0.35):
+        """Detections (N, 6), as Detector's."""
+        self.detector.score = score
+        found = self.detector.detect(image)
+        return np.column_stack([found.labels, found.scores, found.boxes]).reshape(-1, 6)
+
+
+def open_model(path, backend='opencv'):
+    """The network of an ONNX file by OpenCV, or that of a model folder by a back end."""
+    return FolderModel(path, backend) if Path(path).is_dir() else Detector(path)
 
 
 def decode(raw, score, nms_iou):
@@ -178,9 +197,9 @@ def print_table(table, threshold, title):
     print('best F1 {f1:.3f} at score {score:.2f} (precision {precision:.3f}, recall {recall:.3f})'.format(**threshold))
 
 
-def evaluate(model, folder, count=None, score=None):
+def evaluate(model, folder, count=None, score=None, backend='opencv'):
     """AP table, best threshold, and what is found at `score` (default: the best threshold)."""
-    detector = Detector(model)
+    detector = open_model(model, backend)
     table, threshold = summary(*collect(detector, folder, count))
     return table, threshold, found_and_false(detector, folder, score or threshold['score'], count)
 
@@ -190,7 +209,7 @@ def main(options):
     report = {}
     for folder in options.folders:
         begin = time.time()
-        table, threshold, clear = evaluate(options.model, folder, options.count, options.score)
+        table, threshold, clear = evaluate(options.model, folder, options.count, options.score, options.backend)
         print_table(table, threshold, f'{folder}: {clear["images"]} images, {time.time() - begin:.0f} s')
         print(f'clear objects found: {clear["found"]} of {clear["objects"]} '
               f'({100 * clear["found"] / max(1, clear["objects"]):.1f} %), '
