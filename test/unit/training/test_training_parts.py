@@ -7,6 +7,7 @@ import pathlib
 import tempfile
 import unittest
 
+import cv2
 import numpy as np
 from training_case import TorchCase, TrainingCase, torch
 
@@ -89,6 +90,21 @@ class Images(TrainingCase):
             for e in range(40)
         ]
         self.assertTrue(60 < min(changed) < 110 and 130 < max(changed) < 200, (min(changed), max(changed)))
+
+    def test_colors_change_as_those_of_torchvision(self):
+        from PIL import Image
+        from torchvision.transforms import functional
+        rng = np.random.default_rng(4)
+        image = cv2.resize(rng.integers(0, 256, (6, 8, 3), np.uint8), (80, 60), interpolation=cv2.INTER_LINEAR)
+        limits = {"brightness": 1, "contrast": 2, "saturation": 2, "hue": 16}  # a step of 8 bits of hue is 6
+        for name, values in (("brightness", (0.7, 1.3)), ("contrast", (0.7, 1.3)), ("saturation", (0.6, 1.4)),
+                             ("hue", (-0.03, 0.03, 0.4))):
+            for value in values:
+                ours = augmentation.CHANGES[name](image, value).astype(int)
+                theirs = np.asarray(getattr(functional, f"adjust_{name}")(Image.fromarray(image), value), int)
+                self.assertLessEqual(np.abs(ours - theirs).max(), limits[name], (name, value))
+                self.assertLess(np.abs(ours - theirs).mean(), 2, (name, value))
+                self.assertGreater(np.abs(ours - image).mean(), 3 * np.abs(ours - theirs).mean(), (name, value))
 
     def test_little_of_an_object_is_neither_learned_nor_punished(self):
         target = augmentation.target_of(np.float32([[0, 0, 9, 9], [0, 0, 9, 9], [5, 5, 5, 9],
