@@ -172,6 +172,19 @@ class Augmentation(unittest.TestCase):
         hidden = (covered[:, 0, 40:150, 40:200] >= 0).float().mean((1, 2))
         self.assertLess(hidden.max(), 4 * 0.25)
 
+    def test_images_that_are_kept_and_read_are_the_same(self):
+        """As a GPU whose memory has room for three of six images."""
+        from unittest import mock
+
+        from extperfc.training.shapes import store
+        with mock.patch.object(store, 'free_memory', return_value=4 * 3 * 192 * 256):
+            some = store.ImageStore(self.store.folder, 6, torch.device('cpu'))
+        some.grow(6)
+        self.assertEqual((len(some.images), len(self.store.images)), (3, 0))
+        for numbers in ([0, 5, 2, 3, 3], [1, 2], [4, 3]):
+            for one, other in zip(some.fetch(torch.tensor(numbers)), self.store.fetch(torch.tensor(numbers))):
+                self.assertTrue(torch.equal(one, other), numbers)
+
     def test_a_store_on_a_growing_folder_names_what_it_misses(self):
         with self.assertRaisesRegex(SystemExit, '000007.xml does not exist: render'):
             self.store.grow(7)

@@ -1,4 +1,4 @@
-"""The rendered images of a training run. A GPU keeps them all in its memory, so that its input never waits for files."""
+"""The rendered images of a training run. A GPU keeps in its memory what fits, so that its input does not wait for files."""
 from concurrent.futures import ThreadPoolExecutor
 
 import cv2
@@ -22,41 +22,50 @@ def rows_of(boxes):
 class ImageStore:
     """Images (H, W, 3) uint8 and boxes (OBJECTS, 5) of a folder that may still grow; all images have one size.
 
-    On the CPU, images are read whenever they are asked for; on a GPU, `capacity` of them are kept (0.6 MB each at 512 x 384).
+    A GPU keeps the first images, up to a `fraction` of its free memory (0.6 MB each at 512 x 384); all others are read whenever
+    they are asked for.
     """
 
-    def __init__(self, folder, capacity, device, wait_s=0.0, threads=2):
+    def __init__(self, folder, capacity, device, wait_s=0.0, threads=2, fraction=0.75):
         self.folder, self.device, self.wait_s, self.known = folder, device, wait_s, 0
         cv2.setNumThreads(1)  # once: the readers are the threads
         self.readers = ThreadPoolExecutor(threads)
         self.height, self.width = load(folder, 0, wait_s)[0].shape[:2]
         self.boxes = torch.empty(capacity, OBJECTS, 5, device=device)
-        kept = capacity if device.type == 'cuda' else 0
+        kept = min(capacity, int(fraction * free_memory(device) / (3 * self.height * self.width)))
         self.images = torch.empty(kept, self.height, self.width, 3, dtype=torch.uint8, device=device)
 
     def grow(self, count):
         """Makes the first `count` images known; waits for those that are still to be rendered."""
         fresh = range(self.known, count)
-        if not fresh:
-            return
         for number, (image, boxes) in zip(fresh, self.readers.map(self._read, fresh)):
             self.boxes[number] = boxes.to(self.device)
             if image is not None:
                 self.images[number] = image.to(self.device, non_blocking=True)
-        self.known = count
+        self.known = max(count, self.known)
 
     def fetch(self, numbers):
         """Images (N, H, W, 3) uint8 and boxes (N, OBJECTS, 5) of known images, on the device."""
-        if len(self.images):
-            places = numbers.to(self.device, non_blocking=True)
+        places = numbers.to(self.device, non_blocking=True)
+        absent = (numbers >= len(self.images)).nonzero()[:, 0]
+        if not len(absent):
             return self.images[places], self.boxes[places]
-        images = list(self.readers.map(self._image, numbers.tolist()))
-        return torch.stack(images), self.boxes[numbers]
+        read = torch.stack(list(self.readers.map(self._image, numbers[absent].tolist()))).to(self.device)
+        if len(absent) == len(numbers):
+            return read, self.boxes[places]
+        images = self.images[places.clamp(max=len(self.images) - 1)]
+        images[absent.to(self.device)] = read
+        return images, self.boxes[places]
 
     def _image(self, number):
         return torch.from_numpy(np.ascontiguousarray(load(self.folder, number)[0]))
 
     def _read(self, number):
         wait_for(self.folder, number, self.wait_s)
-        image = self._image(number) if len(self.images) else None
+        image = self._image(number) if number < len(self.images) else None
         return image, rows_of(read_boxes(self.folder, number))
+
+
+def free_memory(device):
+    """Bytes that images may fill; none on the CPU, whose memory other programs need."""
+    return torch.cuda.mem_get_info(device)[0] if device.type == 'cuda' else 0
