@@ -38,7 +38,7 @@ def add_arguments(parser):
     parser.add_argument("--jobs",
                         type=int,
                         default=1,
-                        help="networks trained at a time, for a GPU that one alone does not fill (default: 1)")
+                        help="networks trained at a time, each in a process of its own (default: 1)")
     parser.add_argument("--device", default="auto", help="auto, cpu, cuda or cuda:N (default: auto)")
     parser.add_argument("--seed", type=int, default=1, help="of weights, order and augmentation (default: 1)")
     parser.add_argument("--smoke", action="store_true", help="a moment of each run on a few drawn images")
