@@ -29,9 +29,9 @@ class Demo(unittest.TestCase):
             self.assertEqual(0, done.returncode, done.stdout + done.stderr)
             found, visible = map(int, re.search(r"^found (\d+) of (\d+) visible objects", done.stdout, re.M).groups())
             self.assertGreater(visible, 50, done.stdout)
-            self.assertGreater(found, 0.3 * visible, done.stdout)
+            self.assertGreater(found, 0.8 * visible, done.stdout)
             mean_cm = float(re.search(r"mean error ([\d.]+) cm", done.stdout).group(1))
-            self.assertLess(mean_cm, 4.0, done.stdout)
+            self.assertLess(mean_cm, 2.5, done.stdout)
             rows = read_table(out)
             self.assertGreater(sum(row["found"] == "1" for row in rows), 50)
             for row in rows:
@@ -45,9 +45,11 @@ class Demo(unittest.TestCase):
         self.assertAlmostEqual(math.dist(center, truth), float(row["error_m"]), delta=5e-4)
 
     def assert_surface_lies_before_the_centre(self, row):
-        """x y z of a row are what was measured; objects are 4 to 20 cm large."""
+        """x y z of a row are what was measured; objects are 4 to 20 cm large, unless the image's border cuts them."""
         center, surface = ([float(row[f"{name}{axis}_m"]) for axis in "xyz"] for name in ("center_", ""))
-        self.assertTrue(0.01 < math.dist(center, surface) < 0.12, row)
+        x0, y0, x1, y1 = (float(row[name]) for name in ("x0", "y0", "x1", "y1"))
+        whole = x0 > 1 and y0 > 1 and x1 < 639 and y1 < 479
+        self.assertTrue((0.01 if whole else 0.002) < math.dist(center, surface) < 0.12, row)
         self.assertLess(float(row["sigma_m"]), 0.1, "nothing of the extent is in the error of the surface")
 
     def test_plays_a_rendered_recording_once(self):
