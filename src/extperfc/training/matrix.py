@@ -120,19 +120,19 @@ def run_logged(plan, network, build):
     threading.Thread(target=end_with_parent, args=[ended], daemon=True).start()
     folder = plan.output / network
     folder.mkdir(parents=True, exist_ok=True)
-    with contextlib.ExitStack() as stack:
-        stack.callback(ended.set)
-        log = stack.enter_context(open(folder / "log.txt", "a", buffering=1))
-        stack.enter_context(contextlib.redirect_stdout(log))
-        stack.enter_context(contextlib.redirect_stderr(log))
-        return run_network(plan, network, build, lambda text: print(text, flush=True))
+    try:
+        with open(folder / "log.txt", "a", buffering=1) as log, contextlib.redirect_stdout(log), contextlib.redirect_stderr(log):
+            return run_network(plan, network, build, print)
+    finally:
+        ended.set()
 
 
 def run_side_by_side(plan, build, report, jobs):
     """Yields run_network's results of all networks, `jobs` of them at a time. TrainingError names those that failed."""
     failed = []
     spawn = multiprocessing.get_context("spawn")  # a process per network: its memory of the GPU goes with it
-    with concurrent.futures.ProcessPoolExecutor(jobs, spawn, max_tasks_per_child=1) as processes:
+    processes = concurrent.futures.ProcessPoolExecutor(jobs, spawn, max_tasks_per_child=1)
+    try:
         running = {processes.submit(run_logged, plan, network, build): network for network in plan.networks}
         report(f"{len(running)} networks, {jobs} at a time; their output is in {plan.output}/NETWORK/log.txt")
         for ended in concurrent.futures.as_completed(running):
@@ -141,6 +141,8 @@ def run_side_by_side(plan, build, report, jobs):
             else:
                 report(f"{running[ended]} is finished")
                 yield ended.result()
+    finally:
+        processes.shutdown(cancel_futures=True)  # after Ctrl-C no further network begins
     if failed:
         raise TrainingError("\n".join(failed))
 

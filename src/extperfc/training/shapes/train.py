@@ -4,12 +4,12 @@ What is learnt at a step depends on the recipe and the step alone, so that a run
 another machine, goes the same way as one that was not (up to rounding, which differs between processors).
 """
 import copy
-import time
 from dataclasses import asdict, dataclass
 from pathlib import Path
 
 import torch
 
+from ..progress import Progress
 from . import HEIGHT, WIDTH, network
 from .augment import Augmenter
 from .loss import detection_loss
@@ -141,7 +141,7 @@ class Trainer:
         """Trains to the last step."""
         recipe, options = self.recipe, self.options
         store = ImageStore(options.folder, recipe.images, self.device, WAIT_S, options.threads)
-        progress = Progress(recipe.steps, self.step)
+        progress, smooth, text = Progress(recipe.steps, self.step), None, ''
         while self.step < recipe.steps:
             end, size = recipe.phase_end(self.step), recipe.input_size(self.step)
             cells = [part.to(self.device) for part in network.cells(*size)]
@@ -150,23 +150,10 @@ class Trainer:
                 pool = recipe.pool(self.step)
                 store.grow(pool)
                 losses = self.one_step(*augmenter.samples(self.step, pool, recipe.mosaics(self.step)), cells)
-                progress.add(losses, self.step, recipe.learning_rate(self.step))
+                smooth = losses.lerp(losses if smooth is None else smooth, 0.98)
+                if self.step % 50 == 0:  # what is on the device is read now and then only
+                    text = 'score {:.3f}, box {:.3f}'.format(*smooth.tolist())
+                progress.step(text)
                 if self.step % options.save_every == 0:
                     self.save()
         self.save()
-
-
-class Progress:
-    """Prints smoothed losses and the time left, every 50 steps."""
-
-    def __init__(self, steps, first):
-        self.steps, self.first, self.begin, self.smooth = steps, first, time.time(), None
-
-    def add(self, losses, step, rate):
-        """Losses (2,) of a step; read from the device only when they are printed."""
-        self.smooth = losses if self.smooth is None else self.smooth.lerp(losses, 0.02)
-        if step % 50 == 0:
-            score, box = self.smooth.tolist()
-            left = (time.time() - self.begin) / (step - self.first) * (self.steps - step)
-            print(f'step {step} of {self.steps} score {score:.3f} box {box:.3f} rate {rate:.5f} left {left / 60:.1f} min',
-                  flush=True)
