@@ -10,7 +10,7 @@ REPO = pathlib.Path(__file__).resolve().parents[2]
 
 BARE = """
 import os, runpy, sys
-sys.modules.update(dict.fromkeys(("cv2", "matplotlib", "numpy", "PIL", "rosgraph", "rospy", "torch", "yaml")))
+sys.modules.update(dict.fromkeys(("cv2", "matplotlib", "numpy", "PIL", "py_trees", "rosgraph", "rospy", "torch", "yaml")))
 sys.argv = sys.argv[1:]
 sys.path[0] = os.path.dirname(sys.argv[0])
 runpy.run_path(sys.argv[0], run_name="__main__")
@@ -31,13 +31,16 @@ def programs():
         started = re.search(r'run_tool\.py" (\S+\.py) "\$@"', text)
         if started:
             yield [REPO / "tools/lib/run_tool.py", started[1]]
+    for demo in ("demo.py", "demo_grasp.py"):
+        yield [REPO / "tools/lib/run_tool.py", demo]
 
 
 class BarePython(unittest.TestCase):
     def test_the_demos_help_needs_nothing(self):
-        done = run_bare(REPO / "tools/lib/run_tool.py", "demo_options.py", "--help")
-        self.assertEqual((done.returncode, done.stderr), (0, ""))
-        self.assertIn("--source", done.stdout)
+        for options, known in (("demo_options.py", "--source"), ("demo_grasp_options.py", "--runs")):
+            done = run_bare(REPO / "tools/lib/run_tool.py", options, "--help")
+            self.assertEqual((done.returncode, done.stderr), (0, ""))
+            self.assertIn(known, done.stdout)
 
     def test_a_program_says_what_it_lacks(self):
         self.assertGreater(len(list(programs())), 10)

@@ -10,6 +10,7 @@ REPO = pathlib.Path(__file__).resolve().parents[2]
 sys.path[:0] = [str(REPO / "src"), str(REPO / "tools" / "lib")]
 
 import grasp_scene as scene  # noqa: E402
+import numpy  # noqa: E402
 import rospy  # noqa: E402
 import simulated_robot  # noqa: E402
 from grasp_arms import GraspArms  # noqa: E402
@@ -17,6 +18,7 @@ from grasp_robot import GraspRobot  # noqa: E402
 from trajectory_msgs.msg import JointTrajectory  # noqa: E402
 
 import extperfc.arm  # noqa: E402
+from extperfc import tasks  # noqa: E402
 from extperfc.msg import ArmCode  # noqa: E402
 
 SEED = 5
@@ -79,6 +81,26 @@ class Grasp(unittest.TestCase):
         pose = self.robot.true_pose("cube")
         self.assertTrue(scene.is_placed("cube", pose[:3, 3], pose[:3, :3], self.other), f"\n{pose}\n{self.other}")
         self.assertGreater(self.robot.from_tip("cube"), 0.05)
+        self.assertEqual([], self.held())
+
+    def test_a_task_shows_the_cube_and_puts_it_back_where_no_other_place_can_be_reached(self):
+        done, why = tasks.run(tasks.pick_up("cube", frame="map"), alive=self.session.alive)
+        self.assertTrue(done, why)
+        found = tasks.read(tasks.Key("found"))
+        (_, map_T_camera), middle = self.robot.camera(), scene.middle("cube", self.place_pose)
+        self.assertAlmostEqual(numpy.linalg.norm(middle - map_T_camera[:3, 3]), found.distance_m, delta=0.01)
+        done, why = tasks.run(tasks.show(0.3), alive=self.session.alive)
+        self.assertTrue(done, why)
+        shown = numpy.linalg.inv(map_T_camera) @ self.robot.true_pose("cube")
+        self.assertLess(numpy.linalg.norm(shown[:3, 3] - (0.0, 0.0, 0.3)), 0.09, "on the camera's axis")
+        box, _ = self.robot.wait_detected("cube", self.robot.true_pose("cube")[:3, 3], seconds=FOUND_S)
+        self.assertIsNotNone(box, "it is not seen in the gripper")
+        done, why = tasks.run(tasks.put_down((5.0, 0.0, 1.0), frame="map"), alive=self.session.alive)
+        self.assertFalse(done, "nothing can be placed there")
+        self.assertIn("place: ", why)
+        self.robot.sleep(1.0)
+        pose = self.robot.true_pose("cube")
+        self.assertTrue(scene.is_placed("cube", pose[:3, 3], pose[:3, :3], self.place_pose), f"\n{pose}\n{self.place_pose}")
         self.assertEqual([], self.held())
 
     def test_a_cube_that_is_taken_away_is_reported(self):

@@ -77,6 +77,7 @@ def run_trial(out, body, *failures):
     """The exit code of `body(session)` with a session that logs into the folder `out`. When it stalls, or raises one of
     `failures`, the reasons go to stderr and the code is 1."""
     import rospy
+    signal.signal(signal.SIGTERM, lambda *_: sys.exit(143))  # so that what was started ends, too
     out.mkdir(parents=True, exist_ok=True)
     with RosSession(out / "launch.log") as session:
         try:

@@ -54,12 +54,12 @@ class FrameListener:
         self._buffer = tf2_ros.Buffer()
         self._listener = tf2_ros.TransformListener(self._buffer)
 
-    def lookup(self, target, source, wait_s):
-        """The latest target_T_source as a geometry_msgs/TransformStamped. Raises ArmError."""
+    def lookup(self, target, source, wait_s, stamp=rospy.Time(0)):
+        """target_T_source at a time, by default the latest, as a geometry_msgs/TransformStamped. Raises ArmError."""
         deadline = time.monotonic() + wait_s
         while True:
             try:
-                return self._buffer.lookup_transform(target, source, rospy.Time(0))
+                return self._buffer.lookup_transform(target, source, stamp)
             except tf2_ros.TransformException as error:
                 if time.monotonic() > deadline or rospy.is_shutdown():
                     raise ArmError(ArmCode.UNKNOWN_FRAME, f"no transform from {source} to {target}: {error}") from None
@@ -69,6 +69,12 @@ class FrameListener:
         """3x3 rotation of the same."""
         q = self.lookup(target, source, wait_s).transform.rotation
         return rd.rotation_of_quaternion(q.x, q.y, q.z, q.w)
+
+    def matrix(self, target, source, wait_s, stamp=rospy.Time(0)):
+        """4x4 of the same, with the translation."""
+        found = self.lookup(target, source, wait_s, stamp).transform
+        t, q = found.translation, found.rotation
+        return rd.transform((t.x, t.y, t.z), rd.rotation_of_quaternion(q.x, q.y, q.z, q.w))
 
 
 _frames, _joints, _lock = [], {}, threading.Lock()

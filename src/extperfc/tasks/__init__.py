@@ -1,0 +1,15 @@
+"""Tasks as behaviour trees: leaves for the robot's actions, and what ticks a tree. See docs/tasks.md.
+
+Trees are those of py_trees; leaves are extperfc.tasks.Pick, Place, GoTo, ...; run(tree) ticks one until it ends.
+"""
+
+from extperfc.tasks.arm_leaves import InScene, MoveArm, MoveGrippers, Pick, Place, Show
+from extperfc.tasks.base_leaves import Explore, GoTo
+from extperfc.tasks.blackboard import Key, read, write
+from extperfc.tasks.find import Find, Found
+from extperfc.tasks.leaf import ActionLeaf, GiveUp, Leaf, Say, Wait
+from extperfc.tasks.recipes import pick_up, put_down, show
+from extperfc.tasks.runner import run
+
+__all__ = ["ActionLeaf", "Explore", "Find", "Found", "GiveUp", "GoTo", "InScene", "Key", "Leaf", "MoveArm", "MoveGrippers", "Pick",
+           "Place", "Say", "Show", "Wait", "pick_up", "put_down", "read", "run", "show", "write"]

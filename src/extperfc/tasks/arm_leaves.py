@@ -1,0 +1,148 @@
+"""Leaves that move the arms."""
+
+import math
+
+import numpy
+import rospy
+
+from extperfc.arm import Arm, robot_state
+from extperfc.arm.goals import DEFAULT_FRAME, pose_stamped, tip_of
+from extperfc.tasks.blackboard import Key, read, write
+from extperfc.tasks.find import DEPTH_FRAME
+from extperfc.tasks.leaf import ActionLeaf, Leaf
+
+SERVER_WAIT_S = 30.0  # of real time, for the arm node to come up
+SHOW_TILT_RAD = 0.6                      # of a gripper that shows something, from how it points
+BETWEEN_TOLERANCE_RAD = (0.3, 1.0, 0.4)  # about the tool's axes; a rotation about y leaves the fingers beside the object
+
+_arms = {}
+
+
+def _arm(side):
+    """One client per process and side."""
+    if side not in _arms:
+        _arms[side] = Arm(side, wait_s=SERVER_WAIT_S)
+    return _arms[side]
+
+
+class MoveArm(ActionLeaf):
+    """Moves "left", "right" or "both" to a goal of extperfc.arm.Arm.move_to, or to what a Key holds; with its options."""
+
+    def __init__(self, side, goal, name=None, **options):
+        super().__init__(name or f"move {side} arm" + ("s" if side == "both" else ""))
+        self.side, self.goal, self.options = side, goal, options
+
+    def motion(self):
+        return _arm(read(self.side)).move_to(read(self.goal), wait=False, **self.options)
+
+
+class MoveGrippers(Leaf):
+    """Opens or closes the grippers of "left", "right" or "both". Blocks the tree for up to `timeout_s` of real time each."""
+
+    def __init__(self, side, open, timeout_s=10.0, name=None):  # pylint: disable=redefined-builtin
+        super().__init__(name or f"{'open' if open else 'close'} {side} gripper" + ("s" if side == "both" else ""))
+        self.side, self.opens, self.timeout_s = side, open, timeout_s
+
+    def step(self):
+        arm = _arm(read(self.side))
+        (arm.open if self.opens else arm.close)(timeout=self.timeout_s)
+        return True
+
+
+class InScene(Leaf):
+    """Waits until the arm node's scene has an object with this name or label, which its node `objects` adds from detections."""
+
+    PERIOD_S = 0.2  # of ROS time, between requests to the node
+
+    def __init__(self, label, timeout_s=10.0, name=None):
+        super().__init__(name or f"{label} in the scene")
+        self.label, self.timeout_s = label, timeout_s
+
+    def begin(self):
+        self._begin, self._asked = rospy.Time.now(), rospy.Time(0)
+
+    def step(self):
+        now = rospy.Time.now()
+        if now < self._asked + rospy.Duration(self.PERIOD_S):
+            return None
+        self._asked = now
+        label, objects = read(self.label), _arm("both").scene.objects
+        if any(label in (name, one.label) for name, one in objects.items()):
+            return True
+        if now > self._begin + rospy.Duration(self.timeout_s):
+            raise ValueError(f"the arm node's scene has no {label} after {self.timeout_s:g} s, but {', '.join(sorted(objects)) or 'nothing'}")
+        return None
+
+
+class Pick(ActionLeaf):
+    """Picks an object by its name in the arm node's scene, or its label. Writes the extperfc/PickResult under `key`, and
+    under `<key>_from` where the object stood (PoseStamped, None: not known).
+
+    place_at: a pose or a list of them, or a Key: see Arm.pick.
+    """
+
+    def __init__(self, what, key="held", side="both", lift=0.0, place_at=None, frame=DEFAULT_FRAME, name=None):
+        super().__init__(name or f"pick the {what}")
+        self.what, self.key, self.side, self.lift, self.place_at, self.frame = what, key, side, lift, place_at, frame
+
+    def motion(self):
+        arm = _arm(self.side)
+        self._before = {name: one.pose for name, one in arm.scene.objects.items()}
+        return arm.pick(read(self.what), lift=self.lift, place_at=read(self.place_at), frame=self.frame, wait=False)
+
+    def succeeded(self, result):
+        write(self.key, result)
+        write(f"{self.key}_from", self._before.get(result.object))
+
+
+class Place(ActionLeaf):
+    """Places the held object at a pose, or a list of poses of which the first that can be reached is used; or a Key.
+
+    `held`: what Pick wrote. any_yaw: any rotation about the vertical is accepted.
+    """
+
+    def __init__(self, pose, held="held", any_yaw=True, frame=DEFAULT_FRAME, name=None):
+        super().__init__(name or "place")
+        self.pose, self.held, self.any_yaw, self.frame = pose, held, any_yaw, frame
+
+    def motion(self):
+        pose = read(self.pose)
+        if pose is None:
+            raise ValueError("the place is not known")
+        return _arm("both").place(pose_stamped(pose, self.frame), any_yaw=self.any_yaw, wait=False)
+
+
+class Show(ActionLeaf):
+    """Holds the picked object before the camera, at a distance [m] on its axis; the gripper points about as it does.
+
+    between: the fingers come to the left and right of the object as the camera sees it, so that they do not hide it;
+    otherwise the gripper may have any rotation about its approach direction. slack_m: accepted distance from the point
+    along each axis. A point that the arm does not reach is a failure.
+    """
+
+    def __init__(self, held="held", distance_m=0.4, between=True, slack_m=0.03, frame=DEPTH_FRAME, name=None):
+        super().__init__(name or "show")
+        self.held, self.distance_m, self.between, self.slack_m, self.frame = held, distance_m, between, slack_m, frame
+
+    def motion(self):
+        arm = _arm(read(Key(self.held)).arm)
+        frames = robot_state.frames()
+        base_T_camera = frames.matrix(DEFAULT_FRAME, self.frame, SERVER_WAIT_S)
+        base_T_tool = frames.matrix(DEFAULT_FRAME, tip_of(arm.side), SERVER_WAIT_S)
+        base_T_tool[:3, 3] = (base_T_camera @ (0.0, 0.0, read(self.distance_m), 1.0))[:3]
+        tolerance = (SHOW_TILT_RAD, SHOW_TILT_RAD, math.pi)
+        if self.between:
+            base_T_tool[:3, :3] = between_fingers(base_T_tool[:3, :3], base_T_camera[:3, 2])
+            tolerance = BETWEEN_TOLERANCE_RAD
+        return arm.move_to(base_T_tool, wait=False, position_tolerance=self.slack_m, orientation_tolerance=tolerance)
+
+
+def between_fingers(rotation, view):
+    """A tool's 3x3 rotation, rotated about its approach direction (z) so that the direction in which its fingers close (y) is
+    perpendicular to the view direction. Where both directions are nearly parallel, every rotation is: it stays."""
+    z = rotation[:, 2]
+    y = numpy.cross(z, view)
+    if numpy.linalg.norm(y) < 0.1:
+        return rotation
+    y *= numpy.sign(y @ rotation[:, 1] or 1.0) / numpy.linalg.norm(y)
+    return numpy.column_stack([numpy.cross(y, z), y, z])

@@ -1,0 +1,41 @@
+"""Parts of trees that many tasks need."""
+
+import py_trees
+
+from extperfc.arm.goals import DEFAULT_FRAME
+from extperfc.tasks.arm_leaves import InScene, MoveArm, Pick, Place, Show
+from extperfc.tasks.blackboard import Key
+from extperfc.tasks.find import Find
+from extperfc.tasks.leaf import GiveUp, Say
+
+
+def _sequence(name, children):
+    return py_trees.composites.Sequence(name, memory=True, children=children)
+
+
+def pick_up(label, found="found", held="held", place_at=None, frame=DEFAULT_FRAME, attempts=2, start="neutral", **finding):
+    """The arms go where they hide nothing from the camera (a state of the SRDF), the object is found and picked; a failure
+    begins again, so many times in all. Writes a Found and a PickResult. finding: further arguments of Find."""
+    return py_trees.decorators.Retry(f"{attempts} attempts", _sequence(f"pick up the {label}", [
+        MoveArm("both", start, name=f"arms to {start}"),
+        Find(label, found, **finding),
+        InScene(label),
+        Pick(label, key=held, place_at=place_at, frame=frame),
+    ]), num_failures=attempts)
+
+
+def show(distance_m, held="held"):
+    """Shows the held object to the camera, with no finger before it where the arm can."""
+    return py_trees.composites.Selector("show", memory=True, children=[
+        Show(held, distance_m, name="show between the fingers"), Show(held, distance_m, between=False, name="show somehow")])
+
+
+def put_down(pose, held="held", frame=DEFAULT_FRAME):
+    """Places the held object. Where that fails it is put back where it was picked, and the tree fails: the object was not
+    lost, but is not where it was wanted."""
+    put_back = _sequence("put back", [
+        Say("cannot be put down there: putting it back where it was"),
+        Place(Key(f"{held}_from"), held=held, name="place where it was"),
+        GiveUp("it is where it was before"),
+    ])
+    return py_trees.composites.Selector("put down", memory=True, children=[Place(pose, held=held, frame=frame), put_back])

@@ -1,0 +1,318 @@
+"""Leaves and recipes of behaviour trees, with a robot that is made up."""
+
+import math
+import pathlib
+import sys
+import types
+import unittest
+from unittest import mock
+
+REPO = pathlib.Path(__file__).resolve().parents[3]
+sys.path.insert(0, str(REPO / "src"))
+
+try:
+    import py_trees
+except ModuleNotFoundError:
+    raise unittest.SkipTest("py_trees is not installed: tools/setup fetches it") from None
+
+import geometry_msgs.msg  # noqa: E402
+import numpy  # noqa: E402
+import rospy  # noqa: E402
+import std_msgs.msg  # noqa: E402
+import vision_msgs.msg  # noqa: E402
+
+from extperfc import tasks  # noqa: E402
+from extperfc.arm import ArmError  # noqa: E402
+from extperfc.msg import ArmCode, PickResult  # noqa: E402
+from extperfc.tasks import arm_leaves, find  # noqa: E402
+from extperfc.tasks.arm_leaves import between_fingers  # noqa: E402
+
+RUNNING, SUCCESS, FAILURE, INVALID = (py_trees.common.Status.RUNNING, py_trees.common.Status.SUCCESS,
+                                      py_trees.common.Status.FAILURE, py_trees.common.Status.INVALID)
+
+
+class Clock:
+    """ROS time that a test moves on."""
+
+    def __init__(self, test):
+        self.seconds = 100.0
+        patched = mock.patch.object(rospy.Time, "now", lambda: rospy.Time.from_sec(self.seconds))
+        patched.start()
+        test.addCleanup(patched.stop)
+
+
+class MadeUpMotion:
+    def __init__(self, result=None, error=None, ticks=1):
+        self._result, self._error, self._ticks = result, error, ticks
+        self.cancelled, self.feedback = False, types.SimpleNamespace(stage="approaching")
+
+    @property
+    def done(self):
+        self._ticks -= 1
+        return self._ticks < 0
+
+    def result(self):
+        if self._error:
+            raise self._error
+        return self._result
+
+    def cancel(self):
+        self.cancelled = True
+
+
+class MotionLeaf(tasks.ActionLeaf):
+    def __init__(self, motion):
+        super().__init__("motion")
+        self.made_up = motion
+
+    def motion(self):
+        if isinstance(self.made_up, Exception):
+            raise self.made_up
+        return self.made_up
+
+
+def tick(leaf):
+    leaf.tick_once()
+    return leaf.status
+
+
+class Leaves(unittest.TestCase):
+    def test_an_action_runs_and_succeeds(self):
+        leaf = MotionLeaf(MadeUpMotion(types.SimpleNamespace(message="there"), ticks=1))
+        self.assertEqual((RUNNING, "approaching"), (tick(leaf), leaf.feedback_message))
+        self.assertEqual((SUCCESS, "there"), (tick(leaf), leaf.feedback_message))
+
+    def test_its_failure_is_a_message(self):
+        leaf = MotionLeaf(MadeUpMotion(error=ArmError(ArmCode.NO_GRASP, "none can be reached"), ticks=0))
+        self.assertEqual(FAILURE, tick(leaf))
+        self.assertIn("none can be reached", leaf.feedback_message)
+
+    def test_a_goal_that_cannot_be_sent_fails(self):
+        for error in (ArmError(ArmCode.INTERNAL, "no server"), ValueError("no server"), KeyError("no server")):
+            leaf = MotionLeaf(error)
+            self.assertEqual(FAILURE, tick(leaf))
+            self.assertIn("no server", leaf.feedback_message)
+
+    def test_a_tree_that_leaves_it_cancels_it(self):
+        motion = MadeUpMotion(ticks=5)
+        leaf = MotionLeaf(motion)
+        tick(leaf)
+        leaf.stop(INVALID)
+        self.assertTrue(motion.cancelled)
+
+    def test_what_has_ended_is_not_cancelled(self):
+        motion = MadeUpMotion(types.SimpleNamespace(message=""), ticks=0)
+        leaf = MotionLeaf(motion)
+        tick(leaf)
+        leaf.stop(INVALID)
+        self.assertFalse(motion.cancelled)
+
+    def test_waits_by_ros_time(self):
+        clock, leaf = Clock(self), tasks.Wait(2.0)
+        self.assertEqual(RUNNING, tick(leaf))
+        clock.seconds += 1.9
+        self.assertEqual(RUNNING, tick(leaf))
+        clock.seconds += 0.2
+        self.assertEqual(SUCCESS, tick(leaf))
+        with self.assertRaises(ValueError):
+            tasks.Wait(-1.0)
+
+    def test_says_what_stands_on_the_blackboard(self):
+        tasks.write("what", types.SimpleNamespace(distance_m=0.5))
+        with mock.patch.object(tasks.Say, "_publisher", mock.Mock()) as publisher, mock.patch.object(rospy, "loginfo"):
+            self.assertEqual(SUCCESS, tick(tasks.Say("{d:.2f} m", d=tasks.Key("what", "distance_m"))))
+            publisher.publish.assert_called_once_with("0.50 m")
+            self.assertEqual(FAILURE, tick(tasks.Say("{d}", d=tasks.Key("never written"))))
+
+    def test_a_goal_of_the_base_is_a_pose_of_the_map(self):
+        pose = tasks.GoTo((1.0, 2.0, math.pi / 2))._goal()
+        self.assertEqual(("map", 1.0, 2.0), (pose.header.frame_id, pose.pose.position.x, pose.pose.position.y))
+        self.assertAlmostEqual(math.sqrt(0.5), pose.pose.orientation.z)
+
+
+class MadeUpFrames:
+    """The camera is 1 m above the origin of every other frame and looks down."""
+
+    def matrix(self, target, source, _wait_s, stamp=None):
+        del stamp
+        if source == "nowhere":
+            raise ArmError(ArmCode.UNKNOWN_FRAME, "no transform")
+        frame_T_camera = numpy.array([[1.0, 0, 0, 0], [0, -1, 0, 0], [0, 0, -1, 1], [0, 0, 0, 1]])
+        if target == source:
+            return numpy.eye(4)
+        return frame_T_camera if source == find.DEPTH_FRAME else numpy.linalg.inv(frame_T_camera)
+
+
+class Finding(unittest.TestCase):
+    def setUp(self):
+        self.clock = Clock(self)
+        with mock.patch.object(rospy, "Subscriber"):
+            self.source = find._Detections()
+        self.source._names = {0: "cube", 1: "sphere"}
+        for patched in (mock.patch.object(tasks.Find, "_detections", self.source),
+                        mock.patch.object(find.robot_state, "frames", MadeUpFrames)):
+            patched.start()
+            self.addCleanup(patched.stop)
+
+    def see(self, *objects, frame=find.DEPTH_FRAME):
+        """A message of (class, x, y, z) in the frame."""
+        self.clock.seconds += 0.1
+        message = vision_msgs.msg.Detection3DArray(header=std_msgs.msg.Header(frame_id=frame, stamp=rospy.Time.now()))
+        for index, x, y, z in objects:
+            one = vision_msgs.msg.Detection3D(results=[vision_msgs.msg.ObjectHypothesisWithPose(id=index)])
+            one.bbox.center.position = geometry_msgs.msg.Point(x, y, z)
+            one.bbox.center.orientation.w = 1.0
+            one.bbox.size = geometry_msgs.msg.Vector3(0.04, 0.05, 0.06)
+            message.detections.append(one)
+        self.source._on_detections(message)
+
+    def test_median_of_detections_of_one_object(self):
+        leaf = tasks.Find("cube", "it", confirm=3, frame="odom")
+        self.see((0, 0.9, 0.9, 0.4))  # before the leaf began: does not count
+        self.assertEqual(RUNNING, tick(leaf))
+        for x in (0.10, 0.11, 0.14):
+            self.see((0, x, 0.0, 0.4), (1, 0.12, 0.0, 0.4), (0, -0.5, 0.0, 0.4 + x))
+        self.assertEqual(SUCCESS, tick(leaf))
+        found = tasks.read(tasks.Key("it"))
+        self.assertEqual(("cube", 3, "odom"), (found.label, found.detections, found.pose.header.frame_id))
+        self.assertAlmostEqual(0.11, found.pose.pose.position.x)
+        self.assertAlmostEqual(0.6, found.pose.pose.position.z)
+        self.assertAlmostEqual(math.hypot(0.11, 0.4), found.distance_m)
+        self.assertEqual((0.04, 0.05, 0.06), found.size)
+
+    def test_only_near_a_place(self):
+        leaf = tasks.Find("cube", "it", confirm=1, frame="odom", near=(0.5, 0.0, 0.6), near_m=0.1)
+        tick(leaf)
+        self.see((0, 0.0, 0.0, 0.4))
+        self.assertEqual(RUNNING, tick(leaf))
+        self.see((0, 0.45, 0.0, 0.4))
+        self.assertEqual(SUCCESS, tick(leaf))
+
+    def test_detections_without_a_transform_do_not_count_and_time_ends(self):
+        leaf = tasks.Find("cube", "it", confirm=1, timeout_s=3.0)
+        tick(leaf)
+        self.see((0, 0.0, 0.0, 0.4), frame="nowhere")
+        self.assertEqual(RUNNING, tick(leaf))
+        self.clock.seconds += 3.0
+        self.assertEqual(FAILURE, tick(leaf))
+        self.assertIn("no cube was seen 1 times within 3 s", leaf.feedback_message)
+
+
+class Fingers(unittest.TestCase):
+    def test_they_close_across_the_view(self):
+        random = numpy.random.default_rng(1)
+        for _ in range(200):
+            rotation = numpy.linalg.qr(random.normal(size=(3, 3)))[0]
+            rotation *= numpy.sign(numpy.linalg.det(rotation))
+            view = random.normal(size=3)
+            view /= numpy.linalg.norm(view)
+            rotated = between_fingers(rotation, view)
+            numpy.testing.assert_allclose(rotated.T @ rotated, numpy.eye(3), atol=1e-9)
+            self.assertAlmostEqual(1.0, numpy.linalg.det(rotated))
+            numpy.testing.assert_allclose(rotated[:, 2], rotation[:, 2], atol=1e-12)
+            if not numpy.array_equal(rotated, rotation):
+                self.assertAlmostEqual(0.0, rotated[:, 1] @ view)
+                self.assertGreaterEqual(rotated[:, 1] @ rotation[:, 1], 0.0, "the smaller rotation")
+
+    def test_an_approach_along_the_view_stays(self):
+        numpy.testing.assert_array_equal(numpy.eye(3), between_fingers(numpy.eye(3), numpy.array([0, 0, 1.0])))
+
+
+class MadeUpArm:
+    """Picks and places succeed unless a test says otherwise; what was asked for is kept."""
+
+    def __init__(self):
+        self.asked, self.failures, self.side = [], {}, "left"
+        self.stood = geometry_msgs.msg.PoseStamped()
+        self.stood.pose.position.x = 0.7
+        self.scene = types.SimpleNamespace(objects={"cube_1": types.SimpleNamespace(label="cube", pose=self.stood)})
+
+    def _act(self, name, what, result):
+        self.asked.append((name, what))
+        errors = self.failures.get(name, [])
+        error = errors.pop(0) if errors else None
+        return MadeUpMotion(result, ArmError(ArmCode.NO_GRASP, error) if error else None, ticks=0)
+
+    def move_to(self, goal, **_):
+        return self._act("move", goal, types.SimpleNamespace(message=""))
+
+    def pick(self, what, **_):
+        return self._act("pick", what, PickResult(object="cube_1", arm="left"))
+
+    def place(self, pose, **_):
+        return self._act("place", pose.pose.position.x, types.SimpleNamespace(message=""))
+
+
+class Recipes(unittest.TestCase):
+    def setUp(self):
+        self.arm, self.clock = MadeUpArm(), Clock(self)
+        found = mock.patch.object(tasks.Find, "update", lambda leaf: SUCCESS)
+        for patched in (mock.patch.object(arm_leaves, "_arm", lambda side: self.arm), found,
+                        mock.patch.object(find, "_Detections", mock.Mock()), mock.patch.object(rospy, "loginfo"),
+                        mock.patch.object(rospy, "Publisher", mock.Mock())):
+            patched.start()
+            self.addCleanup(patched.stop)
+        tasks.Say._publisher = None
+
+    def run_tree(self, root):
+        return tasks.run(root, period_s=0.0, alive=lambda: True)
+
+    def test_a_pick_that_fails_once_is_tried_again(self):
+        self.arm.failures["pick"] = ["slipped"]
+        self.assertEqual((True, ""), self.run_tree(tasks.pick_up("cube")))
+        self.assertEqual(["move", "pick", "move", "pick"], [name for name, _ in self.arm.asked])
+        self.assertIs(self.arm.stood, tasks.read(tasks.Key("held_from")))
+
+    def test_a_pick_that_fails_twice_fails_with_its_reason(self):
+        self.arm.failures["pick"] = ["slipped", "slipped again"]
+        done, why = self.run_tree(tasks.pick_up("cube"))
+        self.assertFalse(done)
+        self.assertIn("slipped again", why)
+
+    def test_what_cannot_be_put_down_is_put_back(self):
+        self.arm.failures["place"] = ["none can be reached"]
+        self.assertTrue(self.run_tree(tasks.pick_up("cube"))[0])
+        done, why = self.run_tree(tasks.put_down((0.5, 0.0, 0.1)))
+        self.assertEqual([("place", 0.5), ("place", 0.7)], self.arm.asked[-2:])
+        self.assertFalse(done, "it is not where it was wanted")
+        self.assertIn("none can be reached", why)
+
+    def test_what_can_be_put_down_is_not_put_back(self):
+        self.assertTrue(self.run_tree(tasks.pick_up("cube"))[0])
+        self.assertTrue(self.run_tree(tasks.put_down((0.5, 0.0, 0.1)))[0])
+        self.assertEqual(("place", 0.5), self.arm.asked[-1])
+
+
+class Running(unittest.TestCase):
+    def setUp(self):
+        patched = mock.patch.object(rospy, "Publisher")
+        self.publisher = patched.start().return_value
+        self.addCleanup(patched.stop)
+
+    def test_the_tree_is_published_when_it_changes(self):
+        tasks.run(MotionLeaf(MadeUpMotion(types.SimpleNamespace(message=""), ticks=5)), period_s=0.0, alive=lambda: True)
+        self.assertEqual(2, self.publisher.publish.call_count)
+
+    def test_what_is_active_is_cancelled_at_the_end_of_the_program(self):
+        motion = MadeUpMotion(ticks=1000)
+        ticks = iter([True, True, False])
+        self.assertEqual((False, "stopped"), tasks.run(MotionLeaf(motion), period_s=0.0, alive=lambda: next(ticks)))
+        self.assertTrue(motion.cancelled)
+        other = MadeUpMotion(ticks=1000)
+
+        def interrupt(_):
+            raise KeyboardInterrupt
+
+        with self.assertRaises(KeyboardInterrupt):
+            tasks.run(MotionLeaf(other), period_s=0.0, alive=lambda: True, on_tick=interrupt)
+        self.assertTrue(other.cancelled)
+
+    def test_a_failure_is_that_of_the_leaf(self):
+        leaf = MotionLeaf(MadeUpMotion(error=ArmError(ArmCode.NO_GRASP, "none"), ticks=0))
+        done, why = tasks.run(py_trees.composites.Sequence("all", True, [leaf]), period_s=0.0, alive=lambda: True)
+        self.assertFalse(done)
+        self.assertIn("motion: ", why)
+
+
+if __name__ == "__main__":
+    unittest.main()
