@@ -7,6 +7,7 @@
 #include <Eigen/Core>
 
 #include "extperfc/navigate/footprint.hpp"
+#include "extperfc/world/laser_scan.hpp"
 #include "extperfc/world/pose.hpp"
 
 namespace extperfc::navigate {
@@ -14,7 +15,7 @@ namespace extperfc::navigate {
 struct GuardParams {
   double min_time_s{0.6};  ///< commands are slowed until a contact is this far ahead, (0, 10]; not below the
                            ///< time to brake from full speed plus the base's delay
-  double margin_m{0.015};  ///< about the footprint that counts as contact, [0, 0.5]
+  double margin_m{0.003};  ///< about the footprint that counts as contact, [0, 0.5]
   double max_age_s{0.4};   ///< of the scan, (0, 10]
   double horizon_s{2.0};   ///< contacts later than this do not count, [min_time_s, 10]
 };
@@ -40,6 +41,12 @@ struct GuardedCommand {
 [[nodiscard]] std::optional<double> time_to_contact(const std::vector<Eigen::Vector2d>& points_m,
                                                     const Footprint& footprint, double margin_m,
                                                     const Twist2& twist, double horizon_s);
+
+/// End points of a scan's returns in the base's frame [m], for the guard. A range below 1.2 m is replaced by
+/// the median of the returns within two rays and 0.1 m of it: a scan has the nearest of many noisy points,
+/// and a base that passes a door stands among hundreds of them. What is as narrow as one or two rays there
+/// and has no neighbour stays. O(rays).
+[[nodiscard]] std::vector<Eigen::Vector2d> surface_points(const LaserScan& scan);
 
 /// The last stop before a contact, independent of cost maps and planners: commands against the points of the
 /// latest scan. The motion's arc is kept, only its speed falls, so that a time to contact stays; a motion

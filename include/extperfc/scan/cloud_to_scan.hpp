@@ -33,7 +33,7 @@ struct ScanParams {
   double angle_min{-3.14159265358979};  ///< of the first ray [rad], [-2 pi, 2 pi]
   double angle_max{3.14159265358979};  ///< upper bound of the last ray [rad]; at most one revolution in total
   double angle_increment{0.00872664625997};  ///< from ray to ray [rad], [0.0001, 1]
-  double range_min{0.6};    ///< nearer points do not count [m]; keep it beyond the robot's own hull
+  double range_min{0.4};    ///< nearer points do not count [m]; SelfFilter is for the robot beyond it
   double range_max{30.0};   ///< farther points do not count [m]
   bool use_inf{true};       ///< a ray that is seen to be free is +infinity, as REP 117 wants it; or ...
   double inf_epsilon{1.0};  ///< ... range_max + inf_epsilon [m]

@@ -8,8 +8,10 @@ from extperfc.tasks.base_leaves import Explore, GoTo
 from extperfc.tasks.blackboard import Key, read, write
 from extperfc.tasks.find import Find, Found
 from extperfc.tasks.leaf import ActionLeaf, GiveUp, Leaf, Say, Wait
-from extperfc.tasks.recipes import pick_up, put_down, show
+from extperfc.tasks.recipes import carry, pick_up, put_down, show
 from extperfc.tasks.runner import run
+from extperfc.tasks.search import Approach, Search
 
-__all__ = ["ActionLeaf", "Explore", "Find", "Found", "GiveUp", "GoTo", "InScene", "Key", "Leaf", "MoveArm", "MoveGrippers", "Pick",
-           "Place", "Say", "Show", "Wait", "pick_up", "put_down", "read", "run", "show", "write"]
+__all__ = ["ActionLeaf", "Approach", "Explore", "Find", "Found", "GiveUp", "GoTo", "InScene", "Key", "Leaf", "MoveArm",
+           "MoveGrippers", "Pick", "Place", "Say", "Search", "Show", "Wait", "carry", "pick_up", "put_down", "read", "run", "show",
+           "write"]

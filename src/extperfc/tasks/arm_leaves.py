@@ -12,8 +12,8 @@ from extperfc.tasks.find import DEPTH_FRAME
 from extperfc.tasks.leaf import ActionLeaf, Leaf
 
 SERVER_WAIT_S = 30.0  # of real time, for the arm node to come up
-SHOW_TILT_RAD = 0.6                      # of a gripper that shows something, from how it points
-BETWEEN_TOLERANCE_RAD = (0.3, 1.0, 0.4)  # about the tool's axes; a rotation about y leaves the fingers beside the object
+SHOW_TILT_RAD = 0.6          # of a gripper that shows something, from how it points
+BESIDE_RAD = (0.3, 0.4)      # about the tool's x and z: with more, a finger comes before the object
 
 _arms = {}
 
@@ -115,14 +115,16 @@ class Place(ActionLeaf):
 class Show(ActionLeaf):
     """Holds the picked object before the camera, at a distance [m] on its axis; the gripper points about as it does.
 
-    between: the fingers come to the left and right of the object as the camera sees it, so that they do not hide it;
-    otherwise the gripper may have any rotation about its approach direction. slack_m: accepted distance from the point
-    along each axis. A point that the arm does not reach is a failure.
+    between: the fingers come to the left and right of the object as the camera sees it, so that they do not hide it, and
+    the gripper tilts by tilt_rad at most, so that an object that stood upright stays about so; otherwise the gripper may
+    have any rotation about its approach direction. slack_m: accepted distance from the point along each axis. A point that
+    the arm does not reach is a failure.
     """
 
-    def __init__(self, held="held", distance_m=0.4, between=True, slack_m=0.03, frame=DEPTH_FRAME, name=None):
+    def __init__(self, held="held", distance_m=0.4, between=True, tilt_rad=0.3, slack_m=0.03, frame=DEPTH_FRAME, name=None):
         super().__init__(name or "show")
-        self.held, self.distance_m, self.between, self.slack_m, self.frame = held, distance_m, between, slack_m, frame
+        self.held, self.distance_m, self.between, self.tilt_rad = held, distance_m, between, tilt_rad
+        self.slack_m, self.frame = slack_m, frame
 
     def motion(self):
         arm = _arm(read(Key(self.held)).arm)
@@ -133,7 +135,7 @@ class Show(ActionLeaf):
         tolerance = (SHOW_TILT_RAD, SHOW_TILT_RAD, math.pi)
         if self.between:
             base_T_tool[:3, :3] = between_fingers(base_T_tool[:3, :3], base_T_camera[:3, 2])
-            tolerance = BETWEEN_TOLERANCE_RAD
+            tolerance = (BESIDE_RAD[0], self.tilt_rad, BESIDE_RAD[1])
         return arm.move_to(base_T_tool, wait=False, position_tolerance=self.slack_m, orientation_tolerance=tolerance)
 
 

@@ -27,14 +27,15 @@ class GoTo(ActionLeaf):
 
     def motion(self):
         GoTo._action = GoTo._action or Action("", "move_base", move_base_msgs.msg.MoveBaseAction, SERVER_WAIT_S, START)
-        return GoTo._action.send(move_base_msgs.msg.MoveBaseGoal(target_pose=self._goal()))
+        return GoTo._action.send(move_base_msgs.msg.MoveBaseGoal(target_pose=planar_pose(read(self.pose), self.frame)))
 
-    def _goal(self):
-        pose = read(self.pose)
-        if isinstance(pose, (tuple, list)) and len(pose) == 3:
-            x, y, yaw = pose
-            return pose_stamped((x, y, 0.0, 0.0, 0.0, math.sin(yaw / 2), math.cos(yaw / 2)), self.frame)
-        return pose_stamped(pose, self.frame)
+
+def planar_pose(pose, frame):
+    """PoseStamped of (x, y, yaw) in a frame, or of what pose_stamped() accepts."""
+    if isinstance(pose, (tuple, list)) and len(pose) == 3:
+        x, y, yaw = pose
+        return pose_stamped((x, y, 0.0, 0.0, 0.0, math.sin(yaw / 2), math.cos(yaw / 2)), frame)
+    return pose_stamped(pose, frame)
 
 
 class Explore(ActionLeaf):

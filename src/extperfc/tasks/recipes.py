@@ -27,7 +27,9 @@ def pick_up(label, found="found", held="held", place_at=None, frame=DEFAULT_FRAM
 def show(distance_m, held="held"):
     """Shows the held object to the camera, with no finger before it where the arm can."""
     return py_trees.composites.Selector("show", memory=True, children=[
-        Show(held, distance_m, name="show between the fingers"), Show(held, distance_m, between=False, name="show somehow")])
+        Show(held, distance_m, name="show upright between the fingers"),
+        Show(held, distance_m, tilt_rad=1.0, name="show tilted between the fingers"),
+        Show(held, distance_m, between=False, name="show somehow")])
 
 
 def put_down(pose, held="held", frame=DEFAULT_FRAME):
@@ -39,3 +41,9 @@ def put_down(pose, held="held", frame=DEFAULT_FRAME):
         GiveUp("it is where it was before"),
     ])
     return py_trees.composites.Selector("put down", memory=True, children=[Place(pose, held=held, frame=frame), put_back])
+
+
+def carry(held="held"):
+    """Brings the arms, of which one holds something, near to the body, as for driving: the first pose that can be reached."""
+    return py_trees.composites.Selector("carry", memory=True, children=[
+        MoveArm("both", "tuck", name="tuck"), MoveArm(Key(held, "arm"), "neutral", name="one arm to neutral")])

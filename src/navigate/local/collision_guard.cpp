@@ -1,7 +1,9 @@
 #include "extperfc/navigate/collision_guard.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <cstddef>
 #include <limits>
 #include <utility>
 
@@ -17,6 +19,9 @@ namespace {
 constexpr double kNever = std::numeric_limits<double>::infinity();
 constexpr double kStraight_rad_s = 1e-6;  // slower rotations count as straight motion
 constexpr double kStop = 0.05;            // commands slowed to less than this part are stops
+constexpr float kSmoothed_m = 1.2F;       // nearer ranges are smoothed
+constexpr float kSameSurface_m = 0.1F;    // returns with a larger difference are of another surface
+constexpr std::size_t kBeside = 2;        // rays on either side
 constexpr double kClosing_m_s = 1e-3;     // slower motion towards a point inside the margin is ignored
 
 /// Signed distances of a point from the lines of a counter-clockwise polygon's edges: above 0 outside.
@@ -92,6 +97,24 @@ double time_of(const std::vector<Eigen::Vector2d>& bare_m, const std::vector<Eig
   return arc_time(corners_m, point_m, centre, -twist.wz);
 }
 
+/// Of the returns on the same surface as ray `index`, itself among them; the lower one of the two in the
+/// middle.
+double median_around(const LaserScan& scan, std::size_t index) {
+  std::array<float, 2 * kBeside + 1> ranges{};
+  std::size_t count = 0;
+  const float own = scan.ranges[index];
+  const std::size_t first = index - std::min(index, kBeside);
+  const std::size_t end = std::min(scan.ranges.size(), index + kBeside + 1);
+  for (std::size_t i = first; i < end; ++i) {
+    const float range = scan.ranges[i];
+    if (is_return(scan, range) && std::abs(range - own) < kSameSurface_m) ranges.at(count++) = range;
+  }
+  const auto middle = static_cast<std::ptrdiff_t>((count - 1) / 2);
+  std::nth_element(ranges.begin(), ranges.begin() + middle,
+                   ranges.begin() + static_cast<std::ptrdiff_t>(count));
+  return ranges.at(static_cast<std::size_t>(middle));
+}
+
 void demand_range(double value, double low, bool low_included, double high, const char* what) {
   demand(std::isfinite(value) && (low_included ? value >= low : value > low) && value <= high, what);
 }
@@ -113,6 +136,19 @@ std::optional<double> time_to_contact(const std::vector<Eigen::Vector2d>& points
   }
   if (first_s > horizon_s) return std::nullopt;
   return first_s;
+}
+
+std::vector<Eigen::Vector2d> surface_points(const LaserScan& scan) {
+  std::vector<Eigen::Vector2d> points;
+  points.reserve(scan.ranges.size());
+  for (std::size_t i = 0; i < scan.ranges.size(); ++i) {
+    if (!is_return(scan, scan.ranges[i])) continue;
+    const double range_m = scan.ranges[i] < kSmoothed_m ? median_around(scan, i) : scan.ranges[i];
+    const double angle = scan.angle_min + static_cast<double>(i) * scan.angle_increment;
+    const Pose2 end = compose(scan.base_T_sensor, {range_m * std::cos(angle), range_m * std::sin(angle), 0});
+    points.emplace_back(end.x, end.y);
+  }
+  return points;
 }
 
 CollisionGuard::CollisionGuard(const GuardParams& params) : params_(params) {

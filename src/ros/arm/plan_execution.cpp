@@ -1,7 +1,9 @@
 #include "ros/arm/plan_execution.hpp"
 
+#include <chrono>
 #include <cmath>
 #include <limits>
+#include <thread>
 #include <utility>
 
 #include "ros/convert/arm.hpp"
@@ -17,6 +19,9 @@ using extperfc::ToolGoal;
 namespace {
 
 constexpr double kExact = 1e-4;  // [m] or [rad], used for a tolerance of 0
+// Voxels that an arm has moved into since the latest image are cleared by the next one.
+constexpr auto kClearing = std::chrono::seconds(1);
+constexpr auto kClearingStep = std::chrono::milliseconds(100);
 
 constexpr bool is(arm::ToolConstraintKind kind, int constant) {
   return static_cast<int>(kind) == constant;
@@ -142,13 +147,23 @@ tl::expected<MotionRequest, Status> PlanExecution::read(const ArmRequest& messag
 }
 
 MotionOutcome PlanExecution::plan(const MotionRequest& request, const MotionCallbacks& callbacks) {
-  MotionOutcome outcome;
-  auto world = shared_.scene.world();
-  if (world && callbacks.allow) callbacks.allow(*world);
-  if (world) return pipeline_.plan(request, *world);
-  outcome.code = world.error().code;
-  outcome.message = world.error().message;
-  return outcome;
+  const auto deadline = std::chrono::steady_clock::now() + kClearing;
+  while (true) {
+    auto world = shared_.scene.world();
+    if (!world) {
+      MotionOutcome outcome;
+      outcome.code = world.error().code;
+      outcome.message = world.error().message;
+      return outcome;
+    }
+    if (callbacks.allow) callbacks.allow(*world);
+    auto outcome = pipeline_.plan(request, *world);
+    const bool may_clear =
+        outcome.code == ArmCode::kStartInCollision && world->objects().count(PlanningScene::kSeenName) > 0;
+    if (!may_clear || callbacks.cancel.cancelled() || std::chrono::steady_clock::now() >= deadline)
+      return outcome;
+    std::this_thread::sleep_for(kClearingStep);
+  }
 }
 
 Moved PlanExecution::move(MotionRequest request, std::uint32_t replans, const MotionCallbacks& callbacks) {

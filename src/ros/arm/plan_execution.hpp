@@ -55,7 +55,9 @@ class PlanExecution {
   [[nodiscard]] tl::expected<arm::JointPositions, Status> read_start(
       const sensor_msgs::JointState& message) const;
 
-  /// Plans in the present scene, with the contacts that `callbacks.allow` permits.
+  /// Plans in the present scene, with the contacts that `callbacks.allow` permits. While the start is in
+  /// collision and the scene has what a depth camera saw, waits up to 1 s for images that show the robot
+  /// there.
   [[nodiscard]] arm::MotionOutcome plan(const arm::MotionRequest& request,
                                         const MotionCallbacks& callbacks = {});
 

@@ -90,7 +90,7 @@ NavigatorNode::NavigatorNode(const ros::NodeHandle& handle, const ros::NodeHandl
       people_(params_.people),
       costs_(handle_, params_, tf_buffer_,
              {[this](const PlacedScan& placed) {
-                guard_->set_points(points_of(placed.scan), placed.scan.stamp_s);
+                guard_->set_points(navigate::surface_points(placed.scan), placed.scan.stamp_s);
                 people_.update(placed);
               },
               [this](const OccupancyGrid& map) { people_.set_map(map); }}),

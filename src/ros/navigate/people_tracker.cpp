@@ -29,19 +29,6 @@ track::TrackerParams tracker_params() {
 
 }  // namespace
 
-std::vector<Eigen::Vector2d> points_of(const LaserScan& scan) {
-  std::vector<Eigen::Vector2d> points;
-  points.reserve(scan.ranges.size());
-  for (std::size_t i = 0; i < scan.ranges.size(); ++i) {
-    if (!is_return(scan, scan.ranges[i])) continue;
-    const double range = scan.ranges[i];
-    const double angle = scan.angle_min + static_cast<double>(i) * scan.angle_increment;
-    const Pose2 end = compose(scan.base_T_sensor, {range * std::cos(angle), range * std::sin(angle), 0});
-    points.emplace_back(end.x, end.y);
-  }
-  return points;
-}
-
 PeopleTracker::PeopleTracker(const ros_params::PeopleParams& params)
     : params_(params), detector_(detector_params(params)), tracker_(tracker_params()) {}
 

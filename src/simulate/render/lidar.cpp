@@ -25,6 +25,7 @@ class Motion {
     moves_ = step_.norm() > 0.0 || std::abs(rotation_.angle()) > 1e-12;
   }
 
+  [[nodiscard]] bool moves() const { return moves_; }
   [[nodiscard]] Eigen::Isometry3f at(double fraction) const {
     if (!moves_) return begin_.cast<float>();
     Pose pose = begin_;
@@ -119,6 +120,7 @@ void Lidar::cast(const Sweep& sweep, int column, int ring) {
     packet_.ray.dir_z[k] = direction.z();
     packet_.ray.near[k] = kHousing_m;
     packet_.ray.far[k] = sweep.max_range;
+    packet_.ray.time[k] = 1.0F - static_cast<float>(c) / static_cast<float>(sweep.columns);
     packet_.hit.mesh_instance[k] = packet_.hit.geometry[k] = kNoHit;
     active_.on[k] = column + k % kPatchColumns < sweep.columns ? -1 : 0;
   }
@@ -141,14 +143,15 @@ void Lidar::measure(const Sweep& sweep, int column, int ring) {
   }
 }
 
-void Lidar::sweep(const LidarParams& params, const Pose& world_T_begin, const Pose& world_T_end,
-                  const Scene& scene, std::uint64_t seed, double time_s, std::vector<LidarPoint>& points) {
+void Lidar::sweep(const LidarParams& params, const Pose& world_T_begin, const Pose& world_T_end, Scene& scene,
+                  std::uint64_t seed, double time_s, std::vector<LidarPoint>& points) {
   points.clear();
   if (params.columns <= 0 || !(params.rotation_hz > 0)) return;
   aim(params);
   clear(packet_.ray);
   clear(packet_.hit);
   const Motion motion(world_T_begin, world_T_end);
+  if (motion.moves()) scene.trail_robot(world_T_begin * world_T_end.inverse());
   for (int column = 0; column < params.columns; ++column)
     poses_[static_cast<std::size_t>(column)] = motion.at(static_cast<double>(column) / params.columns);
   const Sweep sweep{scene,

@@ -21,8 +21,8 @@ inline constexpr int kRings = 16;
 /// Sweeps of a VLP-16. Keeps its buffers from sweep to sweep.
 class Lidar {
  public:
-  void sweep(const LidarParams& params, const Pose& world_T_begin, const Pose& world_T_end,
-             const Scene& scene, std::uint64_t seed, double time_s, std::vector<LidarPoint>& points);
+  void sweep(const LidarParams& params, const Pose& world_T_begin, const Pose& world_T_end, Scene& scene,
+             std::uint64_t seed, double time_s, std::vector<LidarPoint>& points);
 
  private:
   /// A return before it is put in order.

@@ -109,9 +109,19 @@ std::uint32_t RayScene::add(const Mesh& mesh) {
 }
 
 void RayScene::place(std::uint32_t mesh_instance, const Placement& world_T_mesh) {
+  rtcSetGeometryTimeStepCount(instances_[mesh_instance], 1);
   rtcSetGeometryTransform(instances_[mesh_instance], 0, RTC_FORMAT_FLOAT3X4_COLUMN_MAJOR,
                           world_T_mesh.data());
   rtcCommitGeometry(instances_[mesh_instance]);
+}
+
+void RayScene::place_moving(std::uint32_t mesh_instance, const Placement& at_time_0,
+                            const Placement& at_time_1) {
+  const auto instance = instances_[mesh_instance];
+  rtcSetGeometryTimeStepCount(instance, 2);
+  rtcSetGeometryTransform(instance, 0, RTC_FORMAT_FLOAT3X4_COLUMN_MAJOR, at_time_0.data());
+  rtcSetGeometryTransform(instance, 1, RTC_FORMAT_FLOAT3X4_COLUMN_MAJOR, at_time_1.data());
+  rtcCommitGeometry(instance);
 }
 
 void RayScene::commit() {

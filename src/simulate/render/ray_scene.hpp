@@ -65,6 +65,9 @@ class RayScene {
   /// Returns the number of the mesh instance: 0, 1, 2, ... Triangles keep their order.
   std::uint32_t add(const Mesh& mesh);
   void place(std::uint32_t mesh_instance, const Placement& world_T_mesh);
+  /// For rays with a time between 0 and 1 it is in between, until it is placed again; a placement of place()
+  /// holds for all times.
+  void place_moving(std::uint32_t mesh_instance, const Placement& at_time_0, const Placement& at_time_1);
   /// Makes what was added and placed visible to rays.
   void commit();
 

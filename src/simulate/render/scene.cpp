@@ -17,6 +17,14 @@ Placement placement_of(const Pose& pose) {
   return placement;
 }
 
+Pose pose_of(const Placement& placement) {
+  Pose pose = Pose::Identity();
+  auto in = placement.begin();
+  for (int column = 0; column < 4; ++column)
+    for (int row = 0; row < 3; ++row) pose.matrix()(row, column) = *in++;
+  return pose;
+}
+
 /// Where the snapshot says that a mesh instance is; null when it says nothing.
 template <typename Poses>
 auto pose_at(const Poses& poses, int index) {
@@ -61,8 +69,26 @@ bool Scene::place(std::uint32_t mesh_instance, const Pose& world_T_mesh) {
   return true;
 }
 
+void Scene::trail_robot(const Pose& now_T_before) {
+  for (std::uint32_t i = 0; i < stage_.mesh_instances.size(); ++i) {
+    if (stage_.mesh_instances[i].attached_to != Attachment::kLink) continue;
+    const Pose world_T_mesh = pose_of(placements_[i]);
+    rays_->place_moving(i, placements_[i], placement_of(now_T_before * world_T_mesh));
+  }
+  trails_ = true;
+  rays_->commit();
+}
+
+bool Scene::end_trail() {
+  if (!trails_) return false;
+  for (std::uint32_t i = 0; i < stage_.mesh_instances.size(); ++i)
+    if (stage_.mesh_instances[i].attached_to == Attachment::kLink) rays_->place(i, placements_[i]);
+  trails_ = false;
+  return true;
+}
+
 void Scene::pose(const Snapshot& snapshot) {
-  bool moved = false;
+  bool moved = end_trail();
   for (std::uint32_t i = 0; i < stage_.mesh_instances.size(); ++i) {
     const auto& mesh_instance = stage_.mesh_instances[i];
     if (mesh_instance.attached_to == Attachment::kLink) {

@@ -33,6 +33,9 @@ class Scene {
   /// Moves what has another pose than before. A snapshot that lacks a pose leaves the mesh instance where it
   /// was.
   void pose(const Snapshot& snapshot);
+  /// For rays of time 1 (0: now) the robot is where it was when its links stood at now_T_before in front of
+  /// their present places, in the world's frame: a sweep sees it move with the sensor. Until the next pose().
+  void trail_robot(const Pose& now_T_before);
 
   [[nodiscard]] const RayScene& rays() const { return *rays_; }
   [[nodiscard]] const std::vector<TriangleSurface>& surfaces() const { return stage_.surfaces; }
@@ -46,6 +49,8 @@ class Scene {
  private:
   void add_records(const Mesh& mesh);
   bool place(std::uint32_t mesh_instance, const Pose& world_T_mesh);
+  /// Ends trail_robot(). Returns whether there was one.
+  bool end_trail();
 
   Stage stage_;  ///< without its meshes
   std::unique_ptr<RayScene> rays_;
@@ -53,6 +58,7 @@ class Scene {
   std::vector<std::uint32_t> first_record_;
   std::vector<Placement> placements_;
   std::vector<MeshFrame> frames_;
+  bool trails_{false};
 };
 
 }  // namespace extperfc::simulate

@@ -24,7 +24,7 @@ import vision_msgs.msg  # noqa: E402
 from extperfc import tasks  # noqa: E402
 from extperfc.arm import ArmError  # noqa: E402
 from extperfc.msg import ArmCode, PickResult  # noqa: E402
-from extperfc.tasks import arm_leaves, find  # noqa: E402
+from extperfc.tasks import arm_leaves, base_leaves, find, search  # noqa: E402
 from extperfc.tasks.arm_leaves import between_fingers  # noqa: E402
 
 RUNNING, SUCCESS, FAILURE, INVALID = (py_trees.common.Status.RUNNING, py_trees.common.Status.SUCCESS,
@@ -125,7 +125,7 @@ class Leaves(unittest.TestCase):
             self.assertEqual(FAILURE, tick(tasks.Say("{d}", d=tasks.Key("never written"))))
 
     def test_a_goal_of_the_base_is_a_pose_of_the_map(self):
-        pose = tasks.GoTo((1.0, 2.0, math.pi / 2))._goal()
+        pose = base_leaves.planar_pose((1.0, 2.0, math.pi / 2), "map")
         self.assertEqual(("map", 1.0, 2.0), (pose.header.frame_id, pose.pose.position.x, pose.pose.position.y))
         self.assertAlmostEqual(math.sqrt(0.5), pose.pose.orientation.z)
 
@@ -281,6 +281,83 @@ class Recipes(unittest.TestCase):
         self.assertTrue(self.run_tree(tasks.pick_up("cube"))[0])
         self.assertTrue(self.run_tree(tasks.put_down((0.5, 0.0, 0.1)))[0])
         self.assertEqual(("place", 0.5), self.arm.asked[-1])
+
+
+class Driving(unittest.TestCase):
+    """Search and Approach, with a base that is where it was sent."""
+
+    def setUp(self):
+        self.clock, self.sent, self.failing, self.seen_at = Clock(self), [], set(), None
+        cells = numpy.zeros((80, 80), numpy.int8)
+        cells[[0, -1], :] = cells[:, [0, -1]] = 100
+        for patched in (mock.patch.object(search, "newest_map", lambda: search.Grid(cells, 0.05, (-2.0, -2.0))),
+                        mock.patch.object(search, "base_pose", lambda frame: self.sent[-1] if self.sent else (0.0, 0.0, 0.0)),
+                        mock.patch.object(tasks.GoTo, "motion", self.drive), mock.patch.object(rospy, "logwarn"),
+                        mock.patch.object(tasks.Find, "setup", lambda leaf, **_: None),
+                        mock.patch.object(tasks.Find, "begin", lambda leaf: None),
+                        mock.patch.object(tasks.Find, "step", lambda leaf: len(self.sent) == self.seen_at)):
+            patched.start()
+            self.addCleanup(patched.stop)
+
+    def drive(self, *_):
+        """In place of GoTo.motion."""
+        self.sent.append((0.0, 0.0, 0.0))
+        error = ArmError(ArmCode.INTERNAL, "no_path") if len(self.sent) in self.failing else None
+        return MadeUpMotion(types.SimpleNamespace(message=""), error, ticks=1)
+
+    def run_leaf(self, leaf, seconds=600):
+        for _ in range(10 * seconds):
+            if tick(leaf) != RUNNING:
+                return
+            self.clock.seconds += 0.1
+        self.fail("it does not end")
+
+    def test_it_looks_until_the_object_is_seen(self):
+        self.seen_at = 3
+        leaf = tasks.Search("cube", "it")
+        self.run_leaf(leaf)
+        self.assertEqual((SUCCESS, 3), (leaf.status, len(self.sent)))
+
+    def test_all_views_without_it_are_a_failure_that_counts(self):
+        self.failing = {2}
+        leaf = tasks.Search("cube", "it")
+        self.run_leaf(leaf)
+        self.assertEqual(FAILURE, leaf.status)
+        self.assertEqual(len(self.sent), len(search.viewpoints(search.newest_map(), (0.0, 0.0))))
+        self.assertIn(f"no cube at {len(self.sent)} views, of which 1 could not be reached", leaf.feedback_message)
+
+    def plans(self, free):
+        """In place of the service make_plan: straight plans to goals for which free(x, y) is true."""
+        def plan(start, goal, tolerance):
+            del tolerance
+            at = goal.pose.position
+            found = types.SimpleNamespace(poses=[start, goal] if free(at.x, at.y) else [])
+            return types.SimpleNamespace(plan=found)
+        return mock.patch.object(search, "Service", lambda *_: plan)
+
+    def test_the_nearest_place_before_a_point_that_can_be_reached(self):
+        with self.plans(lambda x, y: x < 1.5):
+            leaf = tasks.Approach((2.0, 0.0, 0.7))
+            leaf.begin()
+        lengths = [length for length, _ in leaf._left]
+        self.assertEqual((sorted(lengths), 3), (lengths, len(lengths)))
+        for _, (x, y, yaw) in leaf._left:
+            self.assertLess(x, 1.5)
+            self.assertAlmostEqual(0.0, math.remainder(math.atan2(-y, 2.0 - x) - yaw, 2 * math.pi), places=9)
+            self.assertTrue(0.7 < math.hypot(2.0 - x, y) < 0.86)
+
+    def test_no_place_before_it_is_a_failure(self):
+        with self.plans(lambda x, y: False):
+            leaf = tasks.Approach((2.0, 0.0, 0.7))
+            self.assertEqual(FAILURE, tick(leaf))
+        self.assertIn("no plan to a place before (2.00, 0.00)", leaf.feedback_message)
+
+    def test_the_next_place_when_one_is_not_reached(self):
+        self.failing = {1}
+        with self.plans(lambda x, y: True):
+            leaf = tasks.Approach((2.0, 0.0, 0.7))
+            self.run_leaf(leaf)
+        self.assertEqual((SUCCESS, 2), (leaf.status, len(self.sent)))
 
 
 class Running(unittest.TestCase):

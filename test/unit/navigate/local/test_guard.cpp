@@ -1,9 +1,11 @@
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <stdexcept>
 
 #include <gtest/gtest.h>
 
+#include "extperfc/base/math.hpp"
 #include "extperfc/base/rng.hpp"
 #include "extperfc/navigate/collision_guard.hpp"
 
@@ -55,6 +57,66 @@ TEST(TimeToContact, StraightAheadIsDistanceBySpeed) {
   ASSERT_TRUE(time_s);
   EXPECT_NEAR(*time_s, (1.0 - 0.4064 - 0.1) / 0.5, 1e-9);
   EXPECT_FALSE(time_to_contact({{1.0, 0}}, chassis(), 0.1, {-0.5, 0, 0}, 5));
+}
+
+/// A scan of half a degree per ray, from -pi.
+LaserScan blank_scan() {
+  LaserScan scan;
+  scan.angle_min = -kPi;
+  scan.angle_increment = kPi / 360;
+  scan.range_min = 0.4;
+  scan.range_max = 30;
+  scan.ranges.assign(720, std::numeric_limits<float>::infinity());
+  return scan;
+}
+
+TEST(SurfacePoints, NoiseOfANearWallBringsItNoNearer) {
+  Rng rng(5);
+  constexpr double kWall_m = 0.45;
+  constexpr double kSigma_m = 0.01;
+  double nearest_m = 1;
+  double nearest_raw_m = 1;
+  for (int sweep = 0; sweep < 50; ++sweep) {
+    LaserScan scan = blank_scan();
+    for (std::size_t i = 420; i < 660; ++i) {
+      const double angle = scan.angle_min + static_cast<double>(i) * scan.angle_increment;
+      const double range_m = kWall_m / std::sin(angle) + rng.normal(0, kSigma_m);
+      scan.ranges[i] = static_cast<float>(range_m);
+      nearest_raw_m = std::min(nearest_raw_m, range_m * std::sin(angle));
+    }
+    for (const auto& point : surface_points(scan)) nearest_m = std::min(nearest_m, point.y());
+  }
+  EXPECT_LT(nearest_raw_m, kWall_m - 3 * kSigma_m);
+  EXPECT_GT(nearest_m, kWall_m - 2.5 * kSigma_m);  // of 12,000 medians of five
+}
+
+TEST(SurfacePoints, ANarrowPostStays) {
+  for (const std::size_t width : {1U, 2U, 3U}) {
+    LaserScan scan = blank_scan();
+    for (std::size_t i = 100; i < 500; ++i) scan.ranges[i] = 0.9F;  // a wall behind it
+    for (std::size_t i = 0; i < width; ++i) scan.ranges[360 + i] = 0.5F;
+    double nearest_m = 1;
+    for (const auto& point : surface_points(scan)) nearest_m = std::min(nearest_m, point.norm());
+    EXPECT_NEAR(nearest_m, 0.5, 1e-6) << width << " rays";
+  }
+}
+
+TEST(SurfacePoints, FarRangesAndTheFirstAndLastRayAreAsTheyWere) {
+  LaserScan scan = blank_scan();
+  scan.ranges[0] = scan.ranges[719] = 0.6F;
+  scan.ranges[360] = 2.0F;
+  scan.ranges[361] = 2.05F;
+  scan.ranges[362] = std::numeric_limits<float>::quiet_NaN();
+  scan.ranges[363] = 0.2F;  // below range_min
+  const auto points = surface_points(scan);
+  ASSERT_EQ(points.size(), 4U);
+  EXPECT_NEAR(points[0].norm(), 0.6, 1e-6);
+  EXPECT_NEAR(points[1].norm(), 2.0, 1e-6);
+  EXPECT_NEAR(points[2].norm(), 2.05, 1e-6);
+  EXPECT_NEAR(points[3].norm(), 0.6, 1e-6);
+  scan.base_T_sensor = {0.3, -0.1, kPi / 2};
+  EXPECT_NEAR(surface_points(scan)[1].x(), 0.3, 1e-6);
+  EXPECT_NEAR(surface_points(scan)[1].y(), 1.9, 1e-6);
 }
 
 TEST(CollisionGuard, PassesWhatIsFree) {

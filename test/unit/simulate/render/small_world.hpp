@@ -25,8 +25,9 @@ class SmallWorld {
     return *this;
   }
 
-  [[nodiscard]] std::unique_ptr<SensorRig> rig(std::uint64_t seed = 1) const {
-    auto made = SensorRig::make(RobotModel{}, spec, seed);
+  [[nodiscard]] std::unique_ptr<SensorRig> rig(std::uint64_t seed = 1,
+                                               const RobotModel& robot = RobotModel{}) const {
+    auto made = SensorRig::make(robot, spec, seed);
     if (!made) throw std::runtime_error(made.error().message);
     return std::move(*made);
   }

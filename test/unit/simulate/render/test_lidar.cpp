@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <stdexcept>
 #include <vector>
 
 #include <gtest/gtest.h>
@@ -169,6 +170,52 @@ TEST(Lidar, SameSeedSamePoints) {
   ASSERT_EQ(a.size(), b.size());
   for (std::size_t i = 0; i < a.size(); ++i) ASSERT_EQ(a[i].x, b[i].x);
   EXPECT_NE(a.size(), 30000U);  // some are dropped
+}
+
+/// Points of the robot's own post, which stands 0.5 m before the sensor in the room, in the sensor's frame.
+std::vector<LidarPoint> own_post(const Pose& begin, const Pose& end) {
+  const auto robot = RobotModel::from_urdf(R"(<robot name="post"><link name="base"><visual>
+    <origin xyz="0.5 0 0"/><geometry><box size="0.1 0.1 0.1"/></geometry></visual></link></robot>)",
+                                           "");
+  if (!robot) throw std::runtime_error(robot.error().message);
+  const auto rig = room().rig(1, *robot);
+  auto snapshot = room().snapshot();
+  snapshot.world_T_link = {end};
+  rig->pose(snapshot);
+  auto points = sweep(*rig, few_columns(3610), begin, end);
+  points.erase(std::remove_if(points.begin(), points.end(), [](const auto& p) { return range_of(p) > 1; }),
+               points.end());
+  return points;
+}
+
+TEST(Lidar, SeesTheRobotMoveWithIt) {
+  const auto still = own_post(at(0, 0, 0), at(0, 0, 0));
+  ASSERT_GT(still.size(), 500U);
+  for (const Pose& end : {at(0.1, 0, 0), at(-0.05, 0.1, 0), make_pose({0.1, 0.02, 0}, {0, 0, 0.15})}) {
+    const auto moving = own_post(at(0, 0, 0), end);
+    ASSERT_EQ(moving.size(), still.size());
+    for (std::size_t i = 0; i < still.size(); ++i) {
+      ASSERT_EQ(moving[i].ring, still[i].ring);
+      ASSERT_NEAR(range_of(moving[i]), range_of(still[i]), 2e-3);  // poses between are those of a chord
+    }
+  }
+}
+
+TEST(Lidar, TheNextSweepOfARobotThatStandsSeesItStand) {
+  const auto robot = RobotModel::from_urdf(R"(<robot name="post"><link name="base"><visual>
+    <origin xyz="0.5 0 0"/><geometry><box size="0.1 0.1 0.1"/></geometry></visual></link></robot>)",
+                                           "");
+  ASSERT_TRUE(robot) << robot.error().message;
+  const auto rig = room().rig(1, *robot);
+  auto snapshot = room().snapshot();
+  snapshot.world_T_link = {at(0.1, 0, 0)};
+  rig->pose(snapshot);
+  (void)sweep(*rig, few_columns(), at(0, 0, 0), at(0.1, 0, 0));
+  rig->pose(snapshot);
+  for (const auto& p : sweep(*rig, few_columns(), at(0.1, 0, 0), at(0.1, 0, 0))) {
+    if (std::abs(std::atan2(p.y, p.x)) > 0.02 || std::abs(p.z) > 0.03) continue;
+    ASSERT_NEAR(p.x, 0.45, 1e-3);
+  }
 }
 
 TEST(Range, NearestInTheCone) {
