@@ -1,20 +1,26 @@
 """tools/demo as a user runs it."""
 
 import csv
+import json
 import math
 import pathlib
 import re
 import subprocess
+import sys
 import tempfile
 import unittest
 
 REPO = pathlib.Path(__file__).resolve().parents[2]
+sys.path.insert(0, str(REPO / "tools" / "lib"))
+
+from test_tiers import long_scenario  # noqa: E402
+
 SHARED = REPO.parent / "shared" / "data"
 
 
-def demo(*arguments):
-    return subprocess.run([REPO / "tools" / "demo", "--no-rviz", *arguments], capture_output=True, text=True,
-                          timeout=180)
+def demo(*arguments, task=(), timeout=180):
+    return subprocess.run([REPO / "tools" / "demo", *task, "--no-rviz", *arguments], capture_output=True, text=True,
+                          timeout=timeout)
 
 
 def read_table(folder):
@@ -75,6 +81,18 @@ class Demo(unittest.TestCase):
             self.assertEqual(0, done.returncode, done.stdout + done.stderr)
             self.assertGreaterEqual(len(re.findall(r"^\d+ +chair ", done.stdout, re.M)), 5, done.stdout)
 
+    @long_scenario("system/grasp runs the same leaves with one object")
+    def test_grasps_shows_and_places_three_objects(self):
+        with tempfile.TemporaryDirectory() as out:
+            done = demo("--seed", "7", "--out", out, task=["grasp"], timeout=600)
+            self.assertEqual(0, done.returncode, done.stdout + done.stderr)
+            self.assertIn("1 of 1 runs succeeded, 3 of 3 objects", done.stdout)
+            rows = json.loads((pathlib.Path(out) / "grasp.json").read_text())
+            self.assertEqual([0.3, 0.4, 0.5], sorted(row["distance_m"] for row in rows))
+            for row in rows:
+                self.assertLess(abs(row["estimated_m"] - row["true_m"]), 0.01, row)
+            self.assertEqual(3, len(list(pathlib.Path(out).glob("shown_7_*.png"))))
+
     def test_errors_name_what_is_wrong(self):
         missing = demo("--source", "/no/such/folder")
         self.assertEqual(2, missing.returncode)
@@ -82,6 +100,9 @@ class Demo(unittest.TestCase):
         frame = demo("--frame", "odom")
         self.assertEqual(2, frame.returncode)
         self.assertIn("--frame goes with --source", frame.stderr)
+        runs = demo("--runs", "0", task=["grasp"])
+        self.assertEqual(2, runs.returncode)
+        self.assertIn("--runs and --speed must be positive", runs.stderr)
         nowhere = demo("--world", "atlantis")
         self.assertEqual(1, nowhere.returncode)
         self.assertIn("there is no world 'atlantis'", nowhere.stderr)

@@ -7,12 +7,14 @@ import rospy
 
 from extperfc.arm import Arm, robot_state
 from extperfc.arm.goals import DEFAULT_FRAME, pose_stamped, tip_of
+from extperfc.robot_description import rotation_about
 from extperfc.tasks.blackboard import Key, read, write
 from extperfc.tasks.find import DEPTH_FRAME
 from extperfc.tasks.leaf import ActionLeaf, Leaf
 
 SERVER_WAIT_S = 30.0  # of real time, for the arm node to come up
 SHOW_TILT_RAD = 0.6          # of a gripper that shows something, from how it points
+SIDEWAYS_RAD = 1.2           # of the approach direction from the view
 BESIDE_RAD = (0.3, 0.4)      # about the tool's x and z: with more, a finger comes before the object
 
 _arms = {}
@@ -140,11 +142,18 @@ class Show(ActionLeaf):
 
 
 def between_fingers(rotation, view):
-    """A tool's 3x3 rotation, rotated about its approach direction (z) so that the direction in which its fingers close (y) is
-    perpendicular to the view direction. Where both directions are nearly parallel, every rotation is: it stays."""
+    """A tool's 3x3 rotation, changed so that a camera which looks along `view` sees what the tool holds: the direction in which
+    the fingers close (y) is perpendicular to the view, and the approach direction (z) is at least SIDEWAYS_RAD off it, for a
+    tool that comes from the camera's side hides what it holds. Otherwise z stays, and y is the nearer one of both."""
     z = rotation[:, 2]
     y = numpy.cross(z, view)
-    if numpy.linalg.norm(y) < 0.1:
-        return rotation
-    y *= numpy.sign(y @ rotation[:, 1] or 1.0) / numpy.linalg.norm(y)
+    if numpy.linalg.norm(y) < 0.1:  # along the view: the fingers stay about where they are
+        y = rotation[:, 1] - view * (view @ rotation[:, 1])
+    y /= numpy.linalg.norm(y)
+    away = SIDEWAYS_RAD - math.acos(numpy.clip(z @ view, -1.0, 1.0))
+    if away > 0:
+        z = rotation_about(y, -away) @ z
+    z = z - y * (y @ z)
+    z /= numpy.linalg.norm(z)
+    y *= numpy.sign(y @ rotation[:, 1]) or 1.0
     return numpy.column_stack([numpy.cross(y, z), y, z])

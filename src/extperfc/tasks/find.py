@@ -2,6 +2,7 @@
 
 import collections
 import dataclasses
+import math
 import threading
 
 import geometry_msgs.msg
@@ -30,6 +31,10 @@ class Found:
     distance_m: float                    # from the camera to the object's middle
     detections: int                      # of which this is the median
 
+    @property
+    def position(self):
+        return self.pose.pose.position
+
 
 class _Detections:
     """The newest `detections_3d` with their classes' names."""
@@ -47,10 +52,10 @@ class _Detections:
             self._messages = [*self._messages[-49:], message]
 
     def since(self, stamp, label):
-        """[(header, BoundingBox3D)] of a class in the messages that are newer than a stamp, and the newest stamp."""
+        """[(header, Detection3D)] of a class in the messages that are newer than a stamp, and the newest stamp."""
         with self._lock:
             messages = [message for message in self._messages if message.header.stamp > stamp]
-        found = [(message.header, one.bbox) for message in messages for one in message.detections
+        found = [(message.header, one) for message in messages for one in message.detections
                  if one.results and self._names.get(one.results[0].id) == label]
         return found, max([stamp, *(message.header.stamp for message in messages)])
 
@@ -60,15 +65,18 @@ class Find(Leaf):
     under `key`: the medians of these detections. Subscribes `detections_3d` and `vision_info`.
 
     within_m: detections within this distance of the first one are the same object.
-    near: (x, y, z) or a Key, in `frame`: only objects within `near_m` of it. timeout_s: of ROS time.
+    near: (x, y, z) or a Key, in `frame`: only objects within `near_m` of it. max_size_m: the longest edge, min_score: of
+    detections that count; look-alikes are mostly larger, or scored lower. timeout_s: of ROS time.
     """
 
     _detections = None
 
-    def __init__(self, label, key, frame="odom", confirm=5, within_m=0.05, near=None, near_m=0.3, timeout_s=10.0, name=None):
+    def __init__(self, label, key, frame="odom", confirm=5, within_m=0.05, near=None, near_m=0.3, max_size_m=math.inf,
+                 min_score=0.0, timeout_s=10.0, name=None):
         super().__init__(name or f"find the {label}")
         self.label, self.key, self.frame, self.confirm, self.within_m = label, key, frame, confirm, within_m
         self.near, self.near_m, self.timeout_s = near, near_m, timeout_s
+        self.max_size_m, self.min_score = max_size_m, min_score
 
     def setup(self, **_):
         Find._detections = Find._detections or _Detections()
@@ -80,16 +88,21 @@ class Find(Leaf):
 
     def step(self):
         new, self._last = self._detections.since(self._last, self.label)
-        for header, box in new:
-            self._add(header, box)
+        for header, detection in new:
+            if self._counts(detection):
+                self._add(header, detection.bbox)
         best = max(self._groups, key=len, default=[])
         if len(best) >= self.confirm:
             write(self.key, self._found(best))
             return True
         self.feedback_message = f"seen {len(best)} times"
-        if rospy.Time.now() > self._begin + rospy.Duration(self.timeout_s):
+        if (rospy.Time.now() - self._begin).to_sec() > self.timeout_s:
             raise ValueError(f"no {self.label} was seen {self.confirm} times within {self.timeout_s:g} s, but {len(best)} times")
         return None
+
+    def _counts(self, detection):
+        size = detection.bbox.size
+        return max(size.x, size.y, size.z) <= self.max_size_m and detection.results[0].score >= self.min_score
 
     def _add(self, header, box):
         """Adds a detection to the object that it belongs to. One whose frames tf does not know at its time is left out."""

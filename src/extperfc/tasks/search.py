@@ -33,13 +33,14 @@ class Search(Leaf):
     """Drives from view to view until an object of a class is found as by Find, with its arguments, and the base has stopped.
 
     The views show the camera all obstacles of the map (topic `map`) that border on free space: what stands on tables, too. A
-    view that cannot be reached is left out. Fails when all were seen.
+    view to which the navigator has no plan is left out. Fails when all were seen.
     """
 
     def __init__(self, label, key, frame="map", camera=Camera(), name=None, **finding):
         super().__init__(name or f"search for the {label}")
         self.label, self.frame, self.camera = label, frame, camera
         self._find = Find(label, key, frame=frame, timeout_s=math.inf, **finding)
+        self._plans = Plans(frame)
 
     def setup(self, **_):
         self._find.setup()
@@ -61,9 +62,13 @@ class Search(Leaf):
             return None
         if self._number == len(self._views):
             raise ValueError(f"no {self.label} at {len(self._views)} views, of which {self._failed} could not be reached")
-        self._motion, self._look_until = GoTo(self._views[self._number], self.frame).motion(), None
-        self._number += 1
+        self._look_until = None
+        view, self._number = self._views[self._number], self._number + 1
         self.feedback_message = f"view {self._number} of {len(self._views)}"
+        if self._plans.length_m(base_pose(self.frame), view) is None:
+            self._failed += 1
+        else:
+            self._motion = GoTo(view, self.frame).motion()
         return None
 
     def _arrive(self):
@@ -82,6 +87,21 @@ class Search(Leaf):
     def terminate(self, new_status):
         if hasattr(self, "_motion"):
             self._stop()
+
+
+class Plans:
+    """Plans of the navigator, without driving."""
+
+    def __init__(self, frame):
+        self.frame = frame
+        self._service = Service("", "move_base/make_plan", nav_msgs.srv.GetPlan, WAIT_S)
+
+    def length_m(self, start, goal):
+        """Of the plan from one pose (x, y, yaw) to another; None: there is none."""
+        start, goal = (planar_pose(one, self.frame) for one in (start, goal))
+        points = [(one.pose.position.x, one.pose.position.y)
+                  for one in self._service(start=start, goal=goal, tolerance=0.0).plan.poses]
+        return float(numpy.linalg.norm(numpy.diff(points, axis=0), axis=1).sum()) if points else None
 
 
 def newest_map():
@@ -105,7 +125,7 @@ class Approach(Leaf):
     def __init__(self, point, frame="map", standoffs_m=(0.72, 0.78, 0.85), attempts=3, name=None):
         super().__init__(name or "approach")
         self.point, self.frame, self.standoffs_m, self.attempts = point, frame, standoffs_m, attempts
-        self._service = Service("", "move_base/make_plan", nav_msgs.srv.GetPlan, WAIT_S)
+        self._plans = Plans(frame)
 
     def begin(self):
         point = read(self.point)
@@ -113,17 +133,11 @@ class Approach(Leaf):
             p = point.pose.pose.position
             point = (p.x, p.y, p.z)
         here = base_pose(self.frame)
-        self._left = [(self._length_m(here, pose), pose) for pose in poses_before(point, self.standoffs_m)]
+        self._left = [(self._plans.length_m(here, pose), pose) for pose in poses_before(point, self.standoffs_m)]
         self._left = sorted(one for one in self._left if one[0] is not None)[:self.attempts]
         if not self._left:
             raise ValueError(f"the navigator has no plan to a place before ({point[0]:.2f}, {point[1]:.2f})")
         self._motion, self._why = None, ""
-
-    def _length_m(self, here, pose):
-        """Of the navigator's plan; None: it has none."""
-        start, goal = (planar_pose(one, self.frame) for one in (here, pose))
-        points = [(one.pose.position.x, one.pose.position.y) for one in self._service(start=start, goal=goal, tolerance=0.0).plan.poses]
-        return float(numpy.linalg.norm(numpy.diff(points, axis=0), axis=1).sum()) if points else None
 
     def step(self):
         if self._motion is None:

@@ -154,12 +154,12 @@ class Finding(unittest.TestCase):
             patched.start()
             self.addCleanup(patched.stop)
 
-    def see(self, *objects, frame=find.DEPTH_FRAME):
+    def see(self, *objects, frame=find.DEPTH_FRAME, score=0.9):
         """A message of (class, x, y, z) in the frame."""
         self.clock.seconds += 0.1
         message = vision_msgs.msg.Detection3DArray(header=std_msgs.msg.Header(frame_id=frame, stamp=rospy.Time.now()))
         for index, x, y, z in objects:
-            one = vision_msgs.msg.Detection3D(results=[vision_msgs.msg.ObjectHypothesisWithPose(id=index)])
+            one = vision_msgs.msg.Detection3D(results=[vision_msgs.msg.ObjectHypothesisWithPose(id=index, score=score)])
             one.bbox.center.position = geometry_msgs.msg.Point(x, y, z)
             one.bbox.center.orientation.w = 1.0
             one.bbox.size = geometry_msgs.msg.Vector3(0.04, 0.05, 0.06)
@@ -188,6 +188,15 @@ class Finding(unittest.TestCase):
         self.see((0, 0.45, 0.0, 0.4))
         self.assertEqual(SUCCESS, tick(leaf))
 
+    def test_only_what_is_small_and_sure_enough(self):
+        for options in ({"max_size_m": 0.05}, {"min_score": 0.95}):
+            leaf = tasks.Find("cube", "it", confirm=1, timeout_s=math.inf, **options)
+            tick(leaf)
+            self.see((0, 0.0, 0.0, 0.4))
+            self.assertEqual(RUNNING, tick(leaf), options)
+        self.see((0, 0.0, 0.0, 0.4), score=0.96)
+        self.assertEqual(SUCCESS, tick(leaf))
+
     def test_detections_without_a_transform_do_not_count_and_time_ends(self):
         leaf = tasks.Find("cube", "it", confirm=1, timeout_s=3.0)
         tick(leaf)
@@ -199,23 +208,32 @@ class Finding(unittest.TestCase):
 
 
 class Fingers(unittest.TestCase):
-    def test_they_close_across_the_view(self):
+    def test_they_close_across_the_view_and_the_tool_comes_from_the_side(self):
         random = numpy.random.default_rng(1)
-        for _ in range(200):
+        kept = 0
+        for number in range(400):
             rotation = numpy.linalg.qr(random.normal(size=(3, 3)))[0]
             rotation *= numpy.sign(numpy.linalg.det(rotation))
-            view = random.normal(size=3)
+            view = random.normal(size=3) if number % 4 else rotation[:, 2] + 0.02 * random.normal(size=3)
             view /= numpy.linalg.norm(view)
-            rotated = between_fingers(rotation, view)
-            numpy.testing.assert_allclose(rotated.T @ rotated, numpy.eye(3), atol=1e-9)
-            self.assertAlmostEqual(1.0, numpy.linalg.det(rotated))
-            numpy.testing.assert_allclose(rotated[:, 2], rotation[:, 2], atol=1e-12)
-            if not numpy.array_equal(rotated, rotation):
-                self.assertAlmostEqual(0.0, rotated[:, 1] @ view)
-                self.assertGreaterEqual(rotated[:, 1] @ rotation[:, 1], 0.0, "the smaller rotation")
+            changed = between_fingers(rotation, view)
+            numpy.testing.assert_allclose(changed.T @ changed, numpy.eye(3), atol=1e-9)
+            self.assertAlmostEqual(1.0, numpy.linalg.det(changed))
+            self.assertAlmostEqual(0.0, changed[:, 1] @ view)
+            self.assertGreaterEqual(changed[:, 1] @ rotation[:, 1], -1e-9, "the smaller rotation")
+            off = math.acos(rotation[:, 2] @ view)
+            self.assertGreater(math.acos(changed[:, 2] @ view), min(off, arm_leaves.SIDEWAYS_RAD) - 0.02)
+            if off > arm_leaves.SIDEWAYS_RAD and math.sin(off) > 0.1:
+                kept += 1
+                numpy.testing.assert_allclose(changed[:, 2], rotation[:, 2], atol=1e-9)
+        self.assertGreater(kept, 100)
 
-    def test_an_approach_along_the_view_stays(self):
-        numpy.testing.assert_array_equal(numpy.eye(3), between_fingers(numpy.eye(3), numpy.array([0, 0, 1.0])))
+    def test_a_tool_from_above_leans_away_from_a_camera_that_looks_down(self):
+        down = numpy.array([[1.0, 0, 0], [0, -1, 0], [0, 0, -1]])
+        view = numpy.array([0.64, 0.0, -0.77]) / math.hypot(0.64, 0.77)
+        approach = between_fingers(down, view)[:, 2]
+        self.assertLess(approach[0], -0.3, "its hand is beyond the object, seen from the camera")
+        self.assertLess(approach[2], -0.7, "still from above")
 
 
 class MadeUpArm:
@@ -314,17 +332,21 @@ class Driving(unittest.TestCase):
 
     def test_it_looks_until_the_object_is_seen(self):
         self.seen_at = 3
-        leaf = tasks.Search("cube", "it")
+        with self.plans(lambda x, y: True):
+            leaf = tasks.Search("cube", "it")
         self.run_leaf(leaf)
         self.assertEqual((SUCCESS, 3), (leaf.status, len(self.sent)))
 
     def test_all_views_without_it_are_a_failure_that_counts(self):
         self.failing = {2}
-        leaf = tasks.Search("cube", "it")
+        views = search.viewpoints(search.newest_map(), (0.0, 0.0))
+        with self.plans(lambda x, y: math.dist((x, y), views[4][:2]) > 1e-6):
+            leaf = tasks.Search("cube", "it")
         self.run_leaf(leaf)
         self.assertEqual(FAILURE, leaf.status)
-        self.assertEqual(len(self.sent), len(search.viewpoints(search.newest_map(), (0.0, 0.0))))
-        self.assertIn(f"no cube at {len(self.sent)} views, of which 1 could not be reached", leaf.feedback_message)
+        left_out = sum(math.dist(view[:2], views[4][:2]) < 1e-6 for view in views)
+        self.assertEqual(len(self.sent), len(views) - left_out)
+        self.assertIn(f"no cube at {len(views)} views, of which {1 + left_out} could not be reached", leaf.feedback_message)
 
     def plans(self, free):
         """In place of the service make_plan: straight plans to goals for which free(x, y) is true."""
