@@ -97,7 +97,7 @@ class Plans:
         self._service = Service("", "move_base/make_plan", nav_msgs.srv.GetPlan, WAIT_S)
 
     def length_m(self, start, goal):
-        """Of the plan from one pose (x, y, yaw) to another; None: there is none."""
+        """Of the plan from one pose (x, y, yaw) to another; None without a plan."""
         start, goal = (planar_pose(one, self.frame) for one in (start, goal))
         points = [(one.pose.position.x, one.pose.position.y)
                   for one in self._service(start=start, goal=goal, tolerance=0.0).plan.poses]
