@@ -249,7 +249,7 @@ class MadeUpArm:
         self.asked.append((name, what))
         errors = self.failures.get(name, [])
         error = errors.pop(0) if errors else None
-        return MadeUpMotion(result, ArmError(ArmCode.NO_GRASP, error) if error else None, ticks=0)
+        return MadeUpMotion(result, ArmError(ArmCode.NO_GRASP, error) if error else None, ticks=1)
 
     def move_to(self, goal, **_):
         return self._act("move", goal, types.SimpleNamespace(message=""))
