@@ -1,12 +1,12 @@
 """Runs what tools/demo grasp shows: see demo_grasp_options.py."""
 
 import collections
+import contextlib
 import json
 import pathlib
 import random
 import sys
 
-import cv2
 import numpy
 import py_trees
 
@@ -16,11 +16,11 @@ from demo_grasp_options import parse_arguments
 from grasp_arms import GraspArms
 from grasp_robot import GraspRobot
 from ros_session import Stalled, run_trial
+from trial_grasp import tidy_up
 
 from extperfc import tasks
 
 DISTANCES_M = (0.3, 0.4, 0.5)
-LIFT_M = 0.10
 SHOWN = 0.75          # of the distance at which an object was found: above the tray, which a camera that looks down sees behind it
 SHOWN_S = 1.5
 MAX_GAP_S = 1.0       # of simulated time between detections: more is not "all the while"
@@ -68,21 +68,11 @@ class Present(tasks.Wait):
         self.watch.held = bool(self.watch.robot.from_tip(self.watch.shape) < scene.MAX_IN_GRIPPER_M)
 
     def terminate(self, new_status):
+        super().terminate(new_status)
         self.watch.showing = False
         if new_status == tasks.leaf.Status.SUCCESS:
-            save_image("detections/image", self.file)
-
-
-def save_image(topic, file):
-    """The next image of a topic, as a PNG; none within two seconds: no file."""
-    import rospy
-    import sensor_msgs.msg
-
-    from extperfc.calibrate.messages import image_of_message
-    try:
-        cv2.imwrite(str(file), image_of_message(rospy.wait_for_message(topic, sensor_msgs.msg.Image, 2.0)))
-    except rospy.ROSException:
-        pass
+            with contextlib.suppress(self.watch.robot.rospy.ROSException):  # no image: the table has what counts
+                self.watch.robot.save_image("detections/image", self.file, 2.0)
 
 
 def tree(shape, distance, place_at, watch, file):
@@ -170,9 +160,7 @@ def one_run(robot, arms, camera, seed, options):
 
 def recover(robot, arms):
     """After a failure: grippers are empty, arms away, and the next object is not disturbed by the last."""
-    robot.park_all()
-    arms.open_grippers()
-    arms.forget_objects()
+    tidy_up(robot, arms)
     home = arms.move_home()
     if home.code != 0:
         raise Stalled(f"after a failure the arms do not go to neutral: {home.message}")

@@ -151,6 +151,15 @@ class GraspRobot:
                     return scene.body_of(shape, matrix(detection.bbox.center))
         raise Stalled(f"no {shape} in sim/truth/objects")
 
+    def save_image(self, topic, file, seconds):
+        """The next image of a topic, as a PNG. Raises rospy.ROSException when none comes in time (real)."""
+        import cv2
+        import sensor_msgs.msg
+
+        from extperfc.calibrate.messages import image_of_message
+        message = self.rospy.wait_for_message(topic, sensor_msgs.msg.Image, seconds)
+        cv2.imwrite(str(file), image_of_message(message))
+
     # Detection.
 
     def wait_detected(self, shape, true_middle, within_m=0.15, seconds=5.0):

@@ -201,16 +201,6 @@ class Holder:
         """By forward kinematics."""
         return self.robot.transform(OPTICAL_FRAME, self.arm.link) @ self.gripper_T_object
 
-    def save_image(self, file):
-        """The camera's next image."""
-        import cv2
-        import rospy
-        import sensor_msgs.msg
-
-        from extperfc.calibrate.messages import image_of_message
-        message = rospy.wait_for_message("camera/color/image_raw", sensor_msgs.msg.Image, 60)
-        cv2.imwrite(str(file), image_of_message(message))
-
 
 def judge(estimates, parts, shape, range_m, camera_T_object, measures):
     """(boxes of the object, estimates) of one image; adds the Measures."""
@@ -256,7 +246,7 @@ def run(options, session):
     for shape in options.shapes:
         holder.move_to(TAKE_M)
         holder.take(shape)
-        holder.save_image(options.out / f"held_{shape}.png")
+        holder.robot.save_image("camera/color/image_raw", options.out / f"held_{shape}.png", 60.0)
         for range_m in sorted(options.near + options.ranges, reverse=True):
             holder.move_to(range_m)
             measure(holder, sources, shape, range_m, measures, seen)

@@ -98,14 +98,11 @@ class Pick(ActionLeaf):
 
 
 class Place(ActionLeaf):
-    """Places the held object at a pose, or a list of poses of which the first that can be reached is used; or a Key.
+    """Places what a gripper holds at a pose, or at that of a Key. any_yaw: any rotation about the vertical is accepted."""
 
-    `held`: what Pick wrote. any_yaw: any rotation about the vertical is accepted.
-    """
-
-    def __init__(self, pose, held="held", any_yaw=True, frame=DEFAULT_FRAME, name=None):
+    def __init__(self, pose, any_yaw=True, frame=DEFAULT_FRAME, name=None):
         super().__init__(name or "place")
-        self.pose, self.held, self.any_yaw, self.frame = pose, held, any_yaw, frame
+        self.pose, self.any_yaw, self.frame = pose, any_yaw, frame
 
     def motion(self):
         pose = read(self.pose)

@@ -18,6 +18,8 @@ class Leaf(py_trees.behaviour.Behaviour):
     read.
     """
 
+    _motion = None  # an extperfc.arm.connection.Motion that the leaf waits for; cancelled when the leaf ends before it
+
     def begin(self):
         """Called when the leaf becomes active."""
 
@@ -35,6 +37,10 @@ class Leaf(py_trees.behaviour.Behaviour):
             return Status.FAILURE
         return {True: Status.SUCCESS, False: Status.FAILURE, None: Status.RUNNING}[done]
 
+    def terminate(self, new_status):
+        if self._motion is not None and not self._motion.done:
+            self._motion.cancel()
+
     def _attempt(self, call):
         try:
             return call()
@@ -46,8 +52,6 @@ class Leaf(py_trees.behaviour.Behaviour):
 class ActionLeaf(Leaf):
     """A leaf that lasts as long as an action. Write motion(), which sends the goal and returns an
     extperfc.arm.connection.Motion, and succeeded(result) where the result matters. A tree that leaves it early cancels it."""
-
-    _motion = None
 
     def motion(self):
         raise NotImplementedError
@@ -67,10 +71,6 @@ class ActionLeaf(Leaf):
         self.feedback_message = getattr(result, "message", "")
         self.succeeded(result)
         return True
-
-    def terminate(self, new_status):
-        if new_status == Status.INVALID and self._motion is not None and not self._motion.done:
-            self._motion.cancel()
 
 
 class Say(Leaf):

@@ -37,10 +37,10 @@ def put_down(pose, held="held", frame=DEFAULT_FRAME):
     lost, but is not where it was wanted."""
     put_back = _sequence("put back", [
         Say("cannot be put down there: putting it back where it was"),
-        Place(Key(f"{held}_from"), held=held, name="place where it was"),
+        Place(Key(f"{held}_from"), name="place where it was"),
         GiveUp("it is where it was before"),
     ])
-    return py_trees.composites.Selector("put down", memory=True, children=[Place(pose, held=held, frame=frame), put_back])
+    return py_trees.composites.Selector("put down", memory=True, children=[Place(pose, frame=frame), put_back])
 
 
 def carry(held="held"):

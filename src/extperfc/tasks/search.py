@@ -52,7 +52,6 @@ class Search(Leaf):
 
     def step(self):
         if self._find.step():
-            self._stop()
             return True
         if self._motion is not None and not self._motion.done:
             return None
@@ -79,14 +78,6 @@ class Search(Leaf):
             self._failed += 1
             rospy.logwarn("view %d of %d: %s", self._number, len(self._views), error)
         self._motion = None
-
-    def _stop(self):
-        if self._motion is not None and not self._motion.done:
-            self._motion.cancel()
-
-    def terminate(self, new_status):
-        if hasattr(self, "_motion"):
-            self._stop()
 
 
 class Plans:
@@ -152,11 +143,6 @@ class Approach(Leaf):
         except ArmError as error:
             self._why, self._motion = str(error), None
             return None
-
-    def terminate(self, new_status):
-        motion = getattr(self, "_motion", None)
-        if motion is not None and not motion.done:
-            motion.cancel()
 
 
 def poses_before(point, standoffs_m):

@@ -37,17 +37,17 @@ class Grid:
 
 
 def standing_places(grid, robot, pass_m, stand_m):
-    """(distances of travel on a grid of STEP_M, {place: (x, y)}): places where the base may stand in any direction, with
-    stand_m to the next obstacle, that it can reach from `robot` (x, y) with pass_m on its path."""
+    """(passable cells of a grid of STEP_M, the robot's cell in it, {cell: (x, y)} of places): places where the base may stand
+    in any direction, with stand_m to the next obstacle, and that it reaches from `robot` (x, y) with pass_m on its path."""
     free = ((grid.cells >= 0) & (grid.cells < OCCUPIED)).astype(numpy.uint8)
     clearance_m = cv2.distanceTransform(numpy.pad(free, 1), cv2.DIST_L2, 5)[1:-1, 1:-1] * grid.resolution_m
     stride = max(1, round(STEP_M / grid.resolution_m))
     coarse = clearance_m[stride // 2::stride, stride // 2::stride]
-    row, column = (index // stride for index in grid.cell_of(*robot))
-    travel = travel_m(coarse >= pass_m, (row, column), stride * grid.resolution_m)
+    start = tuple(index // stride for index in grid.cell_of(*robot))
+    travel = travel_m(coarse >= pass_m, start, stride * grid.resolution_m)
     rows, columns = numpy.nonzero((coarse >= stand_m) & numpy.isfinite(travel))
     places = {(int(r), int(c)): grid.middle_of(r * stride + stride // 2, c * stride + stride // 2) for r, c in zip(rows, columns)}
-    return coarse >= pass_m, places
+    return coarse >= pass_m, start, places
 
 
 def travel_m(passable, start, step_m):
@@ -109,16 +109,14 @@ def viewpoints(grid, robot, camera=Camera(), pass_m=0.42, stand_m=0.62, min_new=
     """Poses (x, y, yaw) from which together the camera sees nearly all obstacles that border on free space, in the order in
     which the robot at (x, y) shall visit them: greedy cover, then always the nearest by travel. A pose that shows fewer than
     min_new squares of TARGET_M that no other shows is left out."""
-    passable, places = standing_places(grid, robot, pass_m, stand_m)
+    passable, start, places = standing_places(grid, robot, pass_m, stand_m)
     targets = targets_of(grid)
     sets = {}
     for place, position in places.items():
         yaws, seen = seen_from(grid, numpy.array(position), targets, camera)
         sets.update({(place, float(yaw)): indices for yaw, indices in zip(yaws, seen) if len(indices) >= min_new})
     chosen = cover(sets, min_new)
-    stride_m = max(1, round(STEP_M / grid.resolution_m)) * grid.resolution_m
-    start = tuple(int(index * grid.resolution_m / stride_m) for index in grid.cell_of(*robot))
-    return [(*places[place], yaw) for place, yaw in in_order(chosen, passable, start, stride_m)]
+    return [(*places[place], yaw) for place, yaw in in_order(chosen, passable, start)]
 
 
 def cover(sets, min_new):
@@ -135,11 +133,11 @@ def cover(sets, min_new):
     return chosen
 
 
-def in_order(chosen, passable, start, step_m):
+def in_order(chosen, passable, start):
     """(place, yaw) pairs, always the one that is nearest by travel to the one before."""
     left, ordered = list(chosen), []
     while left:
-        distance = travel_m(passable, start, step_m)
+        distance = travel_m(passable, start, 1.0)
         nearest = min(left, key=lambda one: distance[one[0]])
         left.remove(nearest)
         ordered.append(nearest)

@@ -69,11 +69,11 @@ bool Scene::place(std::uint32_t mesh_instance, const Pose& world_T_mesh) {
   return true;
 }
 
-void Scene::trail_robot(const Pose& now_T_before) {
+void Scene::trail_robot(const Pose& before_T_now) {
   for (std::uint32_t i = 0; i < stage_.mesh_instances.size(); ++i) {
     if (stage_.mesh_instances[i].attached_to != Attachment::kLink) continue;
     const Pose world_T_mesh = pose_of(placements_[i]);
-    rays_->place_moving(i, placements_[i], placement_of(now_T_before * world_T_mesh));
+    rays_->place_moving(i, placements_[i], placement_of(before_T_now * world_T_mesh));
   }
   trails_ = true;
   rays_->commit();

@@ -33,9 +33,10 @@ class Scene {
   /// Moves what has another pose than before. A snapshot that lacks a pose leaves the mesh instance where it
   /// was.
   void pose(const Snapshot& snapshot);
-  /// For rays of time 1 (0: now) the robot is where it was when its links stood at now_T_before in front of
-  /// their present places, in the world's frame: a sweep sees it move with the sensor. Until the next pose().
-  void trail_robot(const Pose& now_T_before);
+  /// Rays of time 0 see the robot where it is, those of time 1 where it was: each link at before_T_now times
+  /// its present pose, in the world's frame. A sweep then sees it move with the sensor. Until the next
+  /// pose().
+  void trail_robot(const Pose& before_T_now);
 
   [[nodiscard]] const RayScene& rays() const { return *rays_; }
   [[nodiscard]] const std::vector<TriangleSurface>& surfaces() const { return stage_.surfaces; }
