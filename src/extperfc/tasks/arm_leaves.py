@@ -27,6 +27,11 @@ def _arm(side):
     return _arms[side]
 
 
+def scene():
+    """The arm node's extperfc.arm Scene."""
+    return _arm("both").scene
+
+
 class MoveArm(ActionLeaf):
     """Moves "left", "right" or "both" to a goal of extperfc.arm.Arm.move_to, or to what a Key holds; with its options."""
 
@@ -68,7 +73,7 @@ class InScene(Leaf):
         if now < self._asked + rospy.Duration(self.PERIOD_S):
             return None
         self._asked = now
-        label, objects = read(self.label), _arm("both").scene.objects
+        label, objects = read(self.label), scene().objects
         if any(label in (name, one.label) for name, one in objects.items()):
             return True
         if now > self._begin + rospy.Duration(self.timeout_s):

@@ -36,6 +36,13 @@ class Found:
         return self.pose.pose.position
 
 
+def point_of(value):
+    """(x, y, z) of a Found or of three numbers."""
+    if isinstance(value, Found):
+        value = (value.position.x, value.position.y, value.position.z)
+    return numpy.array(value, float)
+
+
 class _Detections:
     """The newest `detections_3d` with their classes' names."""
 
@@ -65,8 +72,9 @@ class Find(Leaf):
     under `key`: the medians of these detections. Subscribes `detections_3d` and `vision_info`.
 
     within_m: detections within this distance of the first one are the same object.
-    near: (x, y, z) or a Key, in `frame`: only objects within `near_m` of it. max_size_m: the longest edge, min_score: of
-    detections that count; look-alikes are mostly larger, or scored lower. timeout_s: of ROS time.
+    near: (x, y, z), a Found or a Key, in `frame`: only objects within `near_m` of it. max_size_m: the longest edge, min_score: of
+    detections that count; look-alikes are mostly larger, or scored lower. timeout_s: of ROS time. `ignored`: places (x, y, z)
+    in `frame`, within `near_m` of which nothing counts.
     """
 
     _detections = None
@@ -76,7 +84,7 @@ class Find(Leaf):
         super().__init__(name or f"find the {label}")
         self.label, self.key, self.frame, self.confirm, self.within_m = label, key, frame, confirm, within_m
         self.near, self.near_m, self.timeout_s = near, near_m, timeout_s
-        self.max_size_m, self.min_score = max_size_m, min_score
+        self.max_size_m, self.min_score, self.ignored = max_size_m, min_score, []
 
     def setup(self, **_):
         Find._detections = Find._detections or _Detections()
@@ -84,7 +92,7 @@ class Find(Leaf):
     def begin(self):
         self.setup()
         self._begin = self._last = rospy.Time.now()
-        self._near, self._groups = read(self.near), []
+        self._near, self._groups = None if self.near is None else point_of(read(self.near)), []
 
     def step(self):
         new, self._last = self._detections.since(self._last, self.label)
@@ -114,6 +122,8 @@ class Find(Leaf):
             return
         position = frame_T_object[:3, 3]
         if self._near is not None and numpy.linalg.norm(position - self._near) > self.near_m:
+            return
+        if any(numpy.linalg.norm(position - place) <= self.near_m for place in self.ignored):
             return
         one = _Detection(frame_T_object, (box.size.x, box.size.y, box.size.z), float(numpy.linalg.norm(camera_T_object[:3, 3])))
         for group in self._groups:

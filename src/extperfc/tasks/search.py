@@ -1,25 +1,34 @@
 """Leaves that find objects in a map, and places before them."""
 
 import math
+import threading
 
 import nav_msgs.msg
 import nav_msgs.srv
 import numpy
 import rospy
+import sensor_msgs.msg
 
 from extperfc.arm import robot_state
 from extperfc.arm.connection import Service
 from extperfc.arm.errors import ArmError
 from extperfc.arm.goals import pose_stamped
 from extperfc.tasks.base_leaves import START, GoTo, planar_pose
-from extperfc.tasks.blackboard import read, write
-from extperfc.tasks.find import Find, Found
+from extperfc.tasks.blackboard import Key, read
+from extperfc.tasks.find import Find, point_of
 from extperfc.tasks.leaf import Leaf
-from extperfc.tasks.views import Camera, Grid, viewpoints
+from extperfc.tasks.tops import Tops
+from extperfc.tasks.views import Camera, Grid, Views
 
 BASE_FRAME = "base_footprint"
 WAIT_S = 10.0       # of real time, for a map or a transform
 LOOK_S = 1.5        # of ROS time at each pose, after the base has stopped
+AGAIN_S = 6.0       # of ROS time, for a look from near
+NEAR_M = 0.2        # detections as near to each other are of one object
+CLOUD_S = 1.0       # of ROS time, between clouds that are used
+ROBOT_M = 0.9       # from the lidar: what is nearer may be the robot
+TRANSFORM_S = 0.3   # of real time, that a cloud waits for its place in the map
+FARTHER_COSTS = 5.0  # metres of a drive that are as bad as one metre more from what shall be reached
 APPROACH_YAWS = 24  # directions from which an object is approached
 
 
@@ -30,45 +39,81 @@ def base_pose(frame):
 
 
 class Search(Leaf):
-    """Drives from view to view until an object of a class is found as by Find, with its arguments, and the base has stopped.
+    """Drives from view to view until an object of a class is found as by Find, with its arguments.
 
-    The views show the camera all obstacles of the map (topic `map`) that border on free space: what stands on tables, too. A
-    view to which the navigator has no plan is left out. Fails when all were seen.
+    The views show the camera the obstacles of the map (topic `map`) that border on free space, and the tables that the lidar
+    (topic `velodyne_points`) has seen since setup(); tables first. A view to which the navigator has no plan is left out.
+    What was found is looked at again from where the arms would reach it (Approach): where it is not found there, with a score
+    of at least `min_score`, the search goes on. from_near=False: once is enough. Fails when nothing is left to look at, or
+    after `max_views`.
     """
 
-    def __init__(self, label, key, frame="map", camera=Camera(), name=None, **finding):
+    def __init__(self, label, key, frame="map", camera=Camera(), from_near=True, min_score=0.5, max_views=200, name=None,
+                 **finding):
         super().__init__(name or f"search for the {label}")
-        self.label, self.frame, self.camera = label, frame, camera
-        self._find = Find(label, key, frame=frame, timeout_s=math.inf, **finding)
-        self._plans = Plans(frame)
+        self.label, self.frame, self.camera, self.from_near, self.max_views = label, frame, camera, from_near, max_views
+        finding = {"near_m": NEAR_M, "frame": frame, **finding}
+        self._find = Find(label, key, timeout_s=math.inf, min_score=0.0 if from_near else min_score, **finding)
+        self._find_again = Find(label, key, timeout_s=AGAIN_S, min_score=min_score, near=Key(key), **finding)
+        self._approach = Approach(Key(key), frame)
+        self._plans, self._tops = Plans(frame), None
 
     def setup(self, **_):
         self._find.setup()
+        self._tops = self._tops or LidarTops(self.frame)
 
     def begin(self):
+        self.setup()
         self._find.begin()
-        self._motion, self._look_until, self._number, self._failed = None, None, 0, 0
-        self._views = viewpoints(newest_map(), base_pose(self.frame)[:2], self.camera)
+        self._find.ignored = []
+        self._views, self._number, self._failed = Views(self.camera), 0, 0
+        self._motion, self._view, self._look_until, self._closer = None, None, None, None
+
+    def terminate(self, new_status):
+        super().terminate(new_status)
+        self._approach.terminate(new_status)
 
     def step(self):
+        if self._closer is not None:
+            return self._look_closer()
         if self._find.step():
-            return True
-        if self._motion is not None and not self._motion.done:
-            return None
+            if not self.from_near:
+                return True
+            super().terminate(None)
+            self._motion, self._look_until, self._closer = None, None, self._approach
+            self.feedback_message = f"there may be a {self.label}: looking from near"
+            return self._begin_closer()
+        return self._look_around()
+
+    def _look_around(self):
         if self._motion is not None:
+            if not self._motion.done:
+                return None
             self._arrive()
-        if self._look_until is not None and rospy.Time.now() < self._look_until:
-            return None
-        if self._number == len(self._views):
-            raise ValueError(f"no {self.label} at {len(self._views)} views, of which {self._failed} could not be reached")
-        self._look_until = None
-        view, self._number = self._views[self._number], self._number + 1
-        self.feedback_message = f"view {self._number} of {len(self._views)}"
-        if self._plans.length_m(base_pose(self.frame), view) is None:
-            self._failed += 1
-        else:
-            self._motion = GoTo(view, self.frame).motion()
+        if self._look_until is not None:
+            if rospy.Time.now() < self._look_until:
+                return None
+            self._views.done(self._view)
+            self._look_until = None
+        self._next_view()
         return None
+
+    def _next_view(self):
+        here = base_pose(self.frame)
+        self._view = self._views.next(newest_map(), here[:2], self._tops.squares()) if self._number < self.max_views else None
+        if self._view is None:
+            raise ValueError(f"no {self.label} at {self._number} views, of which {self._failed} could not be reached"
+                             + self._not_confirmed())
+        self._number += 1
+        self.feedback_message = f"view {self._number}{self._not_confirmed()}"
+        if self._plans.length_m(here, self._view.pose) is None:
+            self._failed += 1
+            self._views.refuse(self._view)
+        else:
+            self._motion = GoTo(self._view.pose, self.frame).motion()
+
+    def _not_confirmed(self):
+        return f"; what it saw at {len(self._find.ignored)} places was none from near" if self._find.ignored else ""
 
     def _arrive(self):
         try:
@@ -76,8 +121,70 @@ class Search(Leaf):
             self._look_until = rospy.Time.now() + rospy.Duration(LOOK_S)
         except ArmError as error:
             self._failed += 1
-            rospy.logwarn("view %d of %d: %s", self._number, len(self._views), error)
+            self._views.refuse(self._view)
+            rospy.logwarn("view %d: %s", self._number, error)
         self._motion = None
+
+    def _look_closer(self):
+        try:
+            if self._closer.step():
+                if self._closer is self._find_again:
+                    return True
+                self._closer = self._find_again
+                self._closer.begin()
+        except (ArmError, ValueError) as error:
+            self._ignore(error)
+        return None
+
+    def _begin_closer(self):
+        try:
+            self._closer.begin()
+        except (ArmError, ValueError) as error:
+            self._ignore(error)
+
+    def _ignore(self, why):
+        """What was found does not count; the search goes on."""
+        place = point_of(read(Key(self._find.key)))
+        rospy.loginfo("no %s at (%.2f, %.2f, %.2f): %s", self.label, *place, why)
+        self._find.ignored.append(place)
+        self._find.begin()
+        self._closer = None
+
+
+class LidarTops:
+    """Tops in the clouds of `velodyne_points`."""
+
+    def __init__(self, frame):
+        self.frame, self._tops, self._lock = frame, Tops(), threading.Lock()
+        self._last_s = -math.inf
+        rospy.Subscriber("velodyne_points", sensor_msgs.msg.PointCloud2, self._on_cloud, queue_size=1, buff_size=1 << 24)
+
+    def squares(self):
+        with self._lock:
+            return self._tops.squares()
+
+    def _on_cloud(self, cloud):
+        stamp = cloud.header.stamp
+        if abs(stamp.to_sec() - self._last_s) < CLOUD_S:
+            return
+        self._last_s = stamp.to_sec()
+        points = points_of(cloud)
+        points = points[numpy.hypot(points[:, 0], points[:, 1]) > ROBOT_M]
+        try:
+            frame_T_lidar = robot_state.frames().matrix(self.frame, cloud.header.frame_id, TRANSFORM_S, stamp)
+        except ArmError:
+            return  # no place in the map yet
+        with self._lock:
+            self._tops.add(points @ frame_T_lidar[:3, :3].T + frame_T_lidar[:3, 3])
+
+
+def points_of(cloud):
+    """N x 3 of a PointCloud2 with fields x, y, z of 32 bits."""
+    offsets = {field.name: field.offset for field in cloud.fields if field.datatype == sensor_msgs.msg.PointField.FLOAT32}
+    fields = numpy.dtype({"names": ["x", "y", "z"], "formats": ["<f4"] * 3, "offsets": [offsets[axis] for axis in "xyz"],
+                          "itemsize": cloud.point_step})
+    points = numpy.frombuffer(cloud.data, fields, count=cloud.width * cloud.height)
+    return numpy.column_stack([points[axis] for axis in "xyz"]).astype(float)
 
 
 class Plans:
@@ -110,7 +217,8 @@ class Approach(Leaf):
     """Drives to a pose from which the arms reach a point: the base looks at it, at one of `standoffs_m` from its middle.
 
     point: (x, y, z) in `frame`, a Found, or a Key. Of the poses to which the navigator has a plan the one with the shortest
-    is taken; when the robot does not arrive there, the next, `attempts` in all.
+    is taken; one that stands farther from the point must save FARTHER_COSTS times that of the drive. When the robot does not
+    arrive there, the next, `attempts` in all.
     """
 
     def __init__(self, point, frame="map", standoffs_m=(0.72, 0.78, 0.85), attempts=3, name=None):
@@ -119,13 +227,11 @@ class Approach(Leaf):
         self._plans = Plans(frame)
 
     def begin(self):
-        point = read(self.point)
-        if isinstance(point, Found):
-            p = point.pose.pose.position
-            point = (p.x, p.y, p.z)
+        point = point_of(read(self.point))
         here = base_pose(self.frame)
-        self._left = [(self._plans.length_m(here, pose), pose) for pose in poses_before(point, self.standoffs_m)]
-        self._left = sorted(one for one in self._left if one[0] is not None)[:self.attempts]
+        reached = [(self._plans.length_m(here, pose), pose) for pose in poses_before(point, self.standoffs_m)]
+        self._left = sorted((length + FARTHER_COSTS * math.dist(pose[:2], point[:2]), pose)
+                            for length, pose in reached if length is not None)[:self.attempts]
         if not self._left:
             raise ValueError(f"the navigator has no plan to a place before ({point[0]:.2f}, {point[1]:.2f})")
         self._motion, self._why = None, ""

@@ -1,4 +1,4 @@
-"""From where a robot sees what stands in a map: poses for its camera. Without ROS."""
+"""From where a robot sees what stands in a map and on tables: poses for its camera. Without ROS."""
 
 import heapq
 import math
@@ -10,8 +10,11 @@ import numpy
 OCCUPIED = 50         # cells of this value and above
 STEP_M = 0.2          # between positions that are tried
 YAWS = 24             # directions that are tried at each
-TARGET_M = 0.1        # obstacles are counted in squares of this side
-LINE_POINTS = 8       # checked between robot and obstacle
+SQUARE_M = 0.1        # obstacles and tables are counted in squares of this side
+TOP_WEIGHT = 3.0      # of a square of a table, of an obstacle's border: 1
+LOOK_M = 1.0          # what a look costs, as metres of travel
+LINE_PARTS = numpy.linspace(0.1, 0.85, 8)  # of the line from robot to square: where it is checked
+REFUSED_M = 0.25      # places as near to one that could not be reached are not tried
 
 
 @dataclass(frozen=True)
@@ -30,15 +33,90 @@ class Grid:
     origin: tuple
 
     def cell_of(self, x, y):
-        return (int((y - self.origin[1]) / self.resolution_m), int((x - self.origin[0]) / self.resolution_m))
+        return (math.floor((y - self.origin[1]) / self.resolution_m), math.floor((x - self.origin[0]) / self.resolution_m))
 
     def middle_of(self, row, column):
         return (self.origin[0] + (column + 0.5) * self.resolution_m, self.origin[1] + (row + 0.5) * self.resolution_m)
 
 
+@dataclass(frozen=True)
+class View:
+    """pose: (x, y, yaw) of the base; squares: {(i, j)} that the camera sees from there and has not seen before."""
+    pose: tuple
+    squares: frozenset
+
+
+class Views:
+    """Chooses where to look from next: much that was not seen yet, a short drive.
+
+    pass_m and stand_m: from the base's middle to the next obstacle, on its path and where it stands in any direction. A view
+    that shows fewer than min_new new squares is not worth a drive.
+    """
+
+    def __init__(self, camera=Camera(), pass_m=0.42, stand_m=0.62, min_new=4):
+        self.camera, self.pass_m, self.stand_m, self.min_new = camera, pass_m, stand_m, min_new
+        self.looked, self._refused = set(), []
+
+    def next(self, grid, robot, tops=frozenset()):
+        """The best View for a robot at (x, y), None: nothing is left. tops: squares of tables, into which the base may not
+        drive, and over which the camera looks."""
+        tops = frozenset(tops)
+        squares = sorted((borders_of(grid) | tops) - self.looked)
+        places = self._places(grid, robot, tops)
+        if not squares or not places:
+            return None
+        weights = numpy.array([TOP_WEIGHT if square in tops else 1.0 for square in squares])
+        middles = (numpy.array(squares) + 0.5) * SQUARE_M
+        sight = with_squares(grid, [near for one in tops for near in (one, *around(one))], 0)
+        best, best_value = None, 0.0
+        for bound, travel, place in self._by_bound(places, middles, weights):
+            if bound <= best_value:
+                break
+            yaw, seen = best_direction(sight, place, middles, weights, self.camera)
+            value = weights[seen].sum() / (travel + LOOK_M)
+            if len(seen) >= self.min_new and value > best_value:
+                best, best_value = View((*place, yaw), frozenset(squares[index] for index in seen)), value
+        return best
+
+    def done(self, view):
+        """The robot has looked."""
+        self.looked |= view.squares
+
+    def refuse(self, view):
+        """The robot does not get there."""
+        self._refused.append(view.pose[:2])
+
+    def _places(self, grid, robot, tops):
+        """[(travel [m], (x, y))] of places where the base may stand."""
+        found = standing_places(with_squares(grid, tops, 100), robot, self.pass_m, self.stand_m)
+        return [one for one in found if all(math.dist(one[1], refused) > REFUSED_M for refused in self._refused)]
+
+    def _by_bound(self, places, middles, weights):
+        """[(more than the value of any view from there, travel, place)], the greatest first."""
+        bounds = []
+        for travel, place in places:
+            near = numpy.abs(middles - place).max(axis=1) <= self.camera.far_m
+            bounds.append((weights[near].sum() / (travel + LOOK_M), travel, place))
+        return sorted(bounds, reverse=True)
+
+
+def around(square):
+    i, j = square
+    return [(i + di, j + dj) for di in (-1, 0, 1) for dj in (-1, 0, 1) if di or dj]
+
+
+def with_squares(grid, squares, value):
+    """A copy of a grid in which the cells of squares have a value."""
+    cells = grid.cells.copy()
+    for i, j in squares:
+        (r0, c0), (r1, c1) = grid.cell_of(i * SQUARE_M, j * SQUARE_M), grid.cell_of((i + 1) * SQUARE_M, (j + 1) * SQUARE_M)
+        cells[max(0, r0):max(0, r1 + 1), max(0, c0):max(0, c1 + 1)] = value
+    return Grid(cells, grid.resolution_m, grid.origin)
+
+
 def standing_places(grid, robot, pass_m, stand_m):
-    """(passable cells of a grid of STEP_M, the robot's cell in it, {cell: (x, y)} of places): places where the base may stand
-    in any direction, with stand_m to the next obstacle, and that it reaches from `robot` (x, y) with pass_m on its path."""
+    """[(travel [m], (x, y))] of places on a grid of STEP_M where the base may stand in any direction, with stand_m to the
+    next obstacle, and that it reaches from `robot` (x, y) with pass_m on its path."""
     free = ((grid.cells >= 0) & (grid.cells < OCCUPIED)).astype(numpy.uint8)
     clearance_m = cv2.distanceTransform(numpy.pad(free, 1), cv2.DIST_L2, 5)[1:-1, 1:-1] * grid.resolution_m
     stride = max(1, round(STEP_M / grid.resolution_m))
@@ -46,8 +124,8 @@ def standing_places(grid, robot, pass_m, stand_m):
     start = tuple(index // stride for index in grid.cell_of(*robot))
     travel = travel_m(coarse >= pass_m, start, stride * grid.resolution_m)
     rows, columns = numpy.nonzero((coarse >= stand_m) & numpy.isfinite(travel))
-    places = {(int(r), int(c)): grid.middle_of(r * stride + stride // 2, c * stride + stride // 2) for r, c in zip(rows, columns)}
-    return coarse >= pass_m, start, places
+    return [(float(travel[r, c]), grid.middle_of(int(r) * stride + stride // 2, int(c) * stride + stride // 2))
+            for r, c in zip(rows, columns)]
 
 
 def travel_m(passable, start, step_m):
@@ -84,62 +162,31 @@ def targets_of(grid):
     return (squares + 0.5) * TARGET_M
 
 
-def seen_from(grid, place, targets, camera):
-    """For each of YAWS directions the indices of the targets that the camera sees from a place."""
-    offset = targets - place
+def borders_of(grid):
+    """{(i, j)}: squares with an occupied cell beside a free one."""
+    free = ((grid.cells >= 0) & (grid.cells < OCCUPIED)).astype(numpy.uint8)
+    border = (grid.cells >= OCCUPIED) & (cv2.dilate(free, numpy.ones((3, 3), numpy.uint8)) > 0)
+    rows, columns = numpy.nonzero(border)
+    points = numpy.column_stack(grid.middle_of(rows, columns))
+    return set(map(tuple, numpy.floor(points / SQUARE_M).astype(int).tolist()))
+
+
+def best_direction(grid, place, middles, weights, camera):
+    """(yaw, indices of the squares that the camera sees from a place in that direction), of YAWS directions the best."""
+    offset = middles - place
     distance = numpy.hypot(*offset.T)
     near = numpy.nonzero((distance >= camera.near_m) & (distance <= camera.far_m))[0]
-    near = [index for index in near if is_line_free(grid, place, targets[index])]
+    near = near[are_lines_free(grid, place, middles[near])]
     bearing = numpy.arctan2(offset[near, 1], offset[near, 0])
     yaws = -math.pi + numpy.arange(YAWS) * 2 * math.pi / YAWS
-    off = numpy.abs(numpy.angle(numpy.exp(1j * (bearing[None, :] - yaws[:, None]))))
-    return yaws, [{near[i] for i in numpy.nonzero(row <= camera.half_angle_rad)[0]} for row in off]
+    seen = numpy.abs(numpy.angle(numpy.exp(1j * (bearing[None, :] - yaws[:, None])))) <= camera.half_angle_rad
+    best = int(numpy.argmax(seen @ weights[near]))
+    return float(yaws[best]), near[seen[best]]
 
 
-def is_line_free(grid, start, end):
-    """Whether no occupied cell lies between, except near the end."""
-    for part in numpy.linspace(0.1, 0.85, LINE_POINTS):
-        row, column = grid.cell_of(*(start + part * (numpy.asarray(end) - start)))
-        if grid.cells[row, column] >= OCCUPIED:
-            return False
-    return True
-
-
-def viewpoints(grid, robot, camera=Camera(), pass_m=0.42, stand_m=0.62, min_new=4):
-    """Poses (x, y, yaw) from which together the camera sees nearly all obstacles that border on free space, in the order in
-    which the robot at (x, y) shall visit them: greedy cover, then always the nearest by travel. A pose that shows fewer than
-    min_new squares of TARGET_M that no other shows is left out."""
-    passable, start, places = standing_places(grid, robot, pass_m, stand_m)
-    targets = targets_of(grid)
-    sets = {}
-    for place, position in places.items():
-        yaws, seen = seen_from(grid, numpy.array(position), targets, camera)
-        sets.update({(place, float(yaw)): indices for yaw, indices in zip(yaws, seen) if len(indices) >= min_new})
-    chosen = cover(sets, min_new)
-    return [(*places[place], yaw) for place, yaw in in_order(chosen, passable, start)]
-
-
-def cover(sets, min_new):
-    """Keys of sets, the one with most elements that are not covered yet first, until none adds min_new."""
-    left, chosen = {key: set(members) for key, members in sets.items()}, []
-    while left:
-        best = max(left, key=lambda key: len(left[key]))
-        new = left.pop(best)
-        if len(new) < min_new:
-            break
-        chosen.append(best)
-        left = {key: members - new for key, members in left.items()}
-        left = {key: members for key, members in left.items() if len(members) >= min_new}
-    return chosen
-
-
-def in_order(chosen, passable, start):
-    """(place, yaw) pairs, always the one that is nearest by travel to the one before."""
-    left, ordered = list(chosen), []
-    while left:
-        distance = travel_m(passable, start, 1.0)
-        nearest = min(left, key=lambda one: distance[one[0]])
-        left.remove(nearest)
-        ordered.append(nearest)
-        start = nearest[0]
-    return ordered
+def are_lines_free(grid, start, ends):
+    """Whether no occupied cell lies between a point and each of N x 2 others, except near these."""
+    points = start + LINE_PARTS[None, :, None] * (ends[:, None, :] - numpy.asarray(start))
+    columns, rows = (((points - grid.origin) / grid.resolution_m).astype(int)).transpose(2, 0, 1)
+    return (grid.cells[numpy.clip(rows, 0, grid.cells.shape[0] - 1), numpy.clip(columns, 0, grid.cells.shape[1] - 1)]
+            < OCCUPIED).all(axis=1)

@@ -2,6 +2,7 @@
 
 import math
 import pathlib
+import re
 import sys
 import types
 import unittest
@@ -18,6 +19,7 @@ except ModuleNotFoundError:
 import geometry_msgs.msg  # noqa: E402
 import numpy  # noqa: E402
 import rospy  # noqa: E402
+import sensor_msgs.msg  # noqa: E402
 import std_msgs.msg  # noqa: E402
 import vision_msgs.msg  # noqa: E402
 
@@ -301,27 +303,51 @@ class Recipes(unittest.TestCase):
         self.assertEqual(("place", 0.5), self.arm.asked[-1])
 
 
+def found_at(x, y, z):
+    pose = geometry_msgs.msg.PoseStamped()
+    pose.pose.position = geometry_msgs.msg.Point(x, y, z)
+    return find.Found("cube", pose, (0.05, 0.05, 0.05), 1.0, 5)
+
+
 class Driving(unittest.TestCase):
-    """Search and Approach, with a base that is where it was sent."""
+    """Search and Approach, with a base that is where it was sent and an object that is seen when it was sent somewhere so many
+    times."""
 
     def setUp(self):
-        self.clock, self.sent, self.failing, self.seen_at = Clock(self), [], set(), None
+        self.clock, self.sent, self.failing, self.seen_at, self.real = Clock(self), [], set(), (), True
         cells = numpy.zeros((80, 80), numpy.int8)
         cells[[0, -1], :] = cells[:, [0, -1]] = 100
+        no_tops = types.SimpleNamespace(squares=frozenset)
         for patched in (mock.patch.object(search, "newest_map", lambda: search.Grid(cells, 0.05, (-2.0, -2.0))),
                         mock.patch.object(search, "base_pose", lambda frame: self.sent[-1] if self.sent else (0.0, 0.0, 0.0)),
-                        mock.patch.object(tasks.GoTo, "motion", self.drive), mock.patch.object(rospy, "logwarn"),
+                        mock.patch.object(search, "LidarTops", lambda frame: no_tops),
+                        mock.patch.object(tasks.GoTo, "motion", lambda leaf: self.drive(leaf.pose)),
+                        mock.patch.object(rospy, "logwarn"), mock.patch.object(rospy, "loginfo"),
                         mock.patch.object(tasks.Find, "setup", lambda leaf, **_: None),
                         mock.patch.object(tasks.Find, "begin", lambda leaf: None),
-                        mock.patch.object(tasks.Find, "step", lambda leaf: len(self.sent) == self.seen_at)):
+                        mock.patch.object(tasks.Find, "step", lambda leaf: self.find(leaf))):
             patched.start()
             self.addCleanup(patched.stop)
 
-    def drive(self, *_):
+    def drive(self, pose):
         """In place of GoTo.motion."""
-        self.sent.append((0.0, 0.0, 0.0))
+        self.sent.append(pose)
         error = ArmError(ArmCode.INTERNAL, "no_path") if len(self.sent) in self.failing else None
         return MadeUpMotion(types.SimpleNamespace(message=""), error, ticks=1)
+
+    def find(self, leaf):
+        """In place of Find.step: from afar, and from near."""
+        if leaf.near is not None:
+            if not self.real:
+                raise ValueError("it is a book")
+            return True
+        seen = len(self.sent) in self.seen_at and not any(math.dist(place, self.object_at()) < 0.01 for place in leaf.ignored)
+        if seen:
+            tasks.write("it", found_at(*self.object_at()))
+        return seen or None
+
+    def object_at(self):
+        return 0.1 * len(self.sent), 0.0, 0.7
 
     def run_leaf(self, leaf, seconds=600):
         for _ in range(10 * seconds):
@@ -330,23 +356,59 @@ class Driving(unittest.TestCase):
             self.clock.seconds += 0.1
         self.fail("it does not end")
 
-    def test_it_looks_until_the_object_is_seen(self):
-        self.seen_at = 3
-        with self.plans(lambda x, y: True):
-            leaf = tasks.Search("cube", "it")
+    def search(self, free=lambda x, y: True, **arguments):
+        with self.plans(free):
+            leaf = tasks.Search("cube", "it", **arguments)
         self.run_leaf(leaf)
+        return leaf
+
+    def test_it_looks_until_the_object_is_seen(self):
+        self.seen_at = (3,)
+        leaf = self.search(from_near=False)
         self.assertEqual((SUCCESS, 3), (leaf.status, len(self.sent)))
+
+    def test_what_was_seen_is_looked_at_from_near(self):
+        self.seen_at = (3,)
+        leaf = self.search()
+        self.assertEqual((SUCCESS, 4), (leaf.status, len(self.sent)))
+        self.assertAlmostEqual(0.72, math.dist(self.sent[-1][:2], (0.3, 0.0)))
+
+    def test_what_is_none_from_near_does_not_count_and_the_search_goes_on(self):
+        self.seen_at, self.real = (3,), False
+        leaf = self.search()
+        self.assertEqual(FAILURE, leaf.status)
+        self.assertGreater(len(self.sent), 5)
+        self.assertIn("what it saw at 1 places was none from near", leaf.feedback_message)
+
+    def test_what_cannot_be_approached_does_not_count(self):
+        self.seen_at = (2,)
+        leaf = self.search(free=lambda x, y: math.dist((x, y), (0.2, 0.0)) > 0.86)
+        self.assertEqual(FAILURE, leaf.status)
+        self.assertIn("what it saw at 1 places", leaf.feedback_message)
 
     def test_all_views_without_it_are_a_failure_that_counts(self):
         self.failing = {2}
-        views = search.viewpoints(search.newest_map(), (0.0, 0.0))
-        with self.plans(lambda x, y: math.dist((x, y), views[4][:2]) > 1e-6):
-            leaf = tasks.Search("cube", "it")
-        self.run_leaf(leaf)
+        leaf = self.search(free=lambda x, y: x > -1.0)
         self.assertEqual(FAILURE, leaf.status)
-        left_out = sum(math.dist(view[:2], views[4][:2]) < 1e-6 for view in views)
-        self.assertEqual(len(self.sent), len(views) - left_out)
-        self.assertIn(f"no cube at {len(views)} views, of which {1 + left_out} could not be reached", leaf.feedback_message)
+        number, failed = (int(word) for word in re.findall(r"\d+", leaf.feedback_message))
+        self.assertGreater(failed, 1)
+        self.assertEqual(len(self.sent), number - failed + 1, "the one that was sent and did not arrive")
+
+    def test_a_limit_to_its_views(self):
+        leaf = self.search(max_views=3)
+        self.assertEqual((FAILURE, 3), (leaf.status, len(self.sent)))
+
+    def test_what_moves_is_cancelled_with_it(self):
+        for seen_at, sent in (((), 1), ((0,), 1)):
+            self.sent, self.seen_at = [], seen_at
+            with self.plans(lambda x, y: True):
+                leaf = tasks.Search("cube", "it")
+            motion = MadeUpMotion(ticks=1000)
+            with mock.patch.object(tasks.GoTo, "motion", lambda leaf, motion=motion: self.sent.append(leaf.pose) or motion):
+                for _ in range(3):
+                    tick(leaf)
+                leaf.stop(INVALID)
+            self.assertEqual((sent, True), (len(self.sent), motion.cancelled), seen_at)
 
     def plans(self, free):
         """In place of the service make_plan: straight plans to goals for which free(x, y) is true."""
@@ -361,7 +423,7 @@ class Driving(unittest.TestCase):
         with self.plans(lambda x, y: x < 1.5):
             leaf = tasks.Approach((2.0, 0.0, 0.7))
             leaf.begin()
-        lengths = [length for length, _ in leaf._left]
+        lengths = [cost for cost, _ in leaf._left]
         self.assertEqual((sorted(lengths), 3), (lengths, len(lengths)))
         for _, (x, y, yaw) in leaf._left:
             self.assertLess(x, 1.5)
@@ -380,6 +442,61 @@ class Driving(unittest.TestCase):
             leaf = tasks.Approach((2.0, 0.0, 0.7))
             self.run_leaf(leaf)
         self.assertEqual((SUCCESS, 2), (leaf.status, len(self.sent)))
+
+
+class Clouds(unittest.TestCase):
+    """Tables in clouds of the lidar."""
+
+    def setUp(self):
+        place = numpy.eye(4)
+        place[:3, 3] = (10.0, 0.0, 0.4)
+        self.known = True
+
+        def matrix(target, source, wait_s, stamp):
+            self.assertEqual(("map", "velodyne"), (target, source))
+            if not self.known:
+                raise ArmError(ArmCode.INTERNAL, "not yet")
+            return place
+
+        for patched in (mock.patch.object(rospy, "Subscriber"),
+                        mock.patch.object(search.robot_state, "frames", lambda: types.SimpleNamespace(matrix=matrix))):
+            patched.start()
+            self.addCleanup(patched.stop)
+        self.tops = search.LidarTops("map")
+
+    def hear(self, at, height=0.3, stamp=1.0):
+        """A square of 0.6 m at (at, 0), seen at a height above the lidar."""
+        x, y = numpy.meshgrid(numpy.arange(at, at + 0.6, 0.05), numpy.arange(0.0, 0.6, 0.05))
+        points = numpy.zeros(x.size, numpy.dtype({"names": ["x", "y", "z", "ring"], "formats": ["<f4", "<f4", "<f4", "<u2"],
+                                                  "offsets": [0, 4, 8, 16], "itemsize": 22}))
+        points["x"], points["y"], points["z"] = x.ravel(), y.ravel(), height
+        cloud = sensor_msgs.msg.PointCloud2(height=1, width=x.size, point_step=22, data=points.tobytes())
+        cloud.header.frame_id, cloud.header.stamp = "velodyne", rospy.Time.from_sec(stamp)
+        cloud.fields = [sensor_msgs.msg.PointField(name, offset, sensor_msgs.msg.PointField.FLOAT32, 1)
+                        for name, offset in (("x", 0), ("y", 4), ("z", 8))]
+        self.tops._on_cloud(cloud)
+
+    def test_they_are_in_the_map(self):
+        self.hear(2.0)
+        squares = self.tops.squares()
+        self.assertGreaterEqual(len(squares), 16)
+        self.assertTrue(all(119 <= i <= 126 and -1 <= j <= 6 for i, j in squares), squares)
+
+    def test_the_robot_is_no_table(self):
+        self.hear(0.1)
+        self.assertEqual(set(), self.tops.squares())
+
+    def test_one_cloud_a_second_and_another_after_time_ran_back(self):
+        self.hear(2.0, height=3.0, stamp=100.0)
+        self.hear(2.0, stamp=100.5)
+        self.assertEqual(set(), self.tops.squares())
+        self.hear(2.0, stamp=1.0)
+        self.assertTrue(self.tops.squares())
+
+    def test_without_a_place_in_the_map_it_waits(self):
+        self.known = False
+        self.hear(2.0)
+        self.assertEqual(set(), self.tops.squares())
 
 
 class Running(unittest.TestCase):

@@ -1,0 +1,63 @@
+"""The surface below an object, in points of a depth camera."""
+
+import pathlib
+import sys
+import types
+import unittest
+
+import numpy
+
+REPO = pathlib.Path(__file__).resolve().parents[3]
+sys.path.insert(0, str(REPO / "src"))
+
+try:
+    from extperfc.tasks import support
+except ModuleNotFoundError as error:
+    raise unittest.SkipTest(f"{error.name} is not installed: tools/setup fetches it") from None
+
+
+def plane(x0, x1, y0, y1, z, step=0.01):
+    x, y = numpy.meshgrid(numpy.arange(x0, x1, step), numpy.arange(y0, y1, step))
+    return numpy.column_stack([x.ravel(), y.ravel(), numpy.full(x.size, z)])
+
+
+class Surface(unittest.TestCase):
+    """A table of 0.5 x 0.8 m with a cube of 45 mm; the floor, and a shelf beside it."""
+
+    def setUp(self):
+        rng = numpy.random.default_rng(4)
+        table = plane(0.6, 1.1, -0.4, 0.4, 0.70)
+        table = table[numpy.abs(table[:, :2] - (0.75, 0.1)).max(axis=1) > 0.025]
+        cube = numpy.vstack([plane(0.73, 0.775, 0.08, 0.125, 0.745, 0.003)])
+        self.points = numpy.vstack([table, cube, plane(0.3, 1.5, -1, 1, 0.0), plane(0.9, 1.1, 0.2, 0.4, 0.55)])
+        self.points = self.points + rng.normal(0, 0.002, self.points.shape)
+        self.place = numpy.array([0.75, 0.1, 0.7225])
+
+    def test_it_is_where_the_table_is_and_a_little_lower(self):
+        size, middle = support.surface_below(self.points, self.place)
+        numpy.testing.assert_allclose((0.5, 0.8, support.THICK_M), size, atol=0.03)
+        numpy.testing.assert_allclose((0.85, 0.0), middle[:2], atol=0.02)
+        top = middle[2] + size[2] / 2
+        self.assertTrue(0.692 < top < 0.700, top)
+
+    def test_it_ends_where_nothing_is_seen(self):
+        size, middle = support.surface_below(self.points[self.points[:, 1] < 0.2], self.place)
+        self.assertAlmostEqual(0.2, middle[1] + size[1] / 2, delta=0.02)
+
+    def test_no_surface_is_an_error_that_names_the_place(self):
+        with self.assertRaisesRegex(ValueError, r"no surface is seen below \(0.75, 0.10, 0.72\), but 0 points"):
+            support.surface_below(self.points[self.points[:, 2] < 0.3], self.place)
+        with self.assertRaises(ValueError):
+            support.surface_below(numpy.zeros((0, 3)), self.place)
+
+
+class Points(unittest.TestCase):
+    def test_pixels_lie_where_the_camera_sees_them(self):
+        depth = numpy.zeros((480, 640), numpy.uint16)
+        depth[240, 321], depth[30, 300] = 1500, 1000
+        found = support.points_of(depth, types.SimpleNamespace(K=(600.0, 0, 321.0, 0, 500.0, 240.0, 0, 0, 1)))
+        numpy.testing.assert_allclose([[-21 / 600, -210 / 500, 1.0], [0, 0, 1.5]], found, atol=1e-9)
+
+
+if __name__ == "__main__":
+    unittest.main()
