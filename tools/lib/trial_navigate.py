@@ -23,6 +23,7 @@ from driven_contacts import CHASSIS, TrueMap, reachable
 from nav_robot import NavRobot, random_goal
 from pose_errors import Pose
 from ros_session import RosSession, Stalled, run_trial
+from walkers import more_people
 
 REPO = pathlib.Path(__file__).resolve().parents[2]
 WS = pathlib.Path(os.environ.get("EXTPERFC_WS", REPO / ".ws"))
@@ -41,7 +42,9 @@ def parse_arguments(argv):
                         help="of the goals, the simulator's noise and random worlds; default: 1")
     parser.add_argument("--speed", type=float, default=1.0, metavar="FACTOR",
                         help="simulated seconds per second; default: 1")
-    parser.add_argument("--people", action="store_true", help="with the world's people; without: they are left out")
+    parser.add_argument("--people", type=int, nargs="?", const=-1, default=0, metavar="N",
+                        help="with the world's people; with N, as many as that: the world's first, then others by the seed\n"
+                        "who walk up and down straight lines; default: none")
     parser.add_argument("--base", choices=("holonomic", "differential"), default="holonomic", help="default: holonomic")
     parser.add_argument("--close-door", action="store_true",
                         help="a carton closes a door on its path, once for each goal whose path leads through one")
@@ -56,6 +59,10 @@ def parse_arguments(argv):
     for text in options.param:
         if not re.fullmatch(r"\w+=.+", text):
             parser.error(f"--param must be KEY=VALUE, not {text}")
+    if options.people > 0 and options.world == "random_floor":
+        parser.error("--people N needs a world with a file; random_floor has the people of its seed")
+    if options.people < -1:
+        parser.error("--people N must be positive")
     if options.goals < 1 or options.speed <= 0 or options.limit <= 0 or not 0.005 <= options.fine <= 0.1:
         parser.error("--goals, --speed and --limit must be positive, --fine within [0.005, 0.1]")
     return options
@@ -88,6 +95,19 @@ def world_of(options):
     copy = options.out / file.name
     copy.write_text(text)
     return copy.resolve()
+
+
+def add_people(options, world, true_map):
+    """Brings the number of people in a world's file to what is wanted."""
+    if options.people <= 0:
+        return
+    content = yaml.safe_load(world.read_text())
+    here = (content.get("robot") or {}).get("at", (0.0, 0.0))
+    people = (content.get("people") or [])[:options.people]
+    places = places_of(true_map, Pose(here[0], here[1], 0.0))
+    people += more_people(true_map, places, options.people - len(people), options.seed, here[:2])
+    text = re.sub(r"^people:.*\n(?:[ \t#].*\n|\n)*", "", world.read_text(), flags=re.M)
+    world.write_text(text + "\n" + yaml.safe_dump({"people": people}, default_flow_style=None))
 
 
 def sim_config(resolution_m, options):
@@ -293,6 +313,10 @@ def main(argv):
     import rospy
     world = world_of(options)
     true_map = fine_map(options, world)
+    try:
+        add_people(options, world, true_map)
+    except ValueError as error:
+        raise SystemExit(f"error: {error}") from error
     return run_trial(options.out,
                      lambda session: report(options, run(options, start(options, world, session, rospy), true_map, world)))
 
