@@ -22,6 +22,8 @@ namespace extperfc::navigate {
 struct NavigatorParams {
   double planner_frequency_hz{1.0};    ///< plans while driving; 0: only when needed, [0, 100]
   double planner_patience_s{5.0};      ///< without a plan, until a recovery begins, [0, 3600]
+  double people_patience_s{20.0};      ///< in place of a shorter planner_patience_s while people are near: who
+                                       ///< stands at the goal may walk on, [0, 3600]
   double controller_patience_s{3.0};   ///< without a velocity, until a recovery begins, [0, 3600]
   double oscillation_timeout_s{10.0};  ///< without progress, until a recovery begins; 0: never, (0, 3600]
   double oscillation_distance_m{0.5};  ///< that counts as progress, (0, 100]

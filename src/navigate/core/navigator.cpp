@@ -60,6 +60,7 @@ Result<void> validate(const NavigatorParams& params) {
   const std::pair<bool, const char*> checks[] = {
       {within(params.planner_frequency_hz, 0, 100), "planner_frequency"},
       {within(params.planner_patience_s, 0, 3600), "planner_patience"},
+      {within(params.people_patience_s, 0, 3600), "people_patience"},
       {within(params.controller_patience_s, 0, 3600), "controller_patience"},
       {within(params.oscillation_timeout_s, 0, 3600), "oscillation_timeout"},
       {within(params.oscillation_distance_m, 1e-3, 100), "oscillation_distance"},
@@ -297,7 +298,10 @@ void Navigator::plan_failed(const NavError& error, bool current_blocked, const N
   }
   reason_ = error.message;
   if (!no_plan_since_s_) no_plan_since_s_ = clock_s_;
-  if (clock_s_ - *no_plan_since_s_ >= params_.planner_patience_s) recover(error, input, output);
+  const double patience_s = input.people.empty() || recovered_
+                                ? params_.planner_patience_s
+                                : std::max(params_.planner_patience_s, params_.people_patience_s);
+  if (clock_s_ - *no_plan_since_s_ >= patience_s) recover(error, input, output);
 }
 
 void Navigator::wait_for_plan(const NavigatorInput& input, Output& output) {

@@ -26,6 +26,8 @@ class CommandCheck {
 
  private:
   [[nodiscard]] bool people_free(const Pose2& pose, double time_s, double speed_m_s) const;
+  /// From the footprint at a pose to a point of the grid's frame [m]; 0 inside.
+  [[nodiscard]] double gap(const Pose2& pose, const Eigen::Vector2d& at) const;
 
   const CostGrid& costs_;
   const Footprint& footprint_;

@@ -88,11 +88,9 @@ NavigatorNode::NavigatorNode(const ros::NodeHandle& handle, const ros::NodeHandl
       poses_(handle_, params_, tf_buffer_),
       outline_(handle_, private_handle_, params_),
       people_(params_.people),
+      tracks_publisher_(server_handle_.advertise<TrackArray>("people_tracks", 1)),
       costs_(handle_, params_, tf_buffer_,
-             {[this](const PlacedScan& placed) {
-                guard_->set_points(navigate::surface_points(placed.scan), placed.scan.stamp_s);
-                people_.update(placed);
-              },
+             {[this](const PlacedScan& placed) { on_scan(placed); },
               [this](const OccupancyGrid& map) { people_.set_map(map); }}),
       display_(server_handle_, params_.global_frame, params_.odom_frame),
       global_publisher_(server_handle_, "global_costmap/costmap", params_.global_frame),
@@ -142,6 +140,13 @@ Result<void> NavigatorNode::start() {
   spinner_.start();
   control_thread_ = std::thread([this] { control_loop(); });
   return {};
+}
+
+void NavigatorNode::on_scan(const PlacedScan& placed) {
+  guard_->set_points(navigate::surface_points(placed.scan), placed.scan.stamp_s);
+  people_.update(placed);
+  if (tracks_publisher_.getNumSubscribers() > 0)
+    tracks_publisher_.publish(people_.tracks(params_.odom_frame));
 }
 
 void NavigatorNode::advertise() {

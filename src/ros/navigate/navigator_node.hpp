@@ -57,7 +57,9 @@ namespace extperfc::ros_navigate {
 ///   move_base/global_plan               nav_msgs/Path, latched
 ///   move_base/local_plan                nav_msgs/Path
 ///   move_base/candidates                visualization_msgs/MarkerArray: trajectories of the local planner
-///   move_base/people                    visualization_msgs/MarkerArray
+///   move_base/people                    visualization_msgs/MarkerArray: who walks
+///   move_base/people_tracks             extperfc/TrackArray, one for each scan: what the map does not explain and
+///                                       has a person's size, walking or standing, in odom_frame
 ///   move_base/global_costmap/costmap    nav_msgs/OccupancyGrid, latched, and ..._updates
 ///   move_base/local_costmap/costmap     nav_msgs/OccupancyGrid, latched, and ..._updates
 ///   move_base/local_costmap/footprint   geometry_msgs/PolygonStamped
@@ -106,6 +108,7 @@ class NavigatorNode {
   void show(const navigate::NavigatorOutput& output, const RobotState& state, const ros::Time& now);
   void finish(const navigate::NavEnd& end);
   void publish_status(const RobotState& state, const ros::Time& now);
+  void on_scan(const PlacedScan& placed);
 
   [[nodiscard]] navigate::NavResult<Pose2> to_global(const geometry_msgs::PoseStamped& pose);
   void start_task(const navigate::NavTask& task);
@@ -125,6 +128,7 @@ class NavigatorNode {
   PoseMonitor poses_;
   OutlineMonitor outline_;
   PeopleTracker people_;
+  ros::Publisher tracks_publisher_;
   std::unique_ptr<GuardThread> guard_;
   CostMaps costs_;
   std::unique_ptr<PlanWorker> planning_;

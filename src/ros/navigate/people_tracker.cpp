@@ -2,15 +2,20 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
+
+#include "ros/convert/tracks.hpp"
 
 namespace extperfc::ros_navigate {
 
 namespace {
 
-constexpr double kWalksMS = 0.25;  // slower ones are furniture: part of the cost maps
+constexpr double kWalksMS = 0.25;  // who never was faster is furniture: part of the cost maps
 constexpr double kFastestMS = 2.5;
 constexpr double kPositionSigmaM = 0.06;
 constexpr double kOldS = 1.0;
+constexpr double kRadiusM = 0.25;  // of a person, at least
+constexpr double kHeightM = 1.7;
 
 navigate::MovingObjectParams detector_params(const ros_params::PeopleParams& params) {
   navigate::MovingObjectParams made;
@@ -42,6 +47,7 @@ void PeopleTracker::forget() {
   const std::lock_guard lock(mutex_);
   tracker_ = track::Tracker(tracker_params());
   people_.clear();
+  walked_.clear();
 }
 
 void PeopleTracker::update(const PlacedScan& placed) {
@@ -61,16 +67,27 @@ void PeopleTracker::update(const PlacedScan& placed) {
   }
   (void)tracker_.update(placed.scan.stamp_s, observations);
   stamp_s_ = placed.scan.stamp_s;
+  note_people(candidates);
+}
+
+void PeopleTracker::note_people(const std::vector<navigate::MovingCandidate>& candidates) {
   people_.clear();
+  std::set<std::uint64_t> walked;
   for (const auto& track : tracker_.tracks()) {
-    const double speed = track.point.velocity_m_s().head<2>().norm();
-    if (!track.confirmed || speed < kWalksMS || speed > kFastestMS) continue;
+    const Eigen::Vector2d velocity_m_s = track.point.velocity_m_s().head<2>();
+    const double speed = velocity_m_s.norm();
+    const bool walks = speed >= kWalksMS;
+    if (!track.confirmed || speed > kFastestMS || !(walks || walked_.count(track.id) > 0)) continue;
+    walked.insert(track.id);
     Person person;
     person.state.position_m = track.point.position_m().head<2>();
-    person.state.velocity_m_s = track.point.velocity_m_s().head<2>();
-    if (track.observation) person.state.radius_m = std::max(0.25, candidates[*track.observation].radius_m);
+    if (walks) person.state.velocity_m_s = velocity_m_s;
+    person.state.radius_m = kRadiusM;
+    if (track.observation)
+      person.state.radius_m = std::max(kRadiusM, candidates[*track.observation].radius_m);
     people_.push_back(person);
   }
+  walked_ = std::move(walked);
 }
 
 std::vector<navigate::MovingObstacle> PeopleTracker::people(double now_s) const {
@@ -84,6 +101,20 @@ std::vector<navigate::MovingObstacle> PeopleTracker::people(double now_s) const 
     people.back().position_m += age_s * person.state.velocity_m_s;
   }
   return people;
+}
+
+TrackArray PeopleTracker::tracks(const std::string& odom_frame) const {
+  const std::lock_guard lock(mutex_);
+  TrackArray message;
+  message.header.stamp = ros::Time(stamp_s_);
+  message.header.frame_id = odom_frame;
+  ros_convert::TrackedBody body;
+  body.orientation.w = 1;
+  body.size.x = body.size.y = 2 * kRadiusM;
+  body.size.z = kHeightM;
+  for (const auto& track : tracker_.tracks())
+    if (track.confirmed) message.tracks.push_back(ros_convert::to_message(track, body));
+  return message;
 }
 
 }  // namespace extperfc::ros_navigate

@@ -1,7 +1,12 @@
 #pragma once
 
+#include <cstdint>
 #include <mutex>
+#include <set>
+#include <string>
 #include <vector>
+
+#include <extperfc/TrackArray.h>
 
 #include "extperfc/navigate/local_planner.hpp"
 #include "extperfc/navigate/moving_objects.hpp"
@@ -13,8 +18,8 @@
 
 namespace extperfc::ros_navigate {
 
-/// People from scan to scan: what the map does not explain, followed, and moving. One thread updates; any
-/// thread may ask.
+/// People from scan to scan: what the map does not explain, followed, and walking, or standing after it has
+/// walked. One thread updates; any thread may ask.
 class PeopleTracker {
  public:
   explicit PeopleTracker(const ros_params::PeopleParams& params);
@@ -22,19 +27,26 @@ class PeopleTracker {
   void set_map(const OccupancyGrid& map);
   void update(const PlacedScan& placed);
   void forget();
-  /// Those who walk, in odom, where they are at `now_s`. Empty when the last scan is older than 1 s.
+  /// Those who walk or have walked, in odom, where they are at `now_s`. Empty when the last scan is older
+  /// than 1 s.
   [[nodiscard]] std::vector<navigate::MovingObstacle> people(double now_s) const;
+  /// All confirmed objects of the last scan, in odom: those who stand, too, as long as the map does not
+  /// explain them.
+  [[nodiscard]] TrackArray tracks(const std::string& odom_frame) const;
 
  private:
   struct Person {
     navigate::MovingObstacle state;  ///< at the stamp
   };
 
+  void note_people(const std::vector<navigate::MovingCandidate>& candidates);
+
   const ros_params::PeopleParams params_;
   mutable std::mutex mutex_;  ///< guards what follows
   navigate::MovingObjectDetector detector_;
   track::Tracker tracker_;
   std::vector<Person> people_;
+  std::set<std::uint64_t> walked_;  ///< ids of tracks
   double stamp_s_{0};
 };
 

@@ -51,6 +51,7 @@ void read_behaviour(ParamReader& reader, NavigatorNodeParams& params) {
   reader.read("controller_frequency", params.controller_frequency_hz, {1.0, 200.0});
   reader.read("planner_frequency", navigator.planner_frequency_hz, {0.0, 100.0});
   reader.read("planner_patience", navigator.planner_patience_s, {0.0, 3600.0});
+  reader.read("people_patience", navigator.people_patience_s, {0.0, 3600.0});
   reader.read("controller_patience", navigator.controller_patience_s, {0.0, 3600.0});
   reader.read("oscillation_timeout", navigator.oscillation_timeout_s, {0.0, 3600.0});
   reader.read("oscillation_distance", navigator.oscillation_distance_m, {0.001, 100.0});

@@ -160,6 +160,11 @@ Pose2 FakeRobot::pose() const {
   return compose(map_T_odom_, odom_T_base_);
 }
 
+Pose2 FakeRobot::odom_T_map() const {
+  const std::lock_guard lock(mutex_);
+  return inverse(map_T_odom_);
+}
+
 Twist2 FakeRobot::velocity() const {
   const std::lock_guard lock(mutex_);
   return command_;

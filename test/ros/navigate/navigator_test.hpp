@@ -42,7 +42,8 @@ class FakeRobot {
   FakeRobot(const FakeRobot&) = delete;
   FakeRobot& operator=(const FakeRobot&) = delete;
 
-  [[nodiscard]] Pose2 pose() const;       ///< in the map
+  [[nodiscard]] Pose2 pose() const;  ///< in the map
+  [[nodiscard]] Pose2 odom_T_map() const;
   [[nodiscard]] Twist2 velocity() const;  ///< commanded last, zero after 0.3 s of silence
   [[nodiscard]] ros::Time now() const;
   void set_world(const OccupancyGrid& world);  ///< what the scanner sees

@@ -4,9 +4,11 @@
 #include <functional>
 #include <limits>
 
+#include <extperfc/TrackArray.h>
 #include <geometry_msgs/PolygonStamped.h>
 #include <sensor_msgs/JointState.h>
 #include <sensor_msgs/point_cloud2_iterator.h>
+#include <visualization_msgs/MarkerArray.h>
 
 #include "test/ros/navigate/navigator_test.hpp"
 
@@ -142,6 +144,55 @@ TEST_F(NavigatorArm, AnArmThatSticksOutBelongsToTheFootprint) {
   client_.sendGoal(goal(0.5, -3.4, 3 * M_PI / 2));
   ASSERT_TRUE(wait_for_end()) << log_.text();
   EXPECT_EQ(client_.getState(), State::SUCCEEDED) << text();
+}
+
+/// A person walks through the hall along x at 0.6 m/s from (-3.5, 2), and stands at (-1.5, 2).
+class WalkingPerson {
+ public:
+  explicit WalkingPerson(FakeRobot& robot) : robot_(robot), begin_(robot.now()) {}
+
+  [[nodiscard]] Eigen::Vector2d place() const {
+    return {std::min(-1.5, -3.5 + kSpeedMS * (robot_.now() - begin_).toSec()), 2.0};
+  }
+  void walk() {
+    auto world = hall();
+    const auto at = place();
+    fill(world, {at.x() - kRadiusM, at.y() - kRadiusM, 0}, {at.x() + kRadiusM, at.y() + kRadiusM, 0});
+    robot_.set_world(world);
+  }
+
+  static constexpr double kSpeedMS = 0.6;
+
+ private:
+  static constexpr double kRadiusM = 0.2;
+  FakeRobot& robot_;
+  ros::Time begin_;
+};
+
+TEST_F(NavigatorTest, FollowsPeopleFromScanToScan) {
+  load();
+  Inbox<TrackArray> tracks("move_base/people_tracks");
+  ASSERT_TRUE(wait_for([&] { return tracks.connected(); }));
+  WalkingPerson person(robot_);
+  const auto walked = [&] { return person.place().x() > -1.6; };
+  ASSERT_TRUE(wait_while([&] { person.walk(); }, walked, 20));
+  const auto all = tracks.all();
+  ASSERT_FALSE(all.empty());
+  const auto& last = *all.back();
+  EXPECT_EQ(last.header.frame_id, "odom");
+  ASSERT_EQ(last.tracks.size(), 1U) << "walls and furniture are no people";
+  const auto place = compose(robot_.odom_T_map(), {person.place().x(), person.place().y(), 0});
+  EXPECT_NEAR(last.tracks[0].pose.pose.position.x, place.x, 0.35);
+  EXPECT_NEAR(last.tracks[0].pose.pose.position.y, place.y, 0.25);
+  EXPECT_NEAR(std::hypot(last.tracks[0].velocity.x, last.tracks[0].velocity.y), WalkingPerson::kSpeedMS, 0.2);
+  for (const auto& message : all)
+    for (const auto& track : message->tracks) EXPECT_EQ(track.id, last.tracks[0].id) << "one person, one id";
+
+  Inbox<visualization_msgs::MarkerArray> shown("move_base/people");
+  const auto end = robot_.now() + ros::Duration(4.0);
+  ASSERT_TRUE(wait_while([&] { person.walk(); }, [&] { return robot_.now() > end; }, 20));
+  ASSERT_GT(shown.count(), 0U);
+  EXPECT_GT(shown.all().back()->markers.size(), 1U) << "who has walked and stands is a person still";
 }
 
 }  // namespace

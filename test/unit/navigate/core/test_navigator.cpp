@@ -138,6 +138,22 @@ TEST(Navigator, WithoutAPathItRecoversAndGivesUpWithTheCause) {
   EXPECT_GE(robot.events.size(), 2U) << "each recovery is reported";
 }
 
+TEST(Navigator, WhilePeopleAreInSightItWaitsLongerForAPath) {
+  FakeRobot robot;
+  robot.plan_error = NavError{NavCode::kGoalBlocked, "somebody stands at the goal"};
+  robot.input.people.push_back({{1, 0}, {0, 0}, 0.3});
+  robot.drive_to({1, 0, 0});
+  robot.run_for(robot.params_.people_patience_s - 1);
+  EXPECT_TRUE(robot.events.empty()) << robot.events.front();
+  robot.plan_error.reset();
+  ASSERT_TRUE(robot.run(10));
+  EXPECT_EQ(robot.ends[0].error.code, NavCode::kSuccess);
+  robot.plan_error = NavError{NavCode::kGoalBlocked, "somebody stands at the goal"};
+  robot.drive_to({2, 0, 0});
+  ASSERT_TRUE(robot.run(60)) << "not for ever";
+  EXPECT_EQ(robot.ends[1].error.code, NavCode::kGoalBlocked);
+}
+
 TEST(Navigator, AFailedPlanKeepsAnOldPathThatIsFree) {
   FakeRobot robot;
   robot.drive_to({2, 0, 0});

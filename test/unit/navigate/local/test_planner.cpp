@@ -193,6 +193,21 @@ TEST(MppiPlanner, StopsForAPersonWhoStandsOnThePath) {
   EXPECT_LT(world.state.pose.x + 0.4064, 2.2);
 }
 
+TEST(MppiPlanner, DrivesAwayFromAPersonWhoStandsTooNear) {
+  const auto planner = make_mppi_planner({});
+  planner->set_path(straight({}, 3), {});
+  Ideal world;
+  world.state.people.push_back({{-0.7, 0}, {0, 0}, 0.3});  // 0.29 m behind its rear
+  EXPECT_TRUE(world.run(*planner, 20));
+  world.state.pose = {};
+  planner->set_path(straight({}, 3), {});
+  world.state.people[0].position_m = {0.7, 0};  // before it
+  world.state.people.push_back({{0, 0.75}, {0, 0}, 0.3});
+  world.state.people.push_back({{0, -0.75}, {0, 0}, 0.3});
+  EXPECT_FALSE(world.run(*planner, 5));
+  EXPECT_LT(world.state.pose.x, 0.05);
+}
+
 TEST(MppiPlanner, ShowsCandidatesOnlyWhenWanted) {
   const auto planner = make_mppi_planner({});
   planner->set_path(straight({}, 5), {});
