@@ -2,6 +2,7 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -32,13 +33,19 @@ struct BodySpec {
   double rolling_friction{0.001};
 };
 
-/// Walks along a closed or open path (there and back) at constant speed, turned to where it goes.
+/// Seeds of faces are integers in [0, kMaxFaceSeed].
+inline constexpr int kMaxFaceSeed = 999'999;
+
+/// Walks along a closed or open path (there and back) at constant speed and looks where it goes; keeps that
+/// direction while it waits.
 struct PersonSpec {
   std::string name;
   std::vector<Eigen::Vector2d> path_m;  ///< one point: stands still
   double speed_m_s{0.8};
   bool closed{false};
   Eigen::Vector3f colour{0.2F, 0.3F, 0.6F};  ///< of the clothes, sRGB
+  double starts_s{0};                        ///< stands at the first point of the path for so long, >= 0
+  std::optional<int> face{};                 ///< seed of the face; empty: derived from the name
 };
 
 struct LightSpec {

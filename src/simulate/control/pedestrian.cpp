@@ -12,7 +12,8 @@ constexpr double kPatienceS = 3.0;
 
 }  // namespace
 
-Pedestrian::Pedestrian(const PersonSpec& person) : corners_(person.path_m), speed_m_s_(person.speed_m_s) {
+Pedestrian::Pedestrian(const PersonSpec& person)
+    : corners_(person.path_m), speed_m_s_(person.speed_m_s), stands_s_(person.starts_s) {
   if (!person.closed)
     for (std::size_t i = person.path_m.size() - 1; i-- > 0;) corners_.push_back(person.path_m[i]);
   else
@@ -55,6 +56,10 @@ void Pedestrian::rotate_towards(double heading, double step_s) {
 
 void Pedestrian::step(double step_s, const Pose2& robot) {
   if (length_m_ <= 0) return;
+  if (stands_s_ > 0) {
+    stands_s_ -= step_s;
+    return;
+  }
   if (path_is_clear(robot)) {
     along_m_ = std::fmod(along_m_ + direction_ * speed_m_s_ * step_s + length_m_, length_m_);
     waited_s_ = 0;

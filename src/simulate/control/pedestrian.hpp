@@ -7,8 +7,8 @@
 
 namespace extperfc::simulate {
 
-/// A person who walks along a path at constant speed and faces forward. Where the robot stands in the path
-/// the person waits, and walks back the same path when the robot is still there after 3 s.
+/// A person who, after a time, walks along a path at constant speed and faces forward. Where the robot stands
+/// in the path the person waits, and walks back the same path when the robot is still there after 3 s.
 class Pedestrian {
  public:
   explicit Pedestrian(const PersonSpec& person);
@@ -27,6 +27,7 @@ class Pedestrian {
   double length_m_{0};
   double speed_m_s_;
   double along_m_{0};
+  double stands_s_;      // before the first step
   double direction_{1};  // -1: backwards along the path
   double waited_s_{0};
   Pose2 pose_;

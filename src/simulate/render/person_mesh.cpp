@@ -6,6 +6,9 @@
 
 #include "extperfc/base/math.hpp"
 
+#include "simulate/render/face_texture.hpp"
+#include "simulate/render/head_mesh.hpp"
+
 namespace extperfc::simulate {
 
 namespace {
@@ -141,28 +144,42 @@ void add_trunk(Figure& figure) {
       {{{0, 0, 0.80F}, 0.120F, 0.085F}, {{0, 0, 0.86F}, 0.163F, 0.112F}, {{0, 0, 0.95F}, 0.160F, 0.108F}});
 }
 
-void add_head(Figure& figure) {
-  figure.add(PersonPart::kSkin, {{{-0.006F, 0, 1.46F}, 0.054F, 0.054F},
-                                 {{0, 0, 1.52F}, 0.050F, 0.053F},
-                                 {{0.008F, 0, 1.57F}, 0.050F, 0.058F}});
-  figure.add(PersonPart::kSkin, {{{0.040F, 0, 1.542F}, 0.026F, 0.030F},
-                                 {{0.030F, 0, 1.565F}, 0.048F, 0.062F},
-                                 {{0.020F, 0, 1.605F}, 0.064F, 0.084F},
-                                 {{0.013F, 0, 1.650F}, 0.072F, 0.094F},
-                                 {{0.008F, 0, 1.695F}, 0.074F, 0.093F},
-                                 {{0.002F, 0, 1.735F}, 0.060F, 0.075F},
-                                 {{0, 0, 1.755F}, 0.032F, 0.040F}});
-  figure.add(ellipsoid({0.110F, 0, 1.632F}, 0.016F, 0.013F, 0.026F, figure.surface(PersonPart::kSkin)));
-  for (const float y : {-0.074F, 0.074F})
-    figure.add(ellipsoid({0.005F, y, 1.640F}, 0.018F, 0.009F, 0.030F, figure.surface(PersonPart::kSkin)));
-  for (const float y : {-0.028F, 0.028F})
-    figure.add(ellipsoid({0.094F, y, 1.662F}, 0.007F, 0.011F, 0.006F, figure.surface(PersonPart::kHair)));
-  figure.add(PersonPart::kHair, {{{-0.040F, 0, 1.565F}, 0.045F, 0.035F},
-                                 {{-0.026F, 0, 1.620F}, 0.070F, 0.066F},
-                                 {{-0.014F, 0, 1.680F}, 0.081F, 0.086F},
-                                 {{-0.004F, 0, 1.730F}, 0.074F, 0.090F},
-                                 {{0.002F, 0, 1.762F}, 0.050F, 0.062F},
-                                 {{0.002F, 0, 1.774F}, 0.026F, 0.032F}});
+void add_neck(Figure& figure) {
+  figure.add(PersonPart::kSkin, {{{-0.006F, 0, 1.46F}, 0.056F, 0.054F},
+                                 {{-0.008F, 0, 1.50F}, 0.049F, 0.050F},
+                                 {{-0.008F, 0, 1.54F}, 0.046F, 0.050F},
+                                 {{-0.006F, 0, 1.59F}, 0.046F, 0.052F}});
+}
+
+/// The outline of an ear is a little wider above.
+void add_ears(Figure& figure, const FaceFeatures& face) {
+  const float half = face.head_half_width_m;
+  for (const float side : {-1.0F, 1.0F})
+    figure.add(PersonPart::kSkin, {{{0.004F, side * (half - 0.003F), 1.615F}, 0.006F, 0.006F},
+                                   {{0.001F, side * (half - 0.001F), 1.628F}, 0.008F, 0.012F},
+                                   {{-0.004F, side * (half + 0.003F), 1.650F}, 0.009F, 0.017F},
+                                   {{-0.006F, side * (half + 0.004F), 1.664F}, 0.008F, 0.014F},
+                                   {{-0.006F, side * (half + 0.002F), 1.672F}, 0.005F, 0.008F}});
+}
+
+/// Hair that hangs or is bound; the rest is part of the head.
+void add_long_hair(Figure& figure, const FaceFeatures& face) {
+  const float half = face.head_half_width_m;
+  if (face.hair_style == HairStyle::kLong)
+    figure.add(PersonPart::kHair, {{{-0.040F, 0, 1.690F}, half, 0.050F},
+                                   {{-0.048F, 0, 1.620F}, half + 0.012F, 0.052F},
+                                   {{-0.056F, 0, 1.540F}, half + 0.014F, 0.046F},
+                                   {{-0.072F, 0, 1.460F}, half + 0.012F, 0.036F},
+                                   {{-0.086F, 0, 1.390F}, half - 0.006F, 0.026F}});
+  if (face.hair_style == HairStyle::kBun)
+    figure.add(ellipsoid({-0.098F, 0, 1.735F}, 0.038F, 0.038F, 0.034F, figure.surface(PersonPart::kHair)));
+}
+
+void add_head(Figure& figure, const FaceFeatures& face) {
+  add_neck(figure);
+  figure.add(make_head(HeadShape(face), figure.surface(PersonPart::kHead)));
+  if (face.hair_style != HairStyle::kLong) add_ears(figure, face);
+  add_long_hair(figure, face);
 }
 
 /// From the hip over the knee to the ankle, then the shoe.
@@ -209,10 +226,10 @@ void add_arm(Figure& figure, const Vector3f& shoulder, const Vector3f& elbow, co
 
 }  // namespace
 
-Mesh make_person(const PersonSurfaces& surfaces) {
+Mesh make_person(const PersonSurfaces& surfaces, const FaceFeatures& face) {
   Figure figure(surfaces);
   add_trunk(figure);
-  add_head(figure);
+  add_head(figure, face);
   add_leg(figure, 0.090F, {0.150F, 0.088F, 0.50F}, {0.215F, 0.085F, 0.095F}, 0.0F);
   add_leg(figure, -0.090F, {-0.010F, -0.088F, 0.50F}, {-0.235F, -0.085F, 0.150F}, 0.060F);
   add_arm(figure, {-0.005F, -0.200F, 1.395F}, {0.020F, -0.245F, 1.125F}, {0.170F, -0.225F, 0.945F});
@@ -220,18 +237,17 @@ Mesh make_person(const PersonSurfaces& surfaces) {
   return figure.take();
 }
 
-Material person_material(PersonPart part, const Eigen::Vector3f& clothes, std::uint32_t number) {
-  static const std::array<Eigen::Vector3f, 4> kSkins{
-      {{0.90F, 0.72F, 0.60F}, {0.78F, 0.57F, 0.43F}, {0.55F, 0.38F, 0.28F}, {0.95F, 0.80F, 0.70F}}};
-  static const std::array<Eigen::Vector3f, 4> kHairs{
-      {{0.22F, 0.15F, 0.10F}, {0.09F, 0.08F, 0.08F}, {0.07F, 0.06F, 0.06F}, {0.62F, 0.47F, 0.28F}}};
+Material person_material(PersonPart part, const Eigen::Vector3f& clothes, std::uint32_t number,
+                         const FaceFeatures& face) {
   static const std::array<Eigen::Vector3f, 4> kTrousers{
       {{0.24F, 0.30F, 0.42F}, {0.22F, 0.22F, 0.24F}, {0.55F, 0.49F, 0.39F}, {0.30F, 0.27F, 0.24F}}};
   switch (part) {
     case PersonPart::kSkin:
-      return {kSkins[number % 4], Texture::kNone, 1.0F, 0.08F};
+      return {{face.skin.r, face.skin.g, face.skin.b}, Texture::kNone, 1.0F, 0.06F};
     case PersonPart::kHair:
-      return {kHairs[number % 4], Texture::kNone, 1.0F, 0.15F};
+      return {{face.hair.r, face.hair.g, face.hair.b}, Texture::kNone, 1.0F, 0.10F};
+    case PersonPart::kHead:
+      return {{1, 1, 1}, Texture::kNone, kFaceTextureSize_m, 0.06F};
     case PersonPart::kShirt:
       return {clothes, Texture::kCloth, 0.30F, 0.0F};
     case PersonPart::kTrousers:

@@ -1,9 +1,12 @@
 #include "simulate/render/stage.hpp"
 
 #include <algorithm>
+#include <set>
 #include <string>
 #include <utility>
 
+#include "simulate/render/face_features.hpp"
+#include "simulate/render/face_texture.hpp"
 #include "simulate/render/person_mesh.hpp"
 
 namespace extperfc::simulate {
@@ -24,7 +27,10 @@ class Builder {
   Stage take() { return std::move(stage_); }
 
  private:
-  std::uint32_t add_surface(const Material& material, std::uint16_t instance);
+  std::uint32_t add_surface(const Material& material, const MipTexture* texture, std::uint16_t instance);
+  /// The texture of a face, drawn when the first person has it.
+  const MipTexture& face_texture(int seed, const FaceFeatures& face);
+  void add_person(const PersonSpec& person, int index, const FaceFeatures& face, const MipTexture& texture);
   Result<void> add_shapes(const std::vector<Shape>& shapes, const Pose& mesh_T_body, std::uint16_t instance,
                           Mesh& mesh);
 
@@ -35,14 +41,14 @@ float luminance(const std::array<float, 3>& linear) {
   return 0.2126F * linear[0] + 0.7152F * linear[1] + 0.0722F * linear[2];
 }
 
-std::uint32_t Builder::add_surface(const Material& material, std::uint16_t instance) {
+std::uint32_t Builder::add_surface(const Material& material, const MipTexture* texture,
+                                   std::uint16_t instance) {
   TriangleSurface surface;
   for (int i = 0; i < 3; ++i) {
     const float c = std::clamp(material.colour[i], 0.0F, 1.0F);
     surface.albedo[static_cast<std::size_t>(i)] = c * c;  // sRGB's curve is close to a square
   }
   surface.gloss = std::clamp(material.gloss, 0.0F, 1.0F);
-  const MipTexture* const texture = texture_of(material.texture);
   if (texture != nullptr) surface.texture = texture->pixels.data();
   surface.pixels_per_m = static_cast<float>(MipTexture::kSize) / std::max(material.texture_size_m, 1e-3F);
   surface.brightness = luminance(surface.albedo) * (texture != nullptr ? texture->brightness : 1.0F);
@@ -54,7 +60,8 @@ std::uint32_t Builder::add_surface(const Material& material, std::uint16_t insta
 Result<void> Builder::add_shapes(const std::vector<Shape>& shapes, const Pose& mesh_T_body,
                                  std::uint16_t instance, Mesh& mesh) {
   for (const auto& shape : shapes) {
-    const auto part = make_mesh(shape.geometry, shape.material, add_surface(shape.material, instance));
+    const auto part = make_mesh(shape.geometry, shape.material,
+                                add_surface(shape.material, texture_of(shape.material.texture), instance));
     if (!part) return tl::unexpected(part.error());
     const Pose mesh_T_shape = mesh_T_body * shape.body_T_shape;
     mesh.append(*part, mesh_T_shape.cast<float>());
@@ -105,15 +112,42 @@ Result<void> Builder::add_bodies(const std::vector<BodySpec>& bodies) {
   return {};
 }
 
+const MipTexture& Builder::face_texture(int seed, const FaceFeatures& face) {
+  const auto known = stage_.faces.find(seed);
+  if (known != stage_.faces.end()) return known->second;
+  return stage_.faces.emplace(seed, make_face_texture(face)).first->second;
+}
+
+void Builder::add_person(const PersonSpec& person, int index, const FaceFeatures& face,
+                         const MipTexture& texture) {
+  const auto instance = add_instance({person.name, "person", -1});
+  PersonSurfaces surfaces{};
+  for (const auto part : kPersonParts) {
+    const Material material = person_material(part, person.colour, static_cast<std::uint32_t>(index), face);
+    surfaces[static_cast<std::size_t>(part)] =
+        add_surface(material, part == PersonPart::kHead ? &texture : texture_of(material.texture), instance);
+  }
+  stage_.mesh_instances.push_back({make_person(surfaces, face), Attachment::kPerson, index});
+}
+
 void Builder::add_people(const std::vector<PersonSpec>& people) {
   for (std::size_t i = 0; i < people.size(); ++i) {
-    const auto instance = add_instance({people[i].name, "person", -1});
-    PersonSurfaces surfaces{};
-    for (const auto part : kPersonParts)
-      surfaces[static_cast<std::size_t>(part)] =
-          add_surface(person_material(part, people[i].colour, static_cast<std::uint32_t>(i)), instance);
-    stage_.mesh_instances.push_back({make_person(surfaces), Attachment::kPerson, static_cast<int>(i)});
+    const int seed = face_seed(people[i]);
+    const FaceFeatures face = face_features(seed);
+    add_person(people[i], static_cast<int>(i), face, face_texture(seed, face));
   }
+}
+
+Result<void> check_faces(const WorldSpec& world) {
+  std::set<int> seeds;
+  for (const auto& person : world.people) {
+    seeds.insert(face_seed(person));
+    if (seeds.size() > kMaxFaces)
+      return fail(ErrorCode::kUnsupported, "world " + world.name + ", person " + person.name +
+                                               ": more than " + std::to_string(kMaxFaces) +
+                                               " different faces; give some people the same `face`");
+  }
+  return {};
 }
 
 }  // namespace
@@ -123,6 +157,7 @@ Result<Stage> build_stage(const RobotModel& robot, const WorldSpec& world) {
     return fail(ErrorCode::kUnsupported, "world " + world.name + " has more than " +
                                              std::to_string(kMaxInstances) +
                                              " bodies and people; leave some out");
+  if (auto checked = check_faces(world); !checked) return tl::unexpected(checked.error());
   Builder builder;
   builder.add_instance({"nothing", "", -1});
   if (auto added = builder.add_robot(robot); !added) return tl::unexpected(added.error());

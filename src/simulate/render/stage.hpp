@@ -2,6 +2,7 @@
 
 #include <array>
 #include <cstdint>
+#include <map>
 #include <vector>
 
 #include "extperfc/base/error.hpp"
@@ -35,15 +36,19 @@ struct MeshInstance {
   int index{0};  ///< of the link, body or person
 };
 
+/// Different faces of one world: each has a texture of 1.4 MB.
+inline constexpr std::size_t kMaxFaces = 64;
+
 /// All that can be seen. Instance 0 is nothing, 1 the robot, then bodies and people in the order of the
 /// world.
 struct Stage {
   std::vector<MeshInstance> mesh_instances;
   std::vector<TriangleSurface> surfaces;
   std::vector<Instance> instances;
+  std::map<int, MipTexture> faces;  ///< by seed, at most kMaxFaces; surfaces point into them
 };
 
-/// Errors: a mesh that cannot be read, more than 65,000 instances.
+/// Errors: a mesh that cannot be read, more than 65,000 instances, more than kMaxFaces different faces.
 [[nodiscard]] Result<Stage> build_stage(const RobotModel& robot, const WorldSpec& world);
 
 }  // namespace extperfc::simulate

@@ -6,68 +6,11 @@
 
 #include "extperfc/base/math.hpp"
 
-#include "simulate/render/hash_noise.hpp"
+#include "simulate/render/lattice_noise.hpp"
 
 namespace extperfc::simulate {
 
 namespace {
-
-/// sRGB, [0, 1].
-struct Colour {
-  float r, g, b;
-};
-
-Colour grey(float value) {
-  return {value, value, value};
-}
-
-Colour mix(const Colour& a, const Colour& b, float t) {
-  return {a.r + (b.r - a.r) * t, a.g + (b.g - a.g) * t, a.b + (b.b - a.b) * t};
-}
-
-Colour scaled(const Colour& c, float by) {
-  return {c.r * by, c.g * by, c.b * by};
-}
-
-float smooth_step(float low, float high, float x) {
-  const float t = std::clamp((x - low) / (high - low), 0.0F, 1.0F);
-  return t * t * (3.0F - 2.0F * t);
-}
-
-int wrap(int i, int period) {
-  return ((i % period) + period) % period;
-}
-
-/// Uniform value of a cell of a lattice, [0, 1).
-float cell(std::uint32_t layer, int x, int y) {
-  return uniform(noise_bits({layer * 0x68E31DA4U + 17U, layer}, static_cast<std::uint32_t>(y * 4096 + x)));
-}
-
-/// Smooth noise on a lattice of `across` x `down` cells that repeats; x, y in [0, 1) are the whole texture.
-float lattice(std::uint32_t layer, float x, float y, int across, int down) {
-  const float fx = x * static_cast<float>(across);
-  const float fy = y * static_cast<float>(down);
-  const int ix = static_cast<int>(std::floor(fx));
-  const int iy = static_cast<int>(std::floor(fy));
-  const float tx = smooth_step(0, 1, fx - static_cast<float>(ix));
-  const float ty = smooth_step(0, 1, fy - static_cast<float>(iy));
-  const auto at = [&](int dx, int dy) { return cell(layer, wrap(ix + dx, across), wrap(iy + dy, down)); };
-  const float top = at(0, 0) + (at(1, 0) - at(0, 0)) * tx;
-  const float bottom = at(0, 1) + (at(1, 1) - at(0, 1)) * tx;
-  return top + (bottom - top) * ty;
-}
-
-/// Sum of octaves, [0, 1).
-float octaves(std::uint32_t layer, float x, float y, int across, int down, int count) {
-  float sum = 0;
-  float weight = 0.5F;
-  float total = 0;
-  for (int i = 0; i < count; ++i, across *= 2, down *= 2, weight *= 0.5F) {
-    sum += weight * lattice(layer + static_cast<std::uint32_t>(i), x, y, across, down);
-    total += weight;
-  }
-  return sum / total;
-}
 
 /// Four boards, grain along x.
 Colour wood(float x, float y) {
@@ -311,56 +254,9 @@ Colour pattern(Texture texture, float x, float y) {
   return grey(1.0F);
 }
 
-Colour clamped(const Colour& c) {
-  return {std::clamp(c.r, 0.0F, 1.0F), std::clamp(c.g, 0.0F, 1.0F), std::clamp(c.b, 0.0F, 1.0F)};
-}
-
-std::uint32_t pack(const Colour& c) {
-  const auto byte = [](float v) { return static_cast<std::uint32_t>(std::lround(v * 255.0F)); };
-  return byte(c.r) | byte(c.g) << 8 | byte(c.b) << 16;
-}
-
-/// The level of half the size: each pixel is the mean of 2 x 2. Levels stay unrounded, or the
-/// rounding of eight of them would add up to two grey values.
-std::vector<Colour> halved(const std::vector<Colour>& larger, int size) {
-  std::vector<Colour> smaller;
-  smaller.reserve(static_cast<std::size_t>(size) * static_cast<std::size_t>(size));
-  for (int y = 0; y < size; ++y)
-    for (int x = 0; x < size; ++x) {
-      const Colour* const upper = larger.data() + static_cast<std::ptrdiff_t>(2 * y) * (2 * size) + 2 * x;
-      const Colour* const lower = upper + 2 * size;
-      smaller.push_back({0.25F * (upper[0].r + upper[1].r + lower[0].r + lower[1].r),
-                         0.25F * (upper[0].g + upper[1].g + lower[0].g + lower[1].g),
-                         0.25F * (upper[0].b + upper[1].b + lower[0].b + lower[1].b)});
-    }
-  return smaller;
-}
-
-MipTexture make_texture(Texture kind) {
-  MipTexture texture;
-  constexpr int n = MipTexture::kSize;
-  texture.pixels.reserve(static_cast<std::size_t>(MipTexture::first_pixel(1)) + 1);
-  std::vector<Colour> level;
-  level.reserve(static_cast<std::size_t>(n) * n);
-  for (int y = 0; y < n; ++y)
-    for (int x = 0; x < n; ++x)
-      level.push_back(
-          clamped(pattern(kind, (static_cast<float>(x) + 0.5F) / n, (static_cast<float>(y) + 0.5F) / n)));
-  for (int size = n; size > 0; size /= 2) {
-    if (size < n) level = halved(level, size);
-    std::transform(level.begin(), level.end(), std::back_inserter(texture.pixels), pack);
-  }
-  const auto linear = [&](int shift) {
-    const float value = static_cast<float>(texture.pixels.back() >> shift & 0xFFU) / 255.0F;
-    return value * value;
-  };
-  texture.brightness = 0.2126F * linear(0) + 0.7152F * linear(8) + 0.0722F * linear(16);
-  return texture;
-}
-
 template <Texture kKind>
 const MipTexture* made_once() {
-  static const MipTexture texture = make_texture(kKind);
+  static const MipTexture texture = make_mip_texture([](float x, float y) { return pattern(kKind, x, y); });
   return &texture;
 }
 

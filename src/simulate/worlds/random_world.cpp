@@ -56,12 +56,19 @@ WorldSpec table_world(const RandomWorldParams& params, std::uint64_t seed) {
   return world;
 }
 
+/// The people of all random worlds have the same names, and another face in each.
+WorldSpec with_faces(WorldSpec world, std::uint64_t seed) {
+  constexpr std::uint64_t kFaces = static_cast<std::uint64_t>(kMaxFaceSeed) + 1U;
+  for (PersonSpec& person : world.people) person.face = static_cast<int>(seed++ % kFaces);
+  return world;
+}
+
 }  // namespace
 
 Result<WorldSpec> random_world(const RandomWorldParams& params, std::uint64_t seed) {
   if (const auto checked = check(params); !checked) return tl::unexpected(checked.error());
-  return params.kind == RandomWorldParams::Kind::kTable ? table_world(params, seed)
-                                                        : floor_world(params, seed);
+  const bool table = params.kind == RandomWorldParams::Kind::kTable;
+  return with_faces(table ? table_world(params, seed) : floor_world(params, seed), seed);
 }
 
 }  // namespace extperfc::simulate

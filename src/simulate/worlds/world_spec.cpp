@@ -50,7 +50,9 @@ std::vector<Origin> read_people(YamlMap& file, WorldSpec& world) {
     person.path_m = points_of(map, "path", 1);
     person.speed_m_s = map.number("speed", {0.01, 5}, person.speed_m_s);
     person.closed = map.flag("closed", false);
+    person.starts_s = map.number("starts", {0, 1e6}, 0);
     person.colour = read_colour(map, "colour", person.colour);
+    if (map.has("face")) person.face = map.integer("face", 0, kMaxFaceSeed, 0);
     map.refuse_unknown();
     for (const PersonSpec& other : world.people)
       if (other.name == person.name)

@@ -32,6 +32,16 @@ TEST(Pedestrian, GoesThereAndBackOnAnOpenPath) {
   EXPECT_NEAR(std::abs(pedestrian.pose().yaw), M_PI, 1e-6);
 }
 
+TEST(Pedestrian, StandsBeforeItStarts) {
+  auto spec = person({{0, 0}, {2, 0}}, false);
+  spec.starts_s = 2.0;
+  Pedestrian pedestrian(spec);
+  walk(pedestrian, 1.9);
+  EXPECT_EQ(pedestrian.pose().x, 0.0);
+  walk(pedestrian, 1.1);
+  EXPECT_NEAR(pedestrian.pose().x, 1.0, 0.01);
+}
+
 TEST(Pedestrian, GoesRoundOnAClosedPath) {
   Pedestrian pedestrian(person({{0, 0}, {1, 0}, {1, 1}, {0, 1}}, true));
   walk(pedestrian, 3.5);
@@ -48,6 +58,13 @@ TEST(Pedestrian, WaitsForTheRobotAheadAndPassesOneBehind) {
   EXPECT_NEAR(pedestrian.pose().yaw, 0.0, 1e-6);
   walk(pedestrian, 1.0, Pose2{0.8, 0, 0});
   EXPECT_GT(pedestrian.pose().x, 2.0);
+}
+
+TEST(Pedestrian, LooksWhereItWentWhileItWaits) {
+  Pedestrian pedestrian(person({{0, 0}, {0, 4}}, false));
+  walk(pedestrian, 3.0, Pose2{0, 2, 0});
+  EXPECT_NEAR(pedestrian.pose().y, 1.0, 0.01);
+  EXPECT_NEAR(pedestrian.pose().yaw, M_PI / 2, 1e-6);
 }
 
 TEST(Pedestrian, WalksBackWhenTheRobotStays) {

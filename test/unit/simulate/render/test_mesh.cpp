@@ -9,6 +9,7 @@
 
 #include <gtest/gtest.h>
 
+#include "simulate/render/head_mesh.hpp"
 #include "simulate/render/mesh.hpp"
 #include "simulate/render/person_mesh.hpp"
 #include "test/support/temporary_folder.hpp"
@@ -86,11 +87,11 @@ TEST(Mesh, AppendMovesAndRenumbers) {
 }
 
 TEST(Mesh, PersonStandsOnTheFloorAndIsOneMetreSeventy) {
-  const Mesh person = make_person({0, 1, 2, 3, 4});
+  const Mesh person = make_person({0, 1, 2, 3, 4, 5}, face_features(7));
   expect_sound(person, 40);
   float low = 9;
   float high = 0;
-  std::array<bool, 5> seen{};
+  std::array<bool, 6> seen{};
   for (const auto& v : person.vertices) {
     low = std::min(low, v.position.z());
     high = std::max(high, v.position.z());
@@ -100,6 +101,15 @@ TEST(Mesh, PersonStandsOnTheFloorAndIsOneMetreSeventy) {
   EXPECT_NEAR(high, 1.77F, 0.03F);
   for (const bool part : seen) EXPECT_TRUE(part);
   EXPECT_LT(person.triangles.size(), 12000U);
+}
+
+TEST(Mesh, HeadsOfAllSeedsAreClosedAndOfAHeadsSize) {
+  for (int seed = 0; seed < 24; ++seed) {
+    const Mesh head = make_head(HeadShape(face_features(seed)), 0);
+    expect_sound(head, 60);
+    EXPECT_GT(volume(head), 0.0030) << seed;  // [m^3]
+    EXPECT_LT(volume(head), 0.0055) << seed;
+  }
 }
 
 using Face = std::array<Vector3f, 3>;

@@ -39,6 +39,7 @@ std::vector<double> numbers_of(const WorldSpec& world) {
     }
   }
   for (const PersonSpec& person : world.people) numbers.push_back(person.path_m.at(0).x());
+  for (const PersonSpec& person : world.people) numbers.push_back(person.face.value());
   return numbers;
 }
 

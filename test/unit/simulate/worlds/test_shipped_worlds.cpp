@@ -39,7 +39,7 @@ TEST(ShippedWorlds, AllLoad) {
     EXPECT_EQ(world->name, entry.path().stem().string()) << "a world is named as its file";
     names.insert(world->name);
   }
-  for (const char* name : {"lab", "office", "bookshelf", "empty", "grasp"})
+  for (const char* name : {"lab", "office", "bookshelf", "empty", "flat", "grasp"})
     EXPECT_EQ(names.count(name), 1U) << name;
 }
 

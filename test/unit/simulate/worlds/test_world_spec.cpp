@@ -59,7 +59,8 @@ materials:
 objects:
   - box: {name: crate, at: [1, 2, 0.5], size: [0.2, 0.4, 0.6], yaw_deg: 90, material: ash, mobility: movable}
 people:
-  - {name: eve, path: [[0, 1], [1, -1]], speed: 1.2, closed: true, colour: red}
+  - {name: eve, path: [[0, 1], [1, -1]], speed: 1.2, closed: true, colour: red, face: 12}
+  - {name: ada, path: [[0, 2]]}
 )");
   EXPECT_EQ(world.name, "test");
   EXPECT_EQ(world.description, "a room");
@@ -77,7 +78,9 @@ people:
   EXPECT_EQ(crate.shapes[0].material.texture, Texture::kWood);
   EXPECT_EQ(crate.shapes[0].material.colour, Eigen::Vector3f(1, 0, 0));
   EXPECT_FLOAT_EQ(crate.shapes[0].material.gloss, 0.2F);
-  ASSERT_EQ(world.people.size(), 1U);
+  ASSERT_EQ(world.people.size(), 2U);
+  EXPECT_EQ(world.people[0].face, 12);
+  EXPECT_FALSE(world.people[1].face) << "derived from the name when it is drawn";
   EXPECT_TRUE(world.people[0].closed);
   EXPECT_DOUBLE_EQ(world.people[0].speed_m_s, 1.2);
 }
@@ -261,6 +264,9 @@ TEST(WorldSpecErrors, OfTheRobot) {
 TEST(WorldSpecErrors, OfPeople) {
   expect_problem(kHead + "people:\n  - {name: eve, path: [[0, 5]]}\n", 4,
                  {"people[0]", "outside the floor plan"});
+  for (const std::string wrong : {"-1", "2.5", "1000000", "round", "[1]"})
+    expect_problem(kHead + "people:\n  - {name: eve, path: [[0, 1]], face: " + wrong + "}\n", 4,
+                   {"people[0].face: must be a whole number in [0, 999999], not "});
   expect_problem(kHead + "people:\n  - {name: eve, path: []}\n", 4, {"people[0].path", "at least 1"});
   expect_problem(kHead + "people:\n  - {name: eve, path: [[0, 1]]}\n  - {name: eve, path: [[0, 2]]}\n", 5,
                  {"two people \"eve\""});
