@@ -7,17 +7,17 @@ find_package(catkin REQUIRED COMPONENTS
   tf2 tf2_eigen tf2_ros trajectory_msgs vision_msgs visualization_msgs)
 
 catkin_python_setup()
-add_message_files(FILES ArmCode.msg ArmRequest.msg SceneObject.msg ToolConstraint.msg ToolGoal.msg Track.msg
+add_message_files(FILES ArmCode.msg ArmRequest.msg Face.msg FaceArray.msg SceneObject.msg ToolConstraint.msg ToolGoal.msg Track.msg
   NavCode.msg NavigationStatus.msg TrackArray.msg)
 add_service_files(FILES
-  ApplyScene.srv CheckArmState.srv DetectOnce.srv GetScene.srv LoadSession.srv MoveBody.srv ObjectCloud.srv SaveMap.srv SetFault.srv
+  ApplyScene.srv CheckArmState.srv DetectOnce.srv EnrollFace.srv ForgetFace.srv GetScene.srv LoadSession.srv MoveBody.srv ObjectCloud.srv SaveMap.srv SetFault.srv
   SetRealTimeFactor.srv SolveArmIk.srv StepSimulation.srv)
 add_action_files(FILES Explore.action FollowWaypoints.action MoveArm.action Pick.action Place.action Plan.action)
 generate_messages(DEPENDENCIES actionlib_msgs geometry_msgs sensor_msgs shape_msgs std_msgs trajectory_msgs vision_msgs)
 
 catkin_package(
   INCLUDE_DIRS include
-  LIBRARIES extperfc_base extperfc_world extperfc_detect extperfc_depth extperfc_track extperfc_sources extperfc_scan
+  LIBRARIES extperfc_base extperfc_world extperfc_detect extperfc_face extperfc_depth extperfc_track extperfc_sources extperfc_scan
     extperfc_robot_model extperfc_simulate_worlds extperfc_simulate_render extperfc_simulate_bodies
     extperfc_simulate_control extperfc_simulate_trajectory extperfc_translate_schema extperfc_translate_plan
     extperfc_translate_rules extperfc_translate_peer extperfc_translate_bridge extperfc_mapping extperfc_localize

@@ -52,6 +52,10 @@ std::vector<std::vector<int>> expected_shapes(const ModelSpec& spec) {
       return shapes;
     case OutputLayout::kYoloGrid:
       return {{5 + classes, kAny, kAny}};
+    case OutputLayout::kYunet:
+      return yunet_shapes(spec.input);
+    case OutputLayout::kVector:
+      return {{kAny}};
   }
   return shapes;
 }
@@ -99,6 +103,10 @@ Detections decode(const ModelSpec& spec, const std::vector<TensorView>& outputs)
       return decode_yolo_anchors(spec, outputs);
     case OutputLayout::kYoloGrid:
       return decode_yolo_grid(spec, outputs[0]);
+    case OutputLayout::kYunet:
+      return decode_yunet_boxes(spec, outputs);
+    case OutputLayout::kVector:
+      break;
   }
   return {};
 }

@@ -18,6 +18,10 @@ namespace extperfc::detect {
 [[nodiscard]] Detections decode_yolo_v8(const ModelSpec& spec, const TensorView& output);
 [[nodiscard]] Detections decode_yolo_anchors(const ModelSpec& spec, const std::vector<TensorView>& outputs);
 [[nodiscard]] Detections decode_yolo_grid(const ModelSpec& spec, const TensorView& output);
+[[nodiscard]] Detections decode_yunet_boxes(const ModelSpec& spec, const std::vector<TensorView>& outputs);
+
+/// Shapes of YuNet's tensors, in the order of OutputSpec::names.
+[[nodiscard]] std::vector<std::vector<int>> yunet_shapes(const InputSpec& input);
 
 /// Number of score columns of an SSD: the classes and, where there is one, the background.
 [[nodiscard]] inline int ssd_columns(const ModelSpec& spec) {

@@ -42,6 +42,9 @@ Detector::Detector(ModelSpec spec, std::unique_ptr<InferenceBackend> backend)
 }
 
 Result<Detector> Detector::create(ModelSpec spec, const InferenceOptions& options) {
+  if (spec.output.layout == OutputLayout::kVector)
+    return fail(ErrorCode::kUnsupported,
+                spec.name + ": layout vector has no boxes: use a model that detects");
   auto backend = make_backend(spec, options);
   if (!backend) return tl::unexpected(backend.error());
   return Detector(std::move(spec), std::move(*backend));

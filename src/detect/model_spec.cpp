@@ -15,13 +15,15 @@ namespace fs = std::filesystem;
 
 namespace {
 
-constexpr std::array<std::pair<OutputLayout, const char*>, 6> kLayouts{{
+constexpr std::array<std::pair<OutputLayout, const char*>, 8> kLayouts{{
     {OutputLayout::kSsd, "ssd"},
     {OutputLayout::kSsdPriors, "ssd_priors"},
     {OutputLayout::kYoloV7, "yolo_v7"},
     {OutputLayout::kYoloV8, "yolo_v8"},
     {OutputLayout::kYoloAnchors, "yolo_anchors"},
     {OutputLayout::kYoloGrid, "yolo_grid"},
+    {OutputLayout::kYunet, "yunet"},
+    {OutputLayout::kVector, "vector"},
 }};
 
 constexpr const char* kRemedy = "write a model.yaml for it (models/README.md has the format)";

@@ -9,6 +9,7 @@
 #include "extperfc/world/yaml_map.hpp"
 
 #include "detect/ssd_priors.hpp"
+#include "detect/yunet_levels.hpp"
 
 namespace extperfc::detect {
 
@@ -107,6 +108,7 @@ std::vector<AnchorLevel> parse_anchors(YamlMap& output) {
 
 std::size_t tensor_count(const OutputSpec& output) {
   if (output.layout == OutputLayout::kSsd || output.layout == OutputLayout::kSsdPriors) return 2;
+  if (output.layout == OutputLayout::kYunet) return kYunetTensors;
   return output.layout == OutputLayout::kYoloAnchors ? output.anchors.size() : 1;
 }
 
@@ -177,6 +179,13 @@ Thresholds parse_thresholds(YamlMap section) {
   return thresholds;
 }
 
+void check_yunet(const ModelSpec& spec, const YamlMap& root) {
+  if (spec.classes.size() > 1) root.problem("classes", "layout yunet finds one class: list one name");
+  if (spec.input.width % kYunetStrides.back() != 0 || spec.input.height % kYunetStrides.back() != 0)
+    root.problem("input", "layout yunet needs a width and a height that are multiples of " +
+                              std::to_string(kYunetStrides.back()));
+}
+
 std::string parse_sha256(YamlMap& root) {
   std::string digits = root.text("sha256", "");
   std::transform(digits.begin(), digits.end(), digits.begin(),
@@ -199,12 +208,17 @@ ModelSpec parse_model_yaml(const YAML::Node& root_node, const std::filesystem::p
   spec.sha256 = parse_sha256(root);
   spec.input = parse_input(root.section("input", true));
   spec.output = parse_output(root.section("output", true), spec.input);
-  spec.classes = parse_classes(root, folder);
+  if (spec.output.layout == OutputLayout::kVector)
+    for (const char* key : {"classes", "classes_file", "thresholds"})
+      root.refuse(key, "is not used by layout vector: remove it");
+  else
+    spec.classes = parse_classes(root, folder);
   spec.thresholds = parse_thresholds(root.section("thresholds", false));
   spec.source = root.text("source", "");
   spec.license = root.text("license", "");
   root.refuse_unknown();
   const int columns = static_cast<int>(spec.classes.size());
+  if (spec.output.layout == OutputLayout::kYunet) check_yunet(spec, root);
   if (spec.output.background_class > columns)
     root.problem("output.background_class", "must be in [-1, " + std::to_string(columns) + "]");
   return spec;

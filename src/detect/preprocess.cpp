@@ -9,75 +9,13 @@
 #include <opencv2/imgproc.hpp>
 
 #include "detect/area_resize.hpp"
+#include "detect/image_format.hpp"
 
 namespace extperfc::detect {
 
 namespace {
 
-constexpr float kPadding = 114.0F;           // grey of the letterbox bars, as YOLO is trained with
-constexpr double kMono16ToByte = 1.0 / 257;  // 65535 -> 255
-
-/// How OpenCV sees an image format.
-struct FormatTraits {
-  int type;                     ///< of the cv::Mat around the image
-  int conversion;               ///< code that makes it BGR, kDirect when it can be resized as it is
-  std::array<int, 3> channels;  ///< where red, green and blue are after the conversion
-};
-
-constexpr int kDirect = -1;
-constexpr std::array<int, 3> kRgb{0, 1, 2};
-constexpr std::array<int, 3> kBgr{2, 1, 0};
-constexpr std::array<int, 3> kGreyOrder{0, 0, 0};
-
-// OpenCV names a Bayer pattern after the second row's second and third pixel, ROS after the first 2 x 2
-// pixels.
-FormatTraits traits_of(PixelFormat format) {
-  switch (format) {
-    case PixelFormat::kRgb8:
-      return {CV_8UC3, kDirect, kRgb};
-    case PixelFormat::kBgr8:
-      return {CV_8UC3, kDirect, kBgr};
-    case PixelFormat::kRgba8:
-      return {CV_8UC4, kDirect, kRgb};
-    case PixelFormat::kBgra8:
-      return {CV_8UC4, kDirect, kBgr};
-    case PixelFormat::kMono8:
-      return {CV_8UC1, kDirect, kGreyOrder};
-    case PixelFormat::kMono16:
-      return {CV_16UC1, kDirect, kGreyOrder};
-    case PixelFormat::kBayerRggb8:
-      return {CV_8UC1, cv::COLOR_BayerBG2BGR, kBgr};
-    case PixelFormat::kBayerBggr8:
-      return {CV_8UC1, cv::COLOR_BayerRG2BGR, kBgr};
-    case PixelFormat::kBayerGbrg8:
-      return {CV_8UC1, cv::COLOR_BayerGR2BGR, kBgr};
-    case PixelFormat::kBayerGrbg8:
-      return {CV_8UC1, cv::COLOR_BayerGB2BGR, kBgr};
-    case PixelFormat::kYuv422:
-      return {CV_8UC2, cv::COLOR_YUV2BGR_UYVY, kBgr};
-    case PixelFormat::kYuv422Yuy2:
-      return {CV_8UC2, cv::COLOR_YUV2BGR_YUY2, kBgr};
-    case PixelFormat::kDepth16Mm:
-    case PixelFormat::kDepth32M:
-      break;
-  }
-  return {CV_8UC1, kDirect, kGreyOrder};
-}
-
-Result<void> check_image(const ImageView& image) {
-  const std::string size = std::to_string(image.width) + " x " + std::to_string(image.height);
-  const std::string encoding(encoding_of(image.format));
-  if (image.empty()) return fail(ErrorCode::kInvalidArgument, "the image is empty (" + size + " pixels)");
-  if (is_depth(image.format))
-    return fail(ErrorCode::kUnsupported,
-                "a depth image (" + encoding + ") cannot be searched for objects: give a colour image");
-  const auto min_row_bytes = static_cast<std::size_t>(image.width) * bytes_per_pixel(image.format);
-  if (image.row_bytes < min_row_bytes)
-    return fail(ErrorCode::kInvalidArgument, "a row of the " + size + " " + encoding + " image needs " +
-                                                 std::to_string(min_row_bytes) + " bytes, but its step is " +
-                                                 std::to_string(image.row_bytes));
-  return {};
-}
+constexpr float kPadding = 114.0F;  // grey of the letterbox bars, as YOLO is trained with
 
 /// Where the image goes in the input.
 cv::Rect target_area(const InputSpec& spec, int width, int height) {
@@ -144,9 +82,7 @@ Result<Placement> Preprocessor::run(const ImageView& image, float* planes) try {
   if (const auto checked = check_image(image); !checked) return tl::unexpected(checked.error());
   const FormatTraits traits = traits_of(image.format);
   const cv::Rect area = target_area(spec_, image.width, image.height);
-  // cv::Mat has no read-only form; nothing writes to it.
-  const cv::Mat pixels(image.height, image.width, traits.type, const_cast<std::uint8_t*>(image.data),
-                       image.row_bytes);
+  const cv::Mat pixels = mat_around(image, traits);
   if (traits.conversion != kDirect) cv::cvtColor(pixels, scratch_->colour, traits.conversion);
 
   const double unit = traits.type == CV_16UC1 ? kMono16ToByte : 1.0;

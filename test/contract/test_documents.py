@@ -15,7 +15,7 @@ import nodelet_pages  # noqa: E402
 # Loaders in src/ros/params and the files that they read.
 LOADERS = {
     "arm_params": ("arm",), "box_depth_params": ("box_depth",), "cloud_to_scan_params": ("cloud_to_scan",), "cmd_vel_mux_params": ("cmd_vel_mux",),
-    "detector_params": ("detector",), "explorer_params": ("explorer",), "localizer_params": ("localizer", "initial_pose"), "mapper_params": ("mapper",),
+    "detector_params": ("detector",), "explorer_params": ("explorer",), "faces_params": ("faces",), "localizer_params": ("localizer", "initial_pose"), "mapper_params": ("mapper",),
     "map_server_params": ("map_server",), "navigator_params": ("navigator",),
     "robot_interface_params": ("robot_interface",), "simulator_params": ("simulator",), "source_params": ("source",), "tracker_params": ("tracker",),
     "translator_params": ("translator",),

@@ -5,11 +5,12 @@ import re
 import unittest
 
 REPO = pathlib.Path(__file__).resolve().parents[2]
-MODULES = ("detect", "depth", "track", "sources", "simulate", "scan", "translate", "mapping", "localize", "navigate",
+MODULES = ("detect", "face", "depth", "track", "sources", "simulate", "scan", "translate", "mapping", "localize", "navigate",
            "offline", "arm")
 BELOW = {"base": set(), "world": {"base"}, **{module: {"base", "world"} for module in MODULES}}
+BELOW["face"] |= {"detect"}  # its networks run on the back ends of detect
 BELOW["offline"] |= {"mapping", "sources"}  # programs that join modules: a recording goes in, a map comes out
-ROS_HEADER = re.compile(r'#include\s*[<"](ros/(?!params|convert|health|detect|depth|track|sources|simulate|scan|translate|mapping|localize|map_server|navigate|explore|program|offline|arm)|tf2|nodelet/|pluginlib/|'
+ROS_HEADER = re.compile(r'#include\s*[<"](ros/(?!params|convert|health|detect|face|depth|track|sources|simulate|scan|translate|mapping|localize|map_server|navigate|explore|program|offline|arm)|tf2|nodelet/|pluginlib/|'
                         r'cv_bridge/|image_transport/|diagnostic_updater/|message_filters/|rosbag/|XmlRpc|[a-z_]+_msgs/)')
 PARAMETER_READ = re.compile(r'(?<!")' r"\b(getParam|getParamCached|param\s*<|ros::param::get)\b|\.param\s*\(")
 OWN_HEADER = re.compile(r'#include\s*[<"](?:extperfc/)?(\w+)/[\w/]+\.hpp[>"]')
@@ -28,7 +29,7 @@ NAMESPACE = re.compile(r"^(?:inline )?namespace (\w[\w:]*) \{", re.MULTILINE)
 OWNERS = {
     r"openvino/": {"detect"},
     r"opencv2/dnn": {"detect"},
-    r"yaml-cpp/": {"world", "detect", "sources", "simulate", "translate"},
+    r"yaml-cpp/": {"world", "detect", "face", "sources", "simulate", "translate"},
     r"nlohmann/": {"offline", "translate"},
     r"mrpt/": {"sources"},
     r"openssl/": {"base"},

@@ -64,7 +64,7 @@ def modules_dot():
         if module == "ros":
             text = ["<b>ros</b>: the only module with ROS headers", *rows]
         lines.append(f"  {module} [label=<{'<br/>'.join(text)}>];")
-    level = [module for module in modules() if module not in ("base", "world", "ros", "offline")]
+    level = [module for module in modules() if module not in ("base", "world", "ros", "face", "offline")]
     lines.append("  {rank=same; " + "; ".join(level) + "}")
     arrows = reduced({module: includes(module) for module in modules()})
     direct = includes("ros")

@@ -20,9 +20,12 @@ enum class OutputLayout {
   kYoloAnchors,  ///< one raw head per level [A * (5 + C), H, W]; YOLOv5/v7 anchor decoding
   kYoloGrid,     ///< one raw anchor-free head [1 + 4 + C, H, W]: objectness, tx ty tw th, class scores
                  ///< (FastestDet)
+  kYunet,        ///< cls, obj, bbox, kps of strides 8, 16, 32: see yunet.hpp
+  kVector,       ///< [N]: numbers that describe the whole image, no boxes; not for a Detector
 };
 
-/// Layout of a model.yaml name (`ssd`, `ssd_priors`, `yolo_v7`, `yolo_v8`, `yolo_anchors`, `yolo_grid`).
+/// Layout of a model.yaml name (`ssd`, `ssd_priors`, `yolo_v7`, `yolo_v8`, `yolo_anchors`, `yolo_grid`,
+/// `yunet`, `vector`).
 [[nodiscard]] Result<OutputLayout> layout_from_name(const std::string& name);
 [[nodiscard]] const char* to_string(OutputLayout layout);
 

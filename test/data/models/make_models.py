@@ -62,12 +62,23 @@ class YoloAnchors(nn.Module):
         return self.fine(x), self.coarse(x)
 
 
-def export(network, name, outputs):
+class Vector(nn.Module):
+    """One vector of 16 numbers from 112 x 112 pixels, as networks that describe faces have."""
+
+    def __init__(self):
+        super().__init__()
+        self.pool, self.project = nn.AvgPool2d(16), nn.Linear(3 * 7 * 7, 16)
+
+    def forward(self, x):
+        return self.project(self.pool(x).flatten(1))
+
+
+def export(network, name, outputs, size=(HEIGHT, WIDTH)):
     """One file beside this script."""
     torch.manual_seed(7)
     for parameter in network.parameters():
         nn.init.normal_(parameter, std=0.3)
-    torch.onnx.export(network.eval(), torch.rand(1, 3, HEIGHT, WIDTH), Path(__file__).with_name(name).as_posix(),
+    torch.onnx.export(network.eval(), torch.rand(1, 3, *size), Path(__file__).with_name(name).as_posix(),
                       opset_version=OPSET, input_names=['images'], output_names=outputs)
 
 
@@ -75,3 +86,4 @@ if __name__ == '__main__':
     export(YoloV8(), 'tiny_yolo_v8.onnx', ['output'])
     export(Ssd(), 'tiny_ssd.onnx', ['boxes', 'scores'])
     export(YoloAnchors(), 'tiny_yolo_anchors.onnx', ['fine', 'coarse'])
+    export(Vector(), 'tiny_vector.onnx', ['vector'], (112, 112))
