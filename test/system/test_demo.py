@@ -93,6 +93,24 @@ class Demo(unittest.TestCase):
                 self.assertLess(abs(row["estimated_m"] - row["true_m"]), 0.01, row)
             self.assertEqual(3, len(list(pathlib.Path(out).glob("shown_7_*.png"))))
 
+    @long_scenario("system/grasp runs most of its leaves")
+    def test_fetches_a_cube_in_a_flat(self):
+        with tempfile.TemporaryDirectory() as out:
+            done = demo("--seed", "12", "--speed", "0.7", "--out", out, task=["tour"], timeout=900)
+            self.assertEqual(0, done.returncode, done.stdout + done.stderr)
+            row = json.loads((pathlib.Path(out) / "seed_12" / "tour.json").read_text())
+            self.assertEqual((0, True), (row["contacts"], row["placed"]), row)
+            self.assertEqual(["deliver", "explore", "fetch", "search"], sorted(row["stages_s"]))
+
+    @long_scenario("unit/tasks follows with a base that is made up")
+    def test_follows_a_person(self):
+        with tempfile.TemporaryDirectory() as out:
+            done = demo("--seed", "1", "--seconds", "60", "--out", out, task=["follow"], timeout=600)
+            self.assertEqual(0, done.returncode, done.stdout + done.stderr)
+            row = json.loads((pathlib.Path(out) / "seed_1" / "follow.json").read_text())
+            self.assertGreater(row["driven_m"], 15.0)
+            self.assertEqual([], row["ghosts"])
+
     def test_errors_name_what_is_wrong(self):
         missing = demo("--source", "/no/such/folder")
         self.assertEqual(2, missing.returncode)
@@ -103,6 +121,12 @@ class Demo(unittest.TestCase):
         runs = demo("--runs", "0", task=["grasp"])
         self.assertEqual(2, runs.returncode)
         self.assertIn("--runs and --speed must be positive", runs.stderr)
+        faces = demo("--face-model", "/no/such/folder", task=["follow"])
+        self.assertEqual(2, faces.returncode)
+        self.assertIn("--face-model /no/such/folder is no folder", faces.stderr)
+        limit = demo("--limit", "0", task=["tour"])
+        self.assertEqual(2, limit.returncode)
+        self.assertIn("--limit must be positive", limit.stderr)
         nowhere = demo("--world", "atlantis")
         self.assertEqual(1, nowhere.returncode)
         self.assertIn("there is no world 'atlantis'", nowhere.stderr)

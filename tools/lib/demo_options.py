@@ -13,7 +13,7 @@ DESCRIPTION = """Detects objects, computes their 3D positions, and shows the res
 Without --source the simulated robot stands in its laboratory: detector and depth work on its camera, and the table
 reports how far each estimated position is from the truth. With a display it opens rviz.
 
-`tools/demo grasp` shows the arms, too: the robot finds, picks, shows and places objects (tools/demo grasp --help).
+Tasks of the whole robot: tools/demo grasp, tools/demo tour, tools/demo follow (each has its --help).
 """
 
 

@@ -24,6 +24,7 @@ THICK_M = 0.03       # of the box; and what counts as the surface: within half o
 LOWER_M = 0.004      # than the surface: depth is that uncertain, and an object must not seem to stick in it
 REACH_M = 0.7        # from the object, of the box's borders at most
 MIN_POINTS = 60
+SETTLE_S = 2.0       # of ROS time: the arm node's next images have taken away the points that are the box's now
 
 
 def surface_below(points, place):
@@ -65,7 +66,16 @@ class SeeSupport(Leaf):
         super().__init__(name or "see what it stands on")
         self.point, self.frame, self.object_name = point, frame, object_name
 
+    def begin(self):
+        self._until = None
+
     def step(self):
+        if self._until is None:
+            self._add()
+            self._until = rospy.Time.now() + rospy.Duration(SETTLE_S)
+        return True if rospy.Time.now() >= self._until else None
+
+    def _add(self):
         point = read(self.point)
         frame = point.pose.header.frame_id if hasattr(point, "pose") else self.frame
         base_T_frame = robot_state.frames().matrix(BASE_FRAME, frame, WAIT_S)
@@ -73,7 +83,6 @@ class SeeSupport(Leaf):
         size, middle = surface_below(self._seen(), place)
         scene().add_box(self.object_name, size, middle, BASE_FRAME)
         self.feedback_message = f"{size[0]:.2f} x {size[1]:.2f} m, {middle[2] + size[2] / 2:.3f} m high"
-        return True
 
     @staticmethod
     def _seen():

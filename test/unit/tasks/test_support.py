@@ -4,6 +4,7 @@ import pathlib
 import sys
 import types
 import unittest
+from unittest import mock
 
 import numpy
 
@@ -11,6 +12,8 @@ REPO = pathlib.Path(__file__).resolve().parents[3]
 sys.path.insert(0, str(REPO / "src"))
 
 try:
+    from py_trees.common import Status
+
     from extperfc.tasks import support
 except ModuleNotFoundError as error:
     raise unittest.SkipTest(f"{error.name} is not installed: tools/setup fetches it") from None
@@ -57,6 +60,40 @@ class Points(unittest.TestCase):
         depth[240, 321], depth[30, 300] = 1500, 1000
         found = support.points_of(depth, types.SimpleNamespace(K=(600.0, 0, 321.0, 0, 500.0, 240.0, 0, 0, 1)))
         numpy.testing.assert_allclose([[-21 / 600, -210 / 500, 1.0], [0, 0, 1.5]], found, atol=1e-9)
+
+
+class Leaf(unittest.TestCase):
+    def setUp(self):
+        self.seconds, self.boxes = 10.0, []
+        base_T_map = numpy.eye(4)
+        base_T_map[:3, 3] = (-2.0, 0.0, 0.0)
+        scene = types.SimpleNamespace(add_box=lambda *arguments: self.boxes.append(arguments))
+        frames = types.SimpleNamespace(matrix=lambda target, source, wait_s: base_T_map)
+        for patched in (mock.patch.object(support, "scene", lambda: scene),
+                        mock.patch.object(support.robot_state, "frames", lambda: frames),
+                        mock.patch.object(support.rospy.Time, "now", lambda: support.rospy.Time.from_sec(self.seconds)),
+                        mock.patch.object(support.SeeSupport, "_seen", lambda leaf: plane(0.5, 1.1, -0.4, 0.4, 0.7))):
+            patched.start()
+            self.addCleanup(patched.stop)
+
+    def test_it_adds_one_box_and_waits_for_the_arm_node(self):
+        leaf = support.SeeSupport((2.8, 0.0, 0.72), "map")
+        for _ in range(30):
+            leaf.tick_once()
+            if leaf.status != Status.RUNNING:
+                break
+            self.seconds += 0.1
+        self.assertEqual(Status.SUCCESS, leaf.status)
+        self.assertGreaterEqual(self.seconds, 12.0)
+        (name, size, middle, frame), = self.boxes
+        self.assertEqual(("support", "base_footprint"), (name, frame))
+        self.assertAlmostEqual(0.8, middle[0], delta=0.02)
+
+    def test_without_a_surface_it_fails(self):
+        leaf = support.SeeSupport((4.8, 0.0, 0.72), "map")
+        leaf.tick_once()
+        self.assertEqual((Status.FAILURE, []), (leaf.status, self.boxes))
+        self.assertIn("no surface is seen below (2.80, 0.00, 0.72)", leaf.feedback_message)
 
 
 if __name__ == "__main__":

@@ -190,6 +190,22 @@ class Finding(unittest.TestCase):
         self.see((0, 0.45, 0.0, 0.4))
         self.assertEqual(SUCCESS, tick(leaf))
 
+    def test_near_what_was_found_and_not_near_what_does_not_count(self):
+        tasks.write("first", found_at(0.5, 0.0, 0.6))
+        leaf = tasks.Find("cube", "it", confirm=1, frame="odom", near=tasks.Key("first"), near_m=0.1)
+        tick(leaf)
+        self.see((0, 0.3, 0.0, 0.4))
+        self.assertEqual(RUNNING, tick(leaf))
+        self.see((0, 0.45, 0.0, 0.4))
+        self.assertEqual(SUCCESS, tick(leaf))
+        leaf = tasks.Find("cube", "it", confirm=1, frame="odom", near_m=0.1)
+        leaf.ignored.append((0.5, 0.0, 0.6))
+        tick(leaf)
+        self.see((0, 0.45, 0.0, 0.4))
+        self.assertEqual(RUNNING, tick(leaf))
+        self.see((0, 0.3, 0.0, 0.4))
+        self.assertEqual(SUCCESS, tick(leaf))
+
     def test_only_what_is_small_and_sure_enough(self):
         for options in ({"max_size_m": 0.05}, {"min_score": 0.95}):
             leaf = tasks.Find("cube", "it", confirm=1, timeout_s=math.inf, **options)
@@ -390,7 +406,7 @@ class Driving(unittest.TestCase):
         self.failing = {2}
         leaf = self.search(free=lambda x, y: x > -1.0)
         self.assertEqual(FAILURE, leaf.status)
-        number, failed = (int(word) for word in re.findall(r"\d+", leaf.feedback_message))
+        number, failed = (int(digits) for digits in re.findall(r"\d+", leaf.feedback_message))
         self.assertGreater(failed, 1)
         self.assertEqual(len(self.sent), number - failed + 1, "the one that was sent and did not arrive")
 

@@ -1,0 +1,145 @@
+"""Who is followed, from scan to scan, and where to stand behind them. Without ROS; all positions in one frame that stands still
+and does not jump (odom)."""
+
+import math
+from dataclasses import dataclass
+
+import numpy
+
+TRAIL_STEP_M = 0.1       # between points of the trail
+TRAIL_M = 15.0           # of it are kept
+GATE_M = 0.6             # from where the leader should be to who is taken for the leader again
+GATE_GROWS_M_S = 0.9     # while the leader is not seen: a person may walk into any direction
+MAX_GATE_M = 3.0
+PREDICT_S = 1.0          # the leader is expected to walk straight on for so long
+WALKS_M_S = 0.25         # who is slower may be furniture
+FACE_M = 0.6             # from a face to the person it belongs to, on the floor
+OWN_FACE_S = 3.0         # a name holds so long without being seen again when another name is seen
+
+
+@dataclass(frozen=True)
+class Person:
+    """Of one scan. position and velocity: (x, y) [m, m/s]."""
+    track: int
+    position: tuple
+    velocity: tuple = (0.0, 0.0)
+    seen: bool = True  # False: predicted
+
+    @property
+    def speed(self):
+        return math.hypot(*self.velocity)
+
+
+@dataclass(frozen=True)
+class NamedFace:
+    """A recognised face above a place (x, y)."""
+    name: str
+    position: tuple
+
+
+class Leader:
+    """The person who is followed.
+
+    name: "" for who comes first; else who has this face. lost: how often the leader was out of sight for longer than
+    lost_s and had to be found again.
+    """
+
+    def __init__(self, name="", lost_s=1.0):
+        self.name, self.lost_s = name, lost_s
+        self.track, self.position, self.velocity = None, None, (0.0, 0.0)
+        self.trail, self.lost, self._seen_at, self._names, self._face = [], 0, None, {}, None
+
+    def choose(self, person, now):
+        """Begins to follow a person."""
+        self.track, self.trail = person.track, []
+        self._take(person, now)
+
+    @property
+    def known(self):
+        return self.position is not None
+
+    def unseen_s(self, now):
+        return now - self._seen_at
+
+    def is_lost(self, now):
+        return self.unseen_s(now) > self.lost_s
+
+    @property
+    def stands(self):
+        """When last seen. Who stands becomes a part of the map, and is a person no more for who looks for what it lacks."""
+        return math.hypot(*self.velocity) < WALKS_M_S
+
+    def hear(self, faces, people, now):
+        """Faces tell who is who: a name is that of the nearest person below it. The leader's is one without a person, too."""
+        self._face = next((face for face in faces if self.name and face.name == self.name), None)
+        for face in faces:
+            near = min(people, key=lambda one: math.dist(one.position, face.position), default=None)
+            if near is not None and math.dist(near.position, face.position) < FACE_M:
+                self._names[near.track] = (face.name, now)
+        tracks = {one.track for one in people}
+        self._names = {track: said for track, said in self._names.items() if track in tracks}
+
+    def named(self, people):
+        """The person with the leader's name, None: not seen."""
+        return next((one for one in people if self._names.get(one.track, ("", 0))[0] == self.name), None) if self.name else None
+
+    def update(self, people, now):
+        """People of a scan, after hear(). Without a leader: who is taken is for choose() to say."""
+        person = next((one for one in people if one.track == self.track), None)
+        if person is not None and self._is_another(person, now):
+            person, self.track = None, None
+        if person is None:
+            person = self._found_again(people, now)
+        if person is None and self._face is not None:
+            person = Person(None, self._face.position)
+        if person is not None and person.seen:
+            if self.is_lost(now):
+                self.lost += 1
+            self.track = person.track
+            self._take(person, now)
+
+    def _is_another(self, person, now):
+        name, when = self._names.get(person.track, (self.name, now))
+        return bool(self.name) and name != self.name and now - when < OWN_FACE_S
+
+    def _found_again(self, people, now):
+        named = self.named(people)
+        if named is not None:
+            return named
+        unseen = self.unseen_s(now)
+        ahead = min(unseen, PREDICT_S)
+        expected = (self.position[0] + ahead * self.velocity[0], self.position[1] + ahead * self.velocity[1])
+        gate = min(MAX_GATE_M, GATE_M + GATE_GROWS_M_S * unseen)
+        near = [one for one in people if math.dist(one.position, expected) < gate and not self._is_another(one, now)
+                and (one.speed > WALKS_M_S or math.dist(one.position, self.position) < GATE_M)]
+        return min(near, key=lambda one: math.dist(one.position, expected), default=None)
+
+    def _take(self, person, now):
+        self.position, self.velocity, self._seen_at = person.position, person.velocity, now
+        if not self.trail or math.dist(self.trail[-1], person.position) > TRAIL_STEP_M:
+            self.trail.append(person.position)
+            while len(self.trail) > TRAIL_M / TRAIL_STEP_M:
+                del self.trail[0]
+
+    def behind(self, robot, distance_m):
+        """(x, y, yaw): where to stand to follow at a distance, for a robot at (x, y): a place where the leader has walked, so
+        that it is free, or where the robot is when it is near enough. It looks at the leader."""
+        place = tuple(robot)
+        if math.dist(robot, self.position) > distance_m:
+            place = self._on_trail(distance_m) or place
+        return (*place, math.atan2(self.position[1] - place[1], self.position[0] - place[0]))
+
+    def _on_trail(self, distance_m):
+        """The last place of the trail that is so far from the leader as the crow flies; None: the trail is shorter."""
+        for earlier, later in zip(reversed(self.trail[:-1]), reversed(self.trail[1:])):
+            far, near = math.dist(earlier, self.position), math.dist(later, self.position)
+            if far >= distance_m:
+                part = 0.0 if far - near < 1e-6 else min(1.0, max(0.0, (distance_m - near) / (far - near)))
+                return tuple(float(v) for v in numpy.array(later) + part * (numpy.array(earlier) - numpy.array(later)))
+        return None
+
+
+def is_other_goal(goal, sent, move_m=0.3, yaw_rad=0.35):
+    """Whether a goal (x, y, yaw) differs so much from the one that was sent that it is worth another."""
+    return (sent is None or math.dist(goal[:2], sent[:2]) > move_m
+            or abs(math.remainder(goal[2] - sent[2], 2 * math.pi)) > yaw_rad)
