@@ -30,9 +30,9 @@ def tree(options):
     """What the robot does."""
     children = []
     if options.face_model:
-        children = [tasks.EnrollFace(scene.LEADER), tasks.Say(f"that is {scene.LEADER}")]
+        children = [tasks.EnrollFace(scene.LEADER, timeout_s=60.0), tasks.Say(f"that is {scene.LEADER}")]
     name = scene.LEADER if options.face_model else ""
-    children += [tasks.Follow(name, seconds=options.seconds + scene.STARTS_S), tasks.Say("enough")]
+    children += [tasks.Follow(name, seconds=options.seconds), tasks.Say("enough")]
     return py_trees.composites.Sequence("follow", memory=True, children=children)
 
 
@@ -112,7 +112,7 @@ class Observer:
 
     def distances_m(self):
         """Between robot and leader, since the leader has walked."""
-        walked = [sample for sample in self.samples if sample[0] > scene.STARTS_S + 5.0]
+        walked = [sample for sample in self.samples if sample[0] > scene.meets_s() + 5.0]
         return numpy.array([math.dist(leader, robot) for _, leader, robot in walked])
 
     def driven_m(self):
@@ -144,13 +144,25 @@ def start(options, session):
 def one_run(options, session):
     """The exit code of a seed's run."""
     observer = start(options, session)
-    done, why = tasks.run(tree(options), alive=session.alive)
+    trace = []
+    done, why = tasks.run(tree(options), alive=session.alive, on_tick=lambda root: note(trace, root, observer))
+    (options.out / "trace.json").write_text(json.dumps(trace))
     row = {"seed": options.seed, "reported": done, "message": why, **measured(observer)}
     row["cause"] = cause(row)
     (options.out / "follow.json").write_text(json.dumps(row, indent=1))
     draw(observer, row, options.out / "follow.png")
     show(row)
     return 0 if not row["cause"] else 1
+
+
+def note(trace, root, observer):
+    """What the robot believes, twice a second, beside the truth: for who looks for the cause of a failure."""
+    leaf = root.tip()
+    if leaf is None or not isinstance(leaf, tasks.Follow) or trace and observer.now_s - trace[-1]["time_s"] < 0.5:
+        return
+    trace.append({"time_s": observer.now_s, "says": leaf.feedback_message, "track": leaf.leader.track, "leader": leaf.leader.position,
+                  "people": [(one.track, *one.position, *one.velocity, one.seen) for one in leaf.people], "goal": leaf.goal,
+                  "true_leader": observer.leader, "true_robot": (observer.robot.x, observer.robot.y, observer.robot.yaw)})
 
 
 def measured(observer):

@@ -11,9 +11,10 @@ import yaml
 # Of config/worlds/office.yaml: a passage and two rings of corridors, which meet at its ends.
 NORTH, SOUTH = (0.0, 3.75), (0.0, -3.5)
 ROUTES = {"passage": [], "west": [(-11.0, 3.75), (-11.0, -3.5)], "east": [(11.0, 3.75), (11.0, -3.5)]}
-START, FIRST_STEP = (0.0, 2.2), (0.0, 2.1)  # before the robot, which she faces
-LEADER, SPEED_M_S, STARTS_S = "anna", 0.55, 25.0
-OTHER = {"name": "dan", "path": [[9.0, 3.2], [-9.0, 3.2]], "speed": 0.7, "colour": [0.3, 0.3, 0.32]}
+START, MEETING = (4.0, 3.75), (0.0, 1.4)  # out of the robot's sight, and before the robot, to which the leader comes
+LEADER, SPEED_M_S, STANDS_S = "anna", 0.55, (8.0, 0.0, 8.0)
+OTHER = {"name": "dan", "speed": 0.7, "colour": [0.3, 0.3, 0.32]}
+OTHER_Y, OTHER_X = 3.2, (3.0, 9.5)  # walks up and down the north corridor, between places so far in the east and in the west
 WALL_M = 0.2        # from the true map's obstacles to a ghost, at least
 GHOST_CELLS = 12    # in a group: a leg's width of cells is noise
 
@@ -21,13 +22,18 @@ GHOST_CELLS = 12    # in a group: a leg's width of cells is noise
 def leader_path(seed, length_m):
     """Corners from START on, through passage and rings without going back, at least so long."""
     rng = random.Random(f"follow {seed}")
-    corners, at, last = [START, FIRST_STEP, NORTH], NORTH, "passage"
+    corners, at, last = [START, NORTH, MEETING, NORTH], NORTH, "passage"
     while _length(corners) < length_m:
         last = rng.choice([one for one in sorted(ROUTES) if one != last])
         corners += ROUTES[last] if at == NORTH else ROUTES[last][::-1]
         at = SOUTH if at == NORTH else NORTH
         corners.append(at)
     return corners
+
+
+def meets_s():
+    """When the leader walks away from the robot, from the start of the simulation on."""
+    return sum(STANDS_S) + _length([START, NORTH, MEETING]) / SPEED_M_S
 
 
 def _length(corners):
@@ -37,10 +43,12 @@ def _length(corners):
 def write_world(office, seed, seconds, file):
     """The office with the leader and another person."""
     text = re.sub(r"^people:.*\n(?:[ \t#].*\n|\n)*", "", office.read_text(), flags=re.M)
-    path = leader_path(seed, SPEED_M_S * seconds + 10.0)
-    leader = {"name": LEADER, "path": [list(corner) for corner in path], "speed": SPEED_M_S, "starts": STARTS_S,
+    path = leader_path(seed, SPEED_M_S * seconds + 20.0)
+    leader = {"name": LEADER, "path": [list(corner) for corner in path], "speed": SPEED_M_S, "stands": list(STANDS_S),
               "colour": [0.62, 0.24, 0.20]}
-    file.write_text(text + "\n" + yaml.safe_dump({"people": [leader, OTHER]}, default_flow_style=None))
+    rng = random.Random(f"other {seed}")
+    other = {**OTHER, "path": [[round(rng.uniform(*OTHER_X), 2), OTHER_Y], [round(-rng.uniform(*OTHER_X), 2), OTHER_Y]]}
+    file.write_text(text + "\n" + yaml.safe_dump({"people": [leader, other]}, default_flow_style=None))
 
 
 def write_urdf(urdf, file, pitch_rad=-0.05):

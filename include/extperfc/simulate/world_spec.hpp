@@ -44,8 +44,9 @@ struct PersonSpec {
   double speed_m_s{0.8};
   bool closed{false};
   Eigen::Vector3f colour{0.2F, 0.3F, 0.6F};  ///< of the clothes, sRGB
-  double starts_s{0};                        ///< stands at the first point of the path for so long, >= 0
-  std::optional<int> face{};                 ///< seed of the face; empty: derived from the name
+  /// At the points of the path when it is walked for the first time, >= 0; fewer than points: 0.
+  std::vector<double> stands_s{};
+  std::optional<int> face{};  ///< seed of the face; empty: derived from the name
 };
 
 struct LightSpec {

@@ -22,6 +22,8 @@ OLD_S = 1.0          # of ROS time: older scans and faces do not count
 TRANSFORM_S = 0.1    # of real time
 RETRY_S = 2.0        # of ROS time, between attempts at one that was not reached
 ARRIVED_M = 0.4
+FARTHER_M, MAX_FARTHER_M = 0.4, 2.0  # from the leader, after each goal that was not reached
+AHEAD_S, CLOSEST_M = 1.2, 0.7  # a goal is so much nearer to who walks, but never nearer than this
 LAST_SEEN_M = 0.3    # who is lost is sought from so near to where they were seen last
 
 
@@ -86,7 +88,8 @@ class Follow(Leaf):
 
     def begin(self):
         self.setup()
-        self.leader, self._motion, self._sent = Leader(self.person), None, None
+        self.leader, self._motion, self.goal, self._farther_m = Leader(self.person), None, None, 0.0
+        self.people = []
         self._begin = self._next = rospy.Time.now()
         write(self.key, self.leader)
 
@@ -96,30 +99,30 @@ class Follow(Leaf):
             if not self.leader.known:
                 raise ValueError(f"{self.person or 'a person'} was not seen within {self.seconds:g} s")
             return True
-        people = self._people.tracks(now)
-        self.leader.hear(self._people.faces(now), people, now.to_sec())
+        self.people = self._people.tracks(now)
+        self.leader.hear(self._people.faces(now), self.people, now.to_sec())
         robot = base_pose(FRAME)
         if self.leader.known:
-            self.leader.update(people, now.to_sec())
+            self.leader.update(self.people, now.to_sec())
             self._go(robot, now)
         else:
-            self._meet(people, robot, now)
+            self._meet(robot, now)
         return None
 
-    def _meet(self, people, robot, now):
+    def _meet(self, robot, now):
         self.feedback_message = f"waits for {self.person or 'a person'}"
-        person = self.leader.named(people) if self.person else self._first(people, robot)
+        person = self.leader.named(self.people) if self.person else self._first(robot)
         if person is not None:
             rospy.loginfo("follows %s at (%.2f, %.2f)", self.person or "a person", *person.position)
             self.leader.choose(person, now.to_sec())
 
-    def _first(self, people, robot):
+    def _first(self, robot):
         """Who walks before the base; the nearest."""
         def is_before(one):
             bearing = math.atan2(one.position[1] - robot[1], one.position[0] - robot[0]) - robot[2]
             return math.dist(one.position, robot[:2]) < self.meet_m and abs(math.remainder(bearing, 2 * math.pi)) < 1.0
 
-        walking = [one for one in people if one.seen and one.speed > WALKS_M_S and is_before(one)]
+        walking = [one for one in self.people if one.seen and one.speed > WALKS_M_S and is_before(one)]
         return min(walking, key=lambda one: math.dist(one.position, robot[:2]), default=None)
 
     def _go(self, robot, now):
@@ -130,15 +133,19 @@ class Follow(Leaf):
         if unseen > self.lost_s:
             raise ValueError(f"{who} is out of sight for {unseen:.0f} s")
         seek = lost and not self.leader.stands
-        goal = self.leader.behind(robot[:2], LAST_SEEN_M if seek else self.distance_m)
-        if now >= self._next and (is_other_goal(goal, self._sent) or self._failed(robot)):
-            self._next = now + rospy.Duration(RETRY_S if self._failed(robot) else SEND_S)
-            self._sent = goal
+        ahead_m = AHEAD_S * math.hypot(*self.leader.velocity)  # who walks is not there any more when the base arrives
+        distance_m = LAST_SEEN_M if seek else max(CLOSEST_M, self.distance_m - ahead_m)
+        goal = self.leader.behind(robot[:2], distance_m + self._farther_m)
+        failed = self._failed(robot)
+        if now >= self._next and (is_other_goal(goal, self.goal) or failed):
+            self._farther_m = min(MAX_FARTHER_M, self._farther_m + FARTHER_M) if failed else 0.0
+            self._next = now + rospy.Duration(RETRY_S if failed else SEND_S)
+            self.goal = goal
             self._motion = GoTo(goal, FRAME).motion()
 
     def _failed(self, robot):
         """The last goal ended elsewhere."""
-        return self._motion is not None and self._motion.done and math.dist(robot[:2], self._sent[:2]) > ARRIVED_M
+        return self._motion is not None and self._motion.done and math.dist(robot[:2], self.goal[:2]) > ARRIVED_M
 
 
 class EnrollFace(Leaf):

@@ -11,8 +11,12 @@ TRAIL_M = 15.0           # of it are kept
 GATE_M = 0.6             # from where the leader should be to who is taken for the leader again
 GATE_GROWS_M_S = 0.9     # while the leader is not seen: a person may walk into any direction
 MAX_GATE_M = 3.0
+STARTS_M = 0.9           # the gate of a leader who stood: it walks on from there, and is seen to walk after some steps
 PREDICT_S = 1.0          # the leader is expected to walk straight on for so long
 WALKS_M_S = 0.25         # who is slower may be furniture
+WALK_S, WALK_M = 0.7, 0.3  # so long, so far: that somebody walks is certain
+HISTORY_S = 1.5          # of the people around
+SWAPPED_S = 4.0          # a leader who stands for less may be furniture that was taken for the leader when passed
 FACE_M = 0.6             # from a face to the person it belongs to, on the floor
 OWN_FACE_S = 3.0         # a name holds so long without being seen again when another name is seen
 
@@ -48,10 +52,11 @@ class Leader:
         self.name, self.lost_s = name, lost_s
         self.track, self.position, self.velocity = None, None, (0.0, 0.0)
         self.trail, self.lost, self._seen_at, self._names, self._face = [], 0, None, {}, None
+        self._walked_at, self._history = None, {}
 
     def choose(self, person, now):
         """Begins to follow a person."""
-        self.track, self.trail = person.track, []
+        self.track, self.trail, self._walked_at = person.track, [], now
         self._take(person, now)
 
     @property
@@ -80,42 +85,57 @@ class Leader:
         self._names = {track: said for track, said in self._names.items() if track in tracks}
 
     def named(self, people):
-        """The person with the leader's name, None: not seen."""
-        return next((one for one in people if self._names.get(one.track, ("", 0))[0] == self.name), None) if self.name else None
+        """The person with the leader's name; a face alone is a person, too. None: not seen."""
+        if not self.name:
+            return None
+        found = next((one for one in people if self._names.get(one.track, ("", 0))[0] == self.name), None)
+        return Person(None, self._face.position) if found is None and self._face is not None else found
 
     def update(self, people, now):
         """People of a scan, after hear(). Without a leader: who is taken is for choose() to say."""
+        self._remember(people, now)
         person = next((one for one in people if one.track == self.track), None)
         if person is not None and self._is_another(person, now):
             person, self.track = None, None
         if person is None:
-            person = self._found_again(people, now)
-        if person is None and self._face is not None:
-            person = Person(None, self._face.position)
+            person = self.named(people) or self._near(people, now)
+        elif WALK_S < now - self._walked_at < SWAPPED_S:
+            person = self._near([one for one in people if one is not person], now) or person
         if person is not None and person.seen:
             if self.is_lost(now):
                 self.lost += 1
             self.track = person.track
             self._take(person, now)
 
+    def _remember(self, people, now):
+        self._history = {one.track: [*self._history.get(one.track, []), (now, one.position)] for one in people if one.seen}
+        for seen in self._history.values():
+            while now - seen[0][0] > HISTORY_S:
+                del seen[0]
+
+    def _walks(self, person):
+        """For certain."""
+        seen = self._history.get(person.track, [])
+        return len(seen) > 1 and seen[-1][0] - seen[0][0] >= WALK_S and math.dist(seen[0][1], seen[-1][1]) >= WALK_M
+
     def _is_another(self, person, now):
         name, when = self._names.get(person.track, (self.name, now))
         return bool(self.name) and name != self.name and now - when < OWN_FACE_S
 
-    def _found_again(self, people, now):
-        named = self.named(people)
-        if named is not None:
-            return named
-        unseen = self.unseen_s(now)
-        ahead = min(unseen, PREDICT_S)
+    def _near(self, people, now):
+        """Who may be the leader, by where and how they walk."""
+        unseen = max(self.unseen_s(now), now - self._walked_at)
+        ahead = min(self.unseen_s(now), PREDICT_S)
         expected = (self.position[0] + ahead * self.velocity[0], self.position[1] + ahead * self.velocity[1])
-        gate = min(MAX_GATE_M, GATE_M + GATE_GROWS_M_S * unseen)
+        gate = STARTS_M if unseen > SWAPPED_S and self.stands else min(MAX_GATE_M, GATE_M + GATE_GROWS_M_S * unseen)
         near = [one for one in people if math.dist(one.position, expected) < gate and not self._is_another(one, now)
-                and (one.speed > WALKS_M_S or math.dist(one.position, self.position) < GATE_M)]
+                and (self._walks(one) or self.is_lost(now) and self.stands and math.dist(one.position, self.position) < GATE_M)]
         return min(near, key=lambda one: math.dist(one.position, expected), default=None)
 
     def _take(self, person, now):
         self.position, self.velocity, self._seen_at = person.position, person.velocity, now
+        if person.speed > WALKS_M_S or self._walked_at is None:
+            self._walked_at = now
         if not self.trail or math.dist(self.trail[-1], person.position) > TRAIL_STEP_M:
             self.trail.append(person.position)
             while len(self.trail) > TRAIL_M / TRAIL_STEP_M:
@@ -123,20 +143,21 @@ class Leader:
 
     def behind(self, robot, distance_m):
         """(x, y, yaw): where to stand to follow at a distance, for a robot at (x, y): a place where the leader has walked, so
-        that it is free, or where the robot is when it is near enough. It looks at the leader."""
+        that it is free, or between the robot and there; where the robot is when it is near enough. It looks at the leader."""
         place = tuple(robot)
         if math.dist(robot, self.position) > distance_m:
-            place = self._on_trail(distance_m) or place
+            place = self._on_trail(place, distance_m)
         return (*place, math.atan2(self.position[1] - place[1], self.position[0] - place[0]))
 
-    def _on_trail(self, distance_m):
-        """The last place of the trail that is so far from the leader as the crow flies; None: the trail is shorter."""
-        for earlier, later in zip(reversed(self.trail[:-1]), reversed(self.trail[1:])):
+    def _on_trail(self, robot, distance_m):
+        """The last place of the path from the robot along the trail that is so far from the leader as the crow flies."""
+        path = [robot, *self.trail]
+        for earlier, later in zip(reversed(path[:-1]), reversed(path[1:])):
             far, near = math.dist(earlier, self.position), math.dist(later, self.position)
             if far >= distance_m:
                 part = 0.0 if far - near < 1e-6 else min(1.0, max(0.0, (distance_m - near) / (far - near)))
                 return tuple(float(v) for v in numpy.array(later) + part * (numpy.array(earlier) - numpy.array(later)))
-        return None
+        return robot
 
 
 def is_other_goal(goal, sent, move_m=0.3, yaw_rad=0.35):

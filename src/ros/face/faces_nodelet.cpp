@@ -110,6 +110,7 @@ class FacesNodelet : public nodelet::Nodelet {
   ros::Subscriber image_subscriber_;
   ros::Subscriber depth_subscriber_;
   ros::Subscriber info_subscriber_;
+  ros::Time taken_;  ///< of the image callback: stamp of the latest image that was looked at
 
   std::mutex state_mutex_;  ///< guards what follows
   std::uint64_t faces_{0};
@@ -210,6 +211,9 @@ void FacesNodelet::subscribe() {
 void FacesNodelet::on_image(const ImageEvent& event) {
   const auto& message = event.getConstMessage();
   image_health_.received(message->header.stamp, message->data.data(), ros_health::came_by_pointer(event));
+  const double since_s = std::abs((message->header.stamp - taken_).toSec());
+  if (params_.max_rate_hz > 0.0 && since_s * params_.max_rate_hz < 1.0) return;
+  taken_ = message->header.stamp;
   images_.put(message);
 }
 

@@ -20,6 +20,7 @@ Result<FacesParams> load_faces_params(const ros::NodeHandle& private_handle) {
   reader.read("score_threshold", params.score_threshold, {-1.0, 1.0});
   reader.read("nms_iou", params.nms_iou, {-1.0, 1.0});
   reader.read("max_faces", params.max_faces, {0, 1000});
+  reader.read("max_rate_hz", params.max_rate_hz, {0.0, 1000.0});
   reader.read("min_face_px", params.min_face_px, {0.0, 10000.0});
   reader.read("threshold", params.threshold, {-1.0, 1.0});
   reader.read("margin", params.margin, {-1.0, 2.0});

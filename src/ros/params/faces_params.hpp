@@ -19,6 +19,7 @@ struct FacesParams {
   double score_threshold{-1.0};  ///< [0, 1]; negative: the model's own
   double nms_iou{-1.0};          ///< [0, 1]; negative: the model's own
   int max_faces{0};              ///< per image; 0: the model's own
+  double max_rate_hz{0.0};       ///< of images that are looked at, by their stamps; 0: as many as can be
   double min_face_px{40.0};      ///< smaller faces stay unknown
   double threshold{-1.0};        ///< smallest similarity of a known face; negative: the embedder's own
   double margin{-1.0};           ///< to the second name; negative: the embedder's own

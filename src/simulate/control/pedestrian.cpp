@@ -12,13 +12,16 @@ constexpr double kPatienceS = 3.0;
 
 }  // namespace
 
-Pedestrian::Pedestrian(const PersonSpec& person)
-    : corners_(person.path_m), speed_m_s_(person.speed_m_s), stands_s_(person.starts_s) {
+Pedestrian::Pedestrian(const PersonSpec& person) : corners_(person.path_m), speed_m_s_(person.speed_m_s) {
   if (!person.closed)
     for (std::size_t i = person.path_m.size() - 1; i-- > 0;) corners_.push_back(person.path_m[i]);
   else
     corners_.push_back(person.path_m.front());
-  for (std::size_t i = 1; i < corners_.size(); ++i) length_m_ += (corners_[i] - corners_[i - 1]).norm();
+  for (std::size_t i = 0; i < corners_.size(); ++i) {
+    if (i > 0) length_m_ += (corners_[i] - corners_[i - 1]).norm();
+    if (i < person.stands_s.size() && person.stands_s[i] > 0)
+      stands_.push_back({length_m_, person.stands_s[i]});
+  }
   pose_ = at(0);
 }
 
@@ -54,12 +57,15 @@ void Pedestrian::rotate_towards(double heading, double step_s) {
   pose_.yaw = wrap_angle(pose_.yaw + std::clamp(yaw, -max_step, max_step));
 }
 
+bool Pedestrian::stands(double step_s) {
+  if (stands_.empty() || along_m_ < stands_.front().along_m) return false;
+  if ((stands_.front().seconds -= step_s) <= 0) stands_.pop_front();
+  return true;
+}
+
 void Pedestrian::step(double step_s, const Pose2& robot) {
   if (length_m_ <= 0) return;
-  if (stands_s_ > 0) {
-    stands_s_ -= step_s;
-    return;
-  }
+  if (stands(step_s)) return;
   if (path_is_clear(robot)) {
     along_m_ = std::fmod(along_m_ + direction_ * speed_m_s_ * step_s + length_m_, length_m_);
     waited_s_ = 0;

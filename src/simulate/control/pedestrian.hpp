@@ -1,5 +1,6 @@
 #pragma once
 
+#include <deque>
 #include <vector>
 
 #include "extperfc/simulate/world_spec.hpp"
@@ -7,8 +8,9 @@
 
 namespace extperfc::simulate {
 
-/// A person who, after a time, walks along a path at constant speed and faces forward. Where the robot stands
-/// in the path the person waits, and walks back the same path when the robot is still there after 3 s.
+/// A person who walks along a path at constant speed, stands at points of it for some time, and faces
+/// forward. Where the robot stands in the path the person waits, and walks back the same path when the robot
+/// is still there after 3 s.
 class Pedestrian {
  public:
   explicit Pedestrian(const PersonSpec& person);
@@ -18,6 +20,7 @@ class Pedestrian {
   [[nodiscard]] const Pose2& pose() const { return pose_; }
 
  private:
+  [[nodiscard]] bool stands(double step_s);
   [[nodiscard]] bool path_is_clear(const Pose2& robot) const;
   void rotate_towards(double heading, double step_s);
   [[nodiscard]] Pose2 at(double along_m) const;
@@ -27,8 +30,12 @@ class Pedestrian {
   double length_m_{0};
   double speed_m_s_;
   double along_m_{0};
-  double stands_s_;      // before the first step
-  double direction_{1};  // -1: backwards along the path
+  struct Stand {
+    double along_m;
+    double seconds;
+  };
+  std::deque<Stand> stands_;  // that are still to come
+  double direction_{1};       // -1: backwards along the path
   double waited_s_{0};
   Pose2 pose_;
 };

@@ -50,7 +50,7 @@ std::vector<Origin> read_people(YamlMap& file, WorldSpec& world) {
     person.path_m = points_of(map, "path", 1);
     person.speed_m_s = map.number("speed", {0.01, 5}, person.speed_m_s);
     person.closed = map.flag("closed", false);
-    person.starts_s = map.number("starts", {0, 1e6}, 0);
+    if (map.has("stands")) person.stands_s = map.numbers("stands", {1, person.path_m.size()}, {0, 1e6});
     person.colour = read_colour(map, "colour", person.colour);
     if (map.has("face")) person.face = map.integer("face", 0, kMaxFaceSeed, 0);
     map.refuse_unknown();

@@ -57,6 +57,16 @@ TEST_F(FacesTest, WithoutDepthWantedThereIsNothingToWarnOf) {
   EXPECT_EQ(diagnostics_.latest().level(), 0) << diagnostics_.latest().message();
 }
 
+TEST_F(FacesTest, ARateCanBeTheLimit) {
+  load({{"use_depth", false}, {"max_rate_hz", 2.0}});
+  const Inbox<FaceArray> all("faces");
+  ASSERT_TRUE(wait_for([&] { return all.connected(); }));
+  ASSERT_TRUE(answer_to(image_of(1, ros::Time(1, 0))));
+  images_.publish(image_of(1, ros::Time(1, 300000000)));
+  ASSERT_TRUE(answer_to(image_of(1, ros::Time(1, 600000000))));
+  EXPECT_EQ(all.count(), 2U);
+}
+
 TEST_F(FacesTest, AnImageWithoutFacesHasAnEmptyAnswer) {
   load();
   const auto answer = answer_to(image_of(0, ros::Time(1, 0)));

@@ -35,6 +35,7 @@ std::vector<double> numbers(const ros_params::FacesParams& p) {
           p.score_threshold,
           p.nms_iou,
           static_cast<double>(p.max_faces),
+          p.max_rate_hz,
           p.min_face_px,
           p.threshold,
           p.margin,

@@ -59,9 +59,11 @@ class TheLeader(unittest.TestCase):
         self.assertEqual((at[0], at[1] - 1.0), (x, y))
         self.assertAlmostEqual(math.pi / 2, yaw)
 
-    def test_a_leader_who_has_not_walked_yet_is_looked_at(self):
+    def test_a_leader_who_has_not_walked_yet_is_driven_to(self):
         self.leader.choose(Person(1, (3.0, 0.0)), 0.0)
-        self.assertEqual((0.0, 0.0, 0.0), self.leader.behind((0.0, 0.0), 1.2))
+        x, y, yaw = self.leader.behind((0.0, 0.0), 1.2)
+        self.assertAlmostEqual(1.8, x)
+        self.assertEqual((0.0, 0.0), (y, yaw))
 
     def test_the_trail_is_bounded(self):
         walk(self.leader, [(0, 0), (40, 0)])
@@ -82,13 +84,31 @@ class TheLeader(unittest.TestCase):
         now = walk(self.leader, [(0, 0), (4, 0)])
         self.leader.update([], now + 2.0)
         self.assertTrue(self.leader.is_lost(now + 2.0))
-        self.leader.update([Person(8, (4.5, 1.0), (0.0, 0.6))], now + 2.5)
+        for step in range(10):
+            self.leader.update([Person(8, (4.5, 1.0 + 0.06 * step), (0.0, 0.6))], now + 2.0 + 0.1 * step)
         self.assertEqual((8, 1), (self.leader.track, self.leader.lost))
+
+    def test_furniture_that_was_taken_for_the_leader_is_left_for_who_walks_on(self):
+        now = walk(self.leader, [(0, 0), (4, 0)])
+        for step in range(25):
+            self.leader.update([Person(7, (4.0, 0.1)), Person(8, (4.0 + 0.06 * step, 0.0), (0.6, 0.0))], now + 0.1 * step)
+        self.assertEqual(8, self.leader.track)
+
+    def test_a_leader_who_stands_is_not_left_for_who_passes_later(self):
+        now = walk(self.leader, [(0, 0), (4, 0)])
+        for step in range(50):
+            self.leader.update([Person(7, (4.0, 0.0))], now + 0.1 * step)
+        for step in range(50):
+            self.leader.update([Person(7, (4.0, 0.0)), Person(8, (2.0 + 0.06 * step, 0.8), (0.6, 0.0))], now + 5.0 + 0.1 * step)
+        self.assertEqual(7, self.leader.track)
 
     def test_furniture_and_who_is_far_are_not_taken_for_the_leader(self):
         now = walk(self.leader, [(0, 0), (4, 0)])
-        self.leader.update([Person(8, (4.5, 1.0), (0.05, 0.0)), Person(9, (9.5, 0.0), (0.6, 0.0))], now + 2.0)
-        self.assertTrue(self.leader.is_lost(now + 2.0))
+        for step in range(10):
+            jitter = 0.02 * (step % 2)
+            self.leader.update([Person(8, (4.5 + jitter, 1.0), (0.4, 0.0)), Person(9, (9.5 + 0.06 * step, 0.0), (0.6, 0.0))],
+                               now + 2.0 + 0.1 * step)
+        self.assertTrue(self.leader.is_lost(now + 3.0))
 
     def test_a_prediction_is_not_a_sighting(self):
         now = walk(self.leader, [(0, 0), (4, 0)])
@@ -118,7 +138,8 @@ class Names(unittest.TestCase):
         ben = Person(7, (4.1, 0.0), (0.5, 0.0))
         self.see([ben], [NamedFace("ben", (4.1, 0.0))])
         self.assertIsNone(self.leader.track)
-        self.see([ben, Person(8, (4.4, 0.5), (0.5, 0.0))])
+        for step in range(10):
+            self.see([ben, Person(8, (4.4 + 0.05 * step, 0.5), (0.5, 0.0))])
         self.assertEqual(8, self.leader.track)
 
     def test_a_name_far_from_everybody_belongs_to_none_of_them(self):
@@ -224,6 +245,15 @@ class TheLeaf(unittest.TestCase):
         self.faces = [NamedFace("anna", (3.1, 1.1))]
         self.tick(leaf)
         self.assertEqual(6, leaf.leader.track)
+
+    def test_it_waits_for_a_face_that_no_person_of_the_scan_has(self):
+        leaf = tasks.Follow("anna")
+        self.faces = [NamedFace("anna", (2.2, 0.1))]
+        self.tick(leaf)
+        self.assertEqual((2.2, 0.1), leaf.leader.position)
+        self.faces = []
+        self.lead(leaf, [(2.2, 0.1), (6.0, 0.0)], track=9)
+        self.assertEqual(9, leaf.leader.track)
 
     def test_who_is_lost_is_sought_where_they_were_last(self):
         leaf = tasks.Follow()

@@ -32,14 +32,23 @@ TEST(Pedestrian, GoesThereAndBackOnAnOpenPath) {
   EXPECT_NEAR(std::abs(pedestrian.pose().yaw), M_PI, 1e-6);
 }
 
-TEST(Pedestrian, StandsBeforeItStarts) {
-  auto spec = person({{0, 0}, {2, 0}}, false);
-  spec.starts_s = 2.0;
+TEST(Pedestrian, StandsAtPointsOfThePathOnce) {
+  auto spec = person({{0, 0}, {2, 0}, {2, 1}}, false);
+  spec.stands_s = {2.0, 3.0};
   Pedestrian pedestrian(spec);
   walk(pedestrian, 1.9);
   EXPECT_EQ(pedestrian.pose().x, 0.0);
   walk(pedestrian, 1.1);
   EXPECT_NEAR(pedestrian.pose().x, 1.0, 0.01);
+  walk(pedestrian, 3.5);
+  EXPECT_NEAR(pedestrian.pose().x, 2.0, 0.01);
+  EXPECT_NEAR(pedestrian.pose().y, 0.0, 0.01);
+  EXPECT_NEAR(pedestrian.pose().yaw, 0.0, 0.01) << "looks where it was going";
+  walk(pedestrian, 1.0);
+  EXPECT_NEAR(pedestrian.pose().y, 0.5, 0.01);
+  walk(pedestrian, 2.0);  // there, and back to the second point
+  walk(pedestrian, 1.0);
+  EXPECT_NEAR(pedestrian.pose().x, 0.5, 0.02) << "not again on the path back";
 }
 
 TEST(Pedestrian, GoesRoundOnAClosedPath) {
