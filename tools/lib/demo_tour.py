@@ -10,12 +10,12 @@ import sys
 import numpy
 import py_trees
 
+import tour_film
 import tour_scene as scene
 from demo import display_works, wait_for_master
 from demo_tour_options import REPO, parse_arguments
 from grasp_robot import GraspRobot
 from ros_session import Stalled, run_trial
-from tour_film import Film
 
 from extperfc import tasks
 
@@ -104,7 +104,7 @@ def one_run(options, session):
     root = tree(to)
     observer = Observer(robot, root)
     if options.film:
-        observer.film = Film(observer)
+        observer.film = tour_film.Film(observer)
 
     def alive():
         return session.alive() and robot.now() < observer.begin + options.limit
@@ -158,6 +158,9 @@ def main(argv):
     one = "--one" in argv
     options = parse_arguments([argument for argument in argv if argument != "--one"])
     options.out = pathlib.Path(options.out)
+    if options.film and tour_film.Image is None:
+        print("error: --film needs python3-pil: sudo apt-get install python3-pil", file=sys.stderr)
+        return 2
     if not one:
         return series(options)
     return run_trial(options.out, lambda session: one_run(options, session), Stalled)

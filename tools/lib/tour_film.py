@@ -6,6 +6,11 @@ import threading
 import cv2
 import numpy
 
+try:
+    from PIL import Image
+except ModuleNotFoundError:
+    Image = None
+
 HEIGHT, WIDTH = 400, 533      # of each half
 CAPTION = 34
 PERIOD_S = 1.2                # of simulated time, between two images
@@ -70,7 +75,6 @@ class Film:
 
     def save(self, file):
         """An animated WebP. Raises ValueError without an image."""
-        from PIL import Image
         if not self.frames:
             raise ValueError("no image of the camera came together with a map")
         images = [Image.fromarray(frame[..., ::-1]) for frame in self.frames]

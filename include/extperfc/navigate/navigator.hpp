@@ -20,11 +20,11 @@
 namespace extperfc::navigate {
 
 struct NavigatorParams {
-  double planner_frequency_hz{1.0};    ///< plans while driving; 0: only when needed, [0, 100]
-  double planner_patience_s{5.0};      ///< without a plan, until a recovery begins, [0, 3600]
-  double people_patience_s{20.0};      ///< in place of a shorter planner_patience_s while people are near: who
-                                       ///< stands at the goal may walk on, [0, 3600]
-  double controller_patience_s{3.0};   ///< without a velocity, until a recovery begins, [0, 3600]
+  double planner_frequency_hz{1.0};   ///< plans while driving; 0: only when needed, [0, 100]
+  double planner_patience_s{5.0};     ///< without a plan, until a recovery begins, [0, 3600]
+  double people_patience_s{20.0};     ///< in place of a shorter planner_patience_s while people are near: who
+                                      ///< stands at the goal may walk on, [0, 3600]
+  double controller_patience_s{3.0};  ///< without a velocity, until a recovery begins, [0, 3600]
   double oscillation_timeout_s{10.0};  ///< without progress, until a recovery begins; 0: never, (0, 3600]
   double oscillation_distance_m{0.5};  ///< that counts as progress, (0, 100]
   double data_patience_s{30.0};        ///< without sensor data, until the goal is given up, [0, 3600]
@@ -154,6 +154,7 @@ class Navigator {
   void take_path(const Path& path, Output& output);
   void plan_failed(const NavError& error, bool current_blocked, const NavigatorInput& input, Output& output);
   void wait_for_plan(const NavigatorInput& input, Output& output);
+  void coast(const NavigatorInput& input, NavigatorOutput& output);
   void control(const NavigatorInput& input, Output& output);
   [[nodiscard]] bool is_blocked(const NavigatorInput& input, const Pose2& odom_T_map) const;
   void give_path(const Pose2& odom_T_map);
@@ -179,6 +180,8 @@ class Navigator {
   std::optional<double> last_now_s_;
 
   PathTracker tracker_;
+  PathTracker coast_;  ///< rest of the path to a goal that was replaced, until the new goal's first plan
+  double coast_until_s_{0};
   bool path_is_new_{false};  ///< the local planner does not have it yet
   Pose2 given_odom_T_map_;   ///< with which it has it
   Recovery recovery_;

@@ -15,6 +15,7 @@ constexpr double kMinControlS = 1e-3;     // of a control cycle
 constexpr double kMaxControlS = 0.2;      // the same
 constexpr double kReplanS = 0.5;          // least time between plans that are urgent
 constexpr double kPlannerSilentS = 20.0;  // beyond its patience: the planner does not answer
+constexpr double kCoastS = 0.5;           // a replaced goal's path is driven on, while the first plan is made
 constexpr double kTrailStepM = 0.1;
 constexpr std::size_t kTrailPoses = 60;
 constexpr double kMovedM = 0.01;  // of map -> odom: the local planner gets the path anew
@@ -105,12 +106,22 @@ std::optional<Pose2> Navigator::goal() const {
 
 std::optional<NavEnd> Navigator::start(const NavTask& task) {
   std::optional<NavEnd> replaced;
-  if (task_) replaced = end_task({NavCode::kReplaced, "a newer goal came"});
+  std::optional<Path> rest;
+  const Twist2 command = last_command_;
+  if (task_) {
+    if (state_ == NavState::kControlling && !tracker_.empty()) rest = tracker_.rest_in(Pose2{});
+    replaced = end_task({NavCode::kReplaced, "a newer goal came"});
+  }
   task_ = task;
   goal_index_ = 0;
   missed_.clear();
   fault_since_s_.reset();
   begin_goal();
+  if (rest) {
+    coast_.set(*rest);
+    coast_until_s_ = clock_s_ + kCoastS;
+    last_command_ = command;
+  }
   return replaced;
 }
 
@@ -122,6 +133,7 @@ std::optional<NavEnd> Navigator::cancel() {
 void Navigator::begin_goal() {
   state_ = NavState::kPlanning;
   tracker_.clear();
+  coast_.clear();
   recovery_.reset();
   progress_.reset();
   progress_.restart(clock_s_);
@@ -142,6 +154,7 @@ NavEnd Navigator::end_task(const NavError& error) {
   task_.reset();
   state_ = NavState::kIdle;
   tracker_.clear();
+  coast_.clear();
   planner_->reset();
   asked_plan_.reset();
   answer_.reset();
@@ -184,6 +197,23 @@ void Navigator::cycle(const NavigatorInput& input, Output& output) {
     control(input, output);
   else
     wait_for_plan(input, output);
+  if (task_ && state_ == NavState::kPlanning) coast(input, output);
+}
+
+/// A goal that replaces another does not stop the base: it drives on by the old path until the first plan.
+void Navigator::coast(const NavigatorInput& input, Output& output) {
+  if (coast_.empty()) return;
+  coast_.update(input.map_T_base);
+  const Pose2 odom_T_map = compose(input.odom_T_base, inverse(input.map_T_base));
+  const auto inner = input.footprint->padded(-params_.blocked_margin_m);
+  if (clock_s_ > coast_until_s_ || input.guard_stopped ||
+      coast_.blocked(*input.costs, inner, odom_T_map, params_.blocked_ahead_m))
+    return coast_.clear();
+  planner_->set_path(coast_.rest_in(odom_T_map), params_.goal);
+  const LocalState local{input.odom_T_base, input.velocity, input.people, input.speed_factor};
+  const auto wanted = planner_->command(*input.costs, *input.footprint, local, dt_s_, false);
+  if (!wanted || wanted->at_goal) return coast_.clear();
+  output.command = smoothed(wanted->velocity);
 }
 
 void Navigator::advance_clock(const NavigatorInput& input) {
@@ -277,6 +307,7 @@ bool Navigator::prefers(const Path& path, bool current_blocked) const {
 }
 
 void Navigator::take_path(const Path& path, Output& output) {
+  coast_.clear();
   tracker_.set(path);
   path_is_new_ = true;
   map_changed_ = false;
@@ -288,6 +319,7 @@ void Navigator::take_path(const Path& path, Output& output) {
 
 void Navigator::plan_failed(const NavError& error, bool current_blocked, const NavigatorInput& input,
                             Output& output) {
+  coast_.clear();
   if (is_final(error.code)) return goal_done(error, output);
   if (!tracker_.empty() && !current_blocked && !map_changed_) return;  // drives on by the old path
   if (!tracker_.empty()) {

@@ -138,6 +138,34 @@ TEST(Navigator, WithoutAPathItRecoversAndGivesUpWithTheCause) {
   EXPECT_GE(robot.events.size(), 2U) << "each recovery is reported";
 }
 
+TEST(Navigator, AGoalThatReplacesAnotherDoesNotStopTheBase) {
+  FakeRobot robot;
+  robot.drive_to({3, 0, 0});
+  robot.run_for(2);
+  ASSERT_NEAR(robot.velocity.vx, 0.5, 0.01);
+  robot.answers = false;
+  robot.drive_to({3, 1, 0});
+  robot.run_for(0.4);
+  EXPECT_NEAR(robot.velocity.vx, 0.5, 0.01) << "the planner thinks";
+  robot.run_for(0.3);
+  EXPECT_EQ(robot.velocity.vx, 0) << "but not for long";
+  robot.answers = true;
+  robot.navigator.set_plan(robot.answer(robot.wishes.back()));
+  ASSERT_TRUE(robot.run());
+  EXPECT_EQ(robot.ends.back().error.code, NavCode::kSuccess);
+  EXPECT_NEAR(robot.pose.y, 1, 0.2);
+}
+
+TEST(Navigator, WithoutAPlanToTheNewGoalItStops) {
+  FakeRobot robot;
+  robot.drive_to({3, 0, 0});
+  robot.run_for(2);
+  robot.plan_error = NavError{NavCode::kNoPath, "walls all around"};
+  robot.drive_to({3, 1, 0});
+  robot.run_for(0.15);
+  EXPECT_EQ(robot.velocity.vx, 0);
+}
+
 TEST(Navigator, WhilePeopleAreInSightItWaitsLongerForAPath) {
   FakeRobot robot;
   robot.plan_error = NavError{NavCode::kGoalBlocked, "somebody stands at the goal"};
