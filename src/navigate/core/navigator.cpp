@@ -330,7 +330,7 @@ void Navigator::plan_failed(const NavError& error, bool current_blocked, const N
   }
   reason_ = error.message;
   if (!no_plan_since_s_) no_plan_since_s_ = clock_s_;
-  const double patience_s = input.people.empty() || recovered_
+  const double patience_s = input.people.empty()
                                 ? params_.planner_patience_s
                                 : std::max(params_.planner_patience_s, params_.people_patience_s);
   if (clock_s_ - *no_plan_since_s_ >= patience_s) recover(error, input, output);

@@ -178,7 +178,7 @@ TEST(Navigator, WhilePeopleAreInSightItWaitsLongerForAPath) {
   EXPECT_EQ(robot.ends[0].error.code, NavCode::kSuccess);
   robot.plan_error = NavError{NavCode::kGoalBlocked, "somebody stands at the goal"};
   robot.drive_to({2, 0, 0});
-  ASSERT_TRUE(robot.run(60)) << "not for ever";
+  ASSERT_TRUE(robot.run(120)) << "not for ever";
   EXPECT_EQ(robot.ends[1].error.code, NavCode::kGoalBlocked);
 }
 
