@@ -59,12 +59,13 @@ class _Detections:
             self._messages = [*self._messages[-49:], message]
 
     def since(self, stamp, label):
-        """[(header, Detection3D)] of a class in the messages that are newer than a stamp, and the newest stamp."""
+        """[(header, Detection3D)] of a class in the messages that are newer than a stamp, the newest stamp, and how many
+        messages these are."""
         with self._lock:
             messages = [message for message in self._messages if message.header.stamp > stamp]
         found = [(message.header, one) for message in messages for one in message.detections
                  if one.results and self._names.get(one.results[0].id) == label]
-        return found, max([stamp, *(message.header.stamp for message in messages)])
+        return found, max([stamp, *(message.header.stamp for message in messages)]), len(messages)
 
 
 class Find(Leaf):
@@ -91,11 +92,13 @@ class Find(Leaf):
 
     def begin(self):
         self.setup()
+        self.images = 0  # that the detector has looked at since
         self._begin = self._last = rospy.Time.now()
         self._near, self._groups = None if self.near is None else point_of(read(self.near)), []
 
     def step(self):
-        new, self._last = self._detections.since(self._last, self.label)
+        new, self._last, images = self._detections.since(self._last, self.label)
+        self.images += images
         for header, detection in new:
             if self._counts(detection):
                 self._add(header, detection.bbox)

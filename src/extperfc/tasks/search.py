@@ -22,7 +22,9 @@ from extperfc.tasks.views import Camera, Grid, Views
 
 BASE_FRAME = "base_footprint"
 WAIT_S = 10.0       # of real time, for a map or a transform
-LOOK_S = 1.5        # of ROS time at each pose, after the base has stopped
+LOOK_S = 1.0        # of ROS time at each pose, after the base has stopped, at least
+LOOK_IMAGES = 8     # for the detector at each pose; with fewer a slow computer misses what is there
+MAX_LOOK_S = 10.0   # a detector that is silent for so long is not waited for
 AGAIN_S = 6.0       # of ROS time, for a look from near
 NEAR_M = 0.2        # detections as near to each other are of one object
 CLOUD_S = 1.0       # of ROS time, between clouds that are used
@@ -67,7 +69,7 @@ class Search(Leaf):
         self._find.begin()
         self._find.ignored = []
         self._views, self._number, self._failed = Views(self.camera), 0, 0
-        self._motion, self._view, self._look_until, self._closer = None, None, None, None
+        self._motion, self._view, self._looks_since, self._closer = None, None, None, None
 
     def terminate(self, new_status):
         super().terminate(new_status)
@@ -80,7 +82,7 @@ class Search(Leaf):
             if not self.from_near:
                 return True
             super().terminate(None)
-            self._motion, self._look_until, self._closer = None, None, self._approach
+            self._motion, self._looks_since, self._closer = None, None, self._approach
             self.feedback_message = f"there may be a {self.label}: looking from near"
             return self._begin_closer()
         return self._look_around()
@@ -90,13 +92,19 @@ class Search(Leaf):
             if not self._motion.done:
                 return None
             self._arrive()
-        if self._look_until is not None:
-            if rospy.Time.now() < self._look_until:
+        if self._looks_since is not None:
+            if self._looks():
                 return None
             self._views.done(self._view)
-            self._look_until = None
+            self._looks_since = None
         self._next_view()
         return None
+
+    def _looks(self):
+        """Whether there is more to see from here."""
+        since, images = self._looks_since
+        looked_s = (rospy.Time.now() - since).to_sec()
+        return looked_s < LOOK_S or self._find.images - images < LOOK_IMAGES and looked_s < MAX_LOOK_S
 
     def _next_view(self):
         here = base_pose(self.frame)
@@ -118,7 +126,7 @@ class Search(Leaf):
     def _arrive(self):
         try:
             self._motion.result()
-            self._look_until = rospy.Time.now() + rospy.Duration(LOOK_S)
+            self._looks_since = rospy.Time.now(), self._find.images
         except ArmError as error:
             self._failed += 1
             self._views.refuse(self._view)

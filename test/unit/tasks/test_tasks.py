@@ -331,6 +331,7 @@ class Driving(unittest.TestCase):
 
     def setUp(self):
         self.clock, self.sent, self.failing, self.seen_at, self.real = Clock(self), [], set(), (), True
+        self.images = 1  # with each tick
         cells = numpy.zeros((80, 80), numpy.int8)
         cells[[0, -1], :] = cells[:, [0, -1]] = 100
         no_tops = types.SimpleNamespace(squares=frozenset)
@@ -340,7 +341,7 @@ class Driving(unittest.TestCase):
                         mock.patch.object(tasks.GoTo, "motion", lambda leaf: self.drive(leaf.pose)),
                         mock.patch.object(rospy, "logwarn"), mock.patch.object(rospy, "loginfo"),
                         mock.patch.object(tasks.Find, "setup", lambda leaf, **_: None),
-                        mock.patch.object(tasks.Find, "begin", lambda leaf: None),
+                        mock.patch.object(tasks.Find, "begin", lambda leaf: setattr(leaf, "images", 0)),
                         mock.patch.object(tasks.Find, "step", lambda leaf: self.find(leaf))):
             patched.start()
             self.addCleanup(patched.stop)
@@ -353,6 +354,7 @@ class Driving(unittest.TestCase):
 
     def find(self, leaf):
         """In place of Find.step: from afar, and from near."""
+        leaf.images += self.images
         if leaf.near is not None:
             if not self.real:
                 raise ValueError("it is a book")
@@ -413,6 +415,14 @@ class Driving(unittest.TestCase):
     def test_a_limit_to_its_views(self):
         leaf = self.search(max_views=3)
         self.assertEqual((FAILURE, 3), (leaf.status, len(self.sent)))
+
+    def test_a_slow_detector_gets_more_time_and_a_silent_one_is_not_waited_for(self):
+        times = []
+        for self.images in (1, 0.25, 0):
+            self.sent, begin = [], self.clock.seconds
+            self.search(max_views=3)
+            times.append((self.clock.seconds - begin) / 3)
+        self.assertTrue(1.0 < times[0] < 1.5 and 3.0 < times[1] < 4.0 and 10.0 < times[2] < 11.0, times)
 
     def test_what_moves_is_cancelled_with_it(self):
         for seen_at, sent in (((), 1), ((0,), 1)):
