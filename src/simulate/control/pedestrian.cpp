@@ -58,7 +58,7 @@ void Pedestrian::rotate_towards(double heading, double step_s) {
 }
 
 bool Pedestrian::stands(double step_s) {
-  if (stands_.empty() || along_m_ < stands_.front().along_m) return false;
+  if (direction_ < 0 || stands_.empty() || along_m_ < stands_.front().along_m) return false;
   if ((stands_.front().seconds -= step_s) <= 0) stands_.pop_front();
   return true;
 }
@@ -68,6 +68,8 @@ void Pedestrian::step(double step_s, const Pose2& robot) {
   if (stands(step_s)) return;
   if (path_is_clear(robot)) {
     along_m_ = std::fmod(along_m_ + direction_ * speed_m_s_ * step_s + length_m_, length_m_);
+    if (direction_ > 0 && !stands_.empty())  // looks where it came to
+      along_m_ = std::min(along_m_, stands_.front().along_m);
     waited_s_ = 0;
   } else if ((waited_s_ += step_s) > kPatienceS) {
     direction_ = -direction_;
