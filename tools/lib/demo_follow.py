@@ -3,7 +3,6 @@
 import json
 import math
 import pathlib
-import subprocess
 import sys
 import threading
 
@@ -15,6 +14,7 @@ import follow_scene as scene
 from demo import display_works, wait_for_master
 from demo_follow_options import REPO, parse_arguments
 from driven_contacts import PERSON_RADIUS_M, TrueMap, distance_to_footprint
+from each_seed import each_seed
 from pose_errors import Pose
 from ros_session import Stalled, run_trial
 
@@ -218,16 +218,9 @@ def draw(observer, row, file):
 
 def series(options):
     """Each seed in a process of its own; returns the exit code."""
-    print(HEADER, flush=True)
-    good = 0
-    for seed in range(options.seed, options.seed + options.runs):
-        command = [sys.executable, str(REPO / "tools/lib/run_tool.py"), "demo_follow.py", "--seed", str(seed), "--one",
-                   "--out", str(options.out / f"seed_{seed}"), "--speed", str(options.speed), "--seconds", str(options.seconds),
-                   "--embedder", options.embedder, *(["--face-model", str(options.face_model)] if options.face_model else []),
-                   *(["--no-rviz"] if options.no_rviz else [])]
-        good += subprocess.run(command, check=False).returncode == 0
-    print(f"{good} of {options.runs} runs succeeded; {options.out} has each one's log, follow.json and follow.png")
-    return 0 if good == options.runs else 1
+    arguments = ["--seconds", str(options.seconds), "--embedder", options.embedder,
+                 *(["--face-model", str(options.face_model)] if options.face_model else [])]
+    return each_seed("demo_follow.py", options, arguments, HEADER, "log, follow.json and follow.png")
 
 
 def main(argv):

@@ -4,7 +4,6 @@ import dataclasses
 import json
 import math
 import pathlib
-import subprocess
 import sys
 
 import numpy
@@ -14,6 +13,7 @@ import tour_film
 import tour_scene as scene
 from demo import display_works, wait_for_master
 from demo_tour_options import REPO, parse_arguments
+from each_seed import each_seed
 from grasp_robot import GraspRobot
 from ros_session import Stalled, run_trial
 
@@ -33,8 +33,8 @@ def tree(to):
         sequence("explore", tasks.Explore(time_limit=600.0, name="map the flat"), tasks.Say("the flat is mapped")),
         sequence("search", tasks.Search("cube", "seen", max_size_m=0.1),
                  tasks.Say("there is a cube at ({p.x:.2f}, {p.y:.2f}, {p.z:.2f})", p=tasks.Key("seen", "position"))),
-        sequence("fetch", tasks.Approach(tasks.Key("seen")), tasks.SeeSupport(tasks.Key("seen")), tasks.pick_up("cube", frame="map"), tasks.carry(),
-                 tasks.Say("got it")),
+        sequence("fetch", tasks.Approach(tasks.Key("seen")), tasks.SeeSupport(tasks.Key("seen")),
+                 tasks.pick_up("cube", frame="map"), tasks.carry(), tasks.Say("got it")),
         sequence("deliver", tasks.Approach(to), tasks.SeeSupport(to, "map"), tasks.put_down((*to, 0.0, 0.0, 0.0), frame="map"),
                  tasks.MoveArm("both", "tuck"), tasks.Say("done")))
 
@@ -142,16 +142,8 @@ def show(row):
 
 def series(options):
     """Each seed in a process of its own; returns the exit code."""
-    print(HEADER, flush=True)
-    good = 0
-    for seed in range(options.seed, options.seed + options.runs):
-        command = [sys.executable, str(REPO / "tools/lib/run_tool.py"), "demo_tour.py", "--seed", str(seed), "--one"]
-        command += ["--out", str(options.out / f"seed_{seed}"), "--speed", str(options.speed), "--limit", str(options.limit),
-                    "--model", str(options.model), *(["--no-rviz"] if options.no_rviz else []),
-                    *(["--film"] if options.film else [])]
-        good += subprocess.run(command, check=False).returncode == 0
-    print(f"{good} of {options.runs} runs succeeded; {options.out} has each one's log and tour.json")
-    return 0 if good == options.runs else 1
+    arguments = ["--limit", str(options.limit), "--model", str(options.model), *(["--film"] if options.film else [])]
+    return each_seed("demo_tour.py", options, arguments, HEADER, "log and tour.json")
 
 
 def main(argv):

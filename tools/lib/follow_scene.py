@@ -6,7 +6,8 @@ import re
 
 import cv2
 import numpy
-import yaml
+
+from walkers import with_people
 
 # Of config/worlds/office.yaml: a passage and two rings of corridors, which meet at its ends.
 NORTH, SOUTH = (0.0, 3.75), (0.0, -3.5)
@@ -42,13 +43,12 @@ def _length(corners):
 
 def write_world(office, seed, seconds, file):
     """The office with the leader and another person."""
-    text = re.sub(r"^people:.*\n(?:[ \t#].*\n|\n)*", "", office.read_text(), flags=re.M)
     path = leader_path(seed, SPEED_M_S * seconds + 20.0)
     leader = {"name": LEADER, "path": [list(corner) for corner in path], "speed": SPEED_M_S, "stands": list(STANDS_S),
               "colour": [0.62, 0.24, 0.20]}
     rng = random.Random(f"other {seed}")
     other = {**OTHER, "path": [[round(rng.uniform(*OTHER_X), 2), OTHER_Y], [round(-rng.uniform(*OTHER_X), 2), OTHER_Y]]}
-    file.write_text(text + "\n" + yaml.safe_dump({"people": [leader, other]}, default_flow_style=None))
+    file.write_text(with_people(office.read_text(), [leader, other]))
 
 
 def write_urdf(urdf, file, pitch_rad=-0.05):

@@ -55,9 +55,9 @@ class Film:
             self.frames.append(compose(self._camera(newest), self._map(newest), stage, newest.get("task/say")))
 
     def _camera(self, newest):
+        from extperfc.calibrate.messages import image_of_message
         message = newest["camera/color/image_raw"]
-        image = numpy.frombuffer(message.data, numpy.uint8).reshape(message.height, message.width, 3)
-        image = image[..., ::-1].copy() if message.encoding == "rgb8" else image.copy()
+        image = image_of_message(message).copy()
         detections = newest.get("detections")
         if detections is not None and abs((detections.header.stamp - message.header.stamp).to_sec()) < 0.3:
             for one in detections.detections:

@@ -23,7 +23,7 @@ from driven_contacts import CHASSIS, TrueMap, reachable
 from nav_robot import NavRobot, random_goal
 from pose_errors import Pose
 from ros_session import RosSession, Stalled, run_trial
-from walkers import more_people
+from walkers import more_people, with_people
 
 REPO = pathlib.Path(__file__).resolve().parents[2]
 WS = pathlib.Path(os.environ.get("EXTPERFC_WS", REPO / ".ws"))
@@ -91,7 +91,7 @@ def world_of(options):
         return options.world  # a random one, made by the simulator
     text = file.read_text()
     if not options.people:
-        text = re.sub(r"^people:.*\n(?:[ \t#].*\n|\n)*", "", text, flags=re.M)
+        text = with_people(text, [])
     copy = options.out / file.name
     copy.write_text(text)
     return copy.resolve()
@@ -106,8 +106,7 @@ def add_people(options, world, true_map):
     people = (content.get("people") or [])[:options.people]
     places = places_of(true_map, Pose(here[0], here[1], 0.0))
     people += more_people(true_map, places, options.people - len(people), options.seed, here[:2])
-    text = re.sub(r"^people:.*\n(?:[ \t#].*\n|\n)*", "", world.read_text(), flags=re.M)
-    world.write_text(text + "\n" + yaml.safe_dump({"people": people}, default_flow_style=None))
+    world.write_text(with_people(world.read_text(), people))
 
 
 def sim_config(resolution_m, options):

@@ -156,7 +156,8 @@ class Navigator {
   void wait_for_plan(const NavigatorInput& input, Output& output);
   void coast(const NavigatorInput& input, NavigatorOutput& output);
   void control(const NavigatorInput& input, Output& output);
-  [[nodiscard]] bool is_blocked(const NavigatorInput& input, const Pose2& odom_T_map) const;
+  [[nodiscard]] bool is_blocked(const PathTracker& path, const NavigatorInput& input,
+                                const Pose2& odom_T_map) const;
   void give_path(const Pose2& odom_T_map);
   void no_velocity(const NavError& error, const NavigatorInput& input, Output& output);
   void watch_progress(const NavigatorInput& input, Output& output);

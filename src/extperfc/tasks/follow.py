@@ -73,7 +73,8 @@ class Follow(Leaf):
     """Follows a person at `distance_m` until `seconds` of ROS time have passed since it began.
 
     name: of an enrolled face; "": the first person who walks before the base within `meet_m`. Who is out of sight is sought
-    where they were seen last; after `lost_s` the leaf fails. The Leader is written under `key`. Needs people by the navigator (topic `move_base/people_tracks`), and for names the nodelet `faces`.
+    where they were seen last; after `lost_s` the leaf fails. The Leader is written under `key`. Needs people by the navigator
+    (topic `move_base/people_tracks`), and for names the nodelet `faces`.
     """
 
     _people = None

@@ -1,6 +1,5 @@
 """The surface that an object stands on, as a depth camera sees it."""
 
-
 import numpy
 import rospy
 import sensor_msgs.msg
@@ -13,8 +12,8 @@ from extperfc.tasks.arm_leaves import scene
 from extperfc.tasks.blackboard import read
 from extperfc.tasks.find import point_of
 from extperfc.tasks.leaf import Leaf
+from extperfc.tasks.search import BASE_FRAME
 
-BASE_FRAME = "base_footprint"
 IMAGES = "camera/aligned_depth_to_color"
 PIXEL_STEP = 3
 NEAR_M = 0.25        # from the object, on the floor plan: where the surface's height is looked for

@@ -205,9 +205,7 @@ void Navigator::coast(const NavigatorInput& input, Output& output) {
   if (coast_.empty()) return;
   coast_.update(input.map_T_base);
   const Pose2 odom_T_map = compose(input.odom_T_base, inverse(input.map_T_base));
-  const auto inner = input.footprint->padded(-params_.blocked_margin_m);
-  if (clock_s_ > coast_until_s_ || input.guard_stopped ||
-      coast_.blocked(*input.costs, inner, odom_T_map, params_.blocked_ahead_m))
+  if (clock_s_ > coast_until_s_ || input.guard_stopped || is_blocked(coast_, input, odom_T_map))
     return coast_.clear();
   planner_->set_path(coast_.rest_in(odom_T_map), params_.goal);
   const LocalState local{input.odom_T_base, input.velocity, input.people, input.speed_factor};
@@ -345,7 +343,7 @@ void Navigator::wait_for_plan(const NavigatorInput& input, Output& output) {
 void Navigator::control(const NavigatorInput& input, Output& output) {
   tracker_.update(input.map_T_base);
   const Pose2 odom_T_map = compose(input.odom_T_base, inverse(input.map_T_base));
-  blocked_ahead_ = is_blocked(input, odom_T_map);
+  blocked_ahead_ = is_blocked(tracker_, input, odom_T_map);
   if (tracker_.deviation_m() > params_.deviation_m) plan_now_ = true;
   give_path(odom_T_map);
   LocalState local{input.odom_T_base, input.velocity, input.people, input.speed_factor};
@@ -364,9 +362,10 @@ void Navigator::control(const NavigatorInput& input, Output& output) {
 }
 
 /// By a smaller footprint: cells and localization are a little wrong, and the local planner knows better.
-bool Navigator::is_blocked(const NavigatorInput& input, const Pose2& odom_T_map) const {
+bool Navigator::is_blocked(const PathTracker& path, const NavigatorInput& input,
+                           const Pose2& odom_T_map) const {
   const auto inner = input.footprint->padded(-params_.blocked_margin_m);
-  return tracker_.blocked(*input.costs, inner, odom_T_map, params_.blocked_ahead_m).has_value();
+  return path.blocked(*input.costs, inner, odom_T_map, params_.blocked_ahead_m).has_value();
 }
 
 void Navigator::give_path(const Pose2& odom_T_map) {
