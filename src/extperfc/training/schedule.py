@@ -35,13 +35,15 @@ class WeightAverage:
         """Takes the weights after an optimizer step."""
         decay = min(self.decay, (1 + self.updates) / (10 + self.updates)) if self.decay else 0.0
         self.updates += 1
-        learning = {name for name, value in network.named_parameters() if value.requires_grad}
-        now = network.state_dict()
-        for name, value in self.network.state_dict().items():
-            if name in learning:
-                value.mul_(decay).add_(now[name], alpha=1 - decay)
-            else:
-                value.copy_(now[name])
+        pairs = [*zip(self.network.parameters(), network.parameters())]
+        learning = [pair for pair in pairs if pair[1].requires_grad]
+        if learning:
+            mine, theirs = (list(side) for side in zip(*learning))
+            torch._foreach_mul_(mine, decay)  # as torch.optim does: one call for all tensors
+            torch._foreach_add_(mine, theirs, alpha=1 - decay)
+        frozen = [pair for pair in pairs if not pair[1].requires_grad]
+        for value, now in [*frozen, *zip(self.network.buffers(), network.buffers())]:
+            value.copy_(now)
 
     def state(self):
         return {"updates": self.updates, "weights": self.network.state_dict()}

@@ -8,7 +8,7 @@ import unittest
 from training_case import torch  # skips where PyTorch is missing
 import torchvision
 
-from extperfc.training.networks import NETWORKS, build, multibox_loss, network_error, priors, ssd_networks, yolo_loss
+from extperfc.training.networks import NETWORKS, build, multibox_loss, network_error, objects, priors, ssd_networks, yolo_loss
 from extperfc.training.networks.network import parameter_count
 from extperfc.training.networks.suppression import suppress
 
@@ -145,16 +145,50 @@ class MultiboxLoss(unittest.TestCase):
 
     def test_every_object_has_a_prior_of_its_own(self):
         # Both objects overlap the first prior most; the second one must take another prior.
-        matching = multibox_loss.match(
-            target([[0, 0, 50, 50], [0, 0, 48, 52]], [0, 1]), priors.corners(self.PRIORS), 100
-        )
+        wanted = [target([[0, 0, 50, 50], [0, 0, 48, 52]], [0, 1]), target([], [])]
+        matching = multibox_loss.match(objects.stack(wanted), priors.corners(self.PRIORS), 100)
         self.assertEqual(1, int((matching.classes == 1).sum()))
         self.assertEqual(1, int((matching.classes == 2).sum()))
-        self.assertEqual(1, int(matching.classes[0]))
+        self.assertEqual(1, int(matching.classes[0, 0]))
+        self.assertEqual(0, int(matching.classes[1].abs().sum()), "an image without objects")
 
     def test_images_without_objects_are_learned_too(self):
         loss = self.loss([[0.0, 0.0]] * 4, target([], []))
         self.assertAlmostEqual(3 * math.log(2), float(loss["classification"]), places=5)
+
+
+class Batches(unittest.TestCase):
+    """The loss of a batch is that of its images, each weighed by its number of positives."""
+
+    IMAGES = [target([[30, 40, 150, 170], [32, 45, 140, 180], [200, 180, 280, 290]], [1, 2, 0], [False, False, True]),
+              target([], []), target([[10, 10, 60, 70]], [2]), target([[5, 5, 250, 280], [100, 100, 130, 125]], [0, 1])]
+
+    def test_padding_changes_nothing(self):
+        for name in ("squeezenet_ssd_lite", "yolov7_tiny_320"):
+            with self.subTest(name):
+                torch.manual_seed(3)
+                network = build(name, CLASSES).eval()
+                raw = network(torch.rand(4, 3, *network.input_size[::-1]))
+                whole, single = network.loss(raw, self.IMAGES), []
+                weights = []
+                for row, one in enumerate(self.IMAGES):
+                    alone = tuple(part[row:row + 1] for part in raw)
+                    single.append(network.loss(alone, [one]))
+                    weights.append(self.positives(network, alone, one))
+                for part, value in whole.items():
+                    mean = sum(w * s[part] for w, s in zip((max(1, w) for w in weights), single)) / sum(weights)
+                    torch.testing.assert_close(mean, value, rtol=1e-4, atol=1e-5)
+
+    def positives(self, network, raw, one):
+        """Number of positive priors or predictions of an image."""
+        batch = objects.stack([one])
+        if not len(one["labels"]):
+            return 0
+        if hasattr(network, "priors"):
+            return int((multibox_loss.match(batch, priors.corners(network.priors), 300).classes > 0).sum())
+        boxes = torchvision.ops.box_convert(batch.boxes, "xyxy", "cxcywh")
+        predictions = yolo_loss.predictions_of(network.decoded(raw), network.anchors, (8, 16, 32))
+        return int(yolo_loss.assign(predictions, boxes, batch.labels, ~batch.ignore)[0].sum())
 
 
 class Suppression(unittest.TestCase):
@@ -179,10 +213,10 @@ class Ssd(unittest.TestCase):
     def test_a_perfect_answer_costs_little_and_is_detected(self):
         network = build("squeezenet_ssd_lite", CLASSES)
         wanted = target([[30, 40, 150, 170], [200, 180, 280, 290]], [2, 0])
-        matching = multibox_loss.match(wanted, priors.corners(network.priors), 300)
-        boxes = torchvision.ops.box_convert(wanted["boxes"][matching.objects] / 300, "xyxy", "cxcywh")
+        matching = multibox_loss.match(objects.stack([wanted]), priors.corners(network.priors), 300)
+        boxes = torchvision.ops.box_convert(wanted["boxes"][matching.objects[0]] / 300, "xyxy", "cxcywh")
         offsets = priors.encode(boxes, network.priors)[None]
-        logits = torch.nn.functional.one_hot(matching.classes, 4).float()[None] * LARGE
+        logits = torch.nn.functional.one_hot(matching.classes, 4).float() * LARGE
         loss = network.loss((offsets, logits), [wanted])
         self.assertLess(float(loss["classification"]) + float(loss["localization"]), 0.01)
         found, = network.detect((offsets, logits), score_threshold=0.5)
@@ -250,25 +284,26 @@ class Yolo(unittest.TestCase):
         raw = tuple(
             torch.randn(1, 24, side, side, generator=torch.Generator().manual_seed(side)) for side in (40, 20, 10)
         )
-        return yolo_loss.predictions_of(self.network.decoded(raw), self.network.anchors, (8, 16, 32))[0]
+        return yolo_loss.predictions_of(self.network.decoded(raw), self.network.anchors, (8, 16, 32))
 
     def test_positives_are_near_their_objects_and_fit_their_anchors(self):
         predictions = self.predictions()
-        self.assertEqual((3 * (1600 + 400 + 100), 4), tuple(predictions.boxes.shape))
+        self.assertEqual((1, 3 * (1600 + 400 + 100), 4), tuple(predictions.boxes.shape))
         boxes = torch.tensor([[50.0, 60, 30, 40], [52, 62, 32, 38], [200, 250, 150, 100], [300, 20, 12, 16]])
-        rows, owners = yolo_loss.assign(predictions, boxes, torch.tensor([0, 1, 2, 0]))
+        learned = torch.ones(1, 4, dtype=torch.bool)
+        positive, owners = yolo_loss.assign(predictions, boxes[None], torch.tensor([[0, 1, 2, 0]]), learned)
+        rows, owners = positive[0].nonzero()[:, 0], owners[0][positive[0]]
         self.assertEqual({0, 1, 2, 3}, set(owners.tolist()))
-        self.assertEqual(len(rows), len(set(rows.tolist())), "no prediction has two objects")
         distance = (predictions.centers[rows] - boxes[owners, :2]).abs().amax(1) / predictions.strides[rows]
         self.assertLess(float(distance.max()), 1.0)
         ratio = boxes[owners, 2:] / predictions.anchors[rows]
         self.assertLess(float(torch.maximum(ratio, 1 / ratio).max()), 4.0)
 
     def test_the_number_of_positives_is_the_sum_of_the_best_overlaps(self):
-        overlap = torch.tensor([[0.9, 0.8, 0.7, 0.0], [0.1, 0.2, 0.0, 0.0]])
-        cost = torch.tensor([[3.0, 1.0, 2.0, math.inf], [5.0, 4.0, math.inf, math.inf]])
+        overlap = torch.tensor([[[0.9, 0.8, 0.7, 0.0], [0.1, 0.2, 0.0, 0.0]]])
+        cost = torch.tensor([[[3.0, 1.0, 2.0, math.inf], [5.0, 4.0, math.inf, math.inf]]])
         self.assertEqual(
-            [[False, True, True, False], [False, True, False, False]], yolo_loss.cheapest(cost, overlap).tolist()
+            [[[False, True, True, False], [False, True, False, False]]], yolo_loss.cheapest(cost, overlap).tolist()
         )
 
     def test_difficult_objects_are_not_punished(self):

@@ -14,6 +14,8 @@ import torch
 import torchvision
 from torch.nn import functional
 
+from .objects import common_area, pairwise_iou, stack
+
 LAMBDA = 3.0  # weight of the overlap in the cost
 MAX_SIZE_RATIO = 4.0  # an anchor is a candidate for objects up to this factor larger or smaller
 CENTER_RADIUS = 1.0  # cells between the centres of an object and of its candidate cells, along each axis
@@ -23,8 +25,8 @@ IGNORED_FRACTION = 0.5  # of a prediction's area within an ignored object
 
 
 class Predictions(typing.NamedTuple):
-    """All N predictions of an image: boxes cx cy w h [N, 4] px, logits of objectness and classes [N, 1 + C], the
-    anchor's size [N, 2] px, the cell's centre [N, 2] px and its stride [N] px."""
+    """All N predictions of a batch: boxes cx cy w h [B, N, 4] px, logits of objectness and classes [B, N, 1 + C]; and,
+    the same for every image, the anchors' sizes [N, 2] px, the cells' centres [N, 2] px and their strides [N] px."""
 
     boxes: torch.Tensor
     logits: torch.Tensor
@@ -34,12 +36,12 @@ class Predictions(typing.NamedTuple):
 
 
 def predictions_of(levels, anchors, strides):
-    """One Predictions per image from YoloV7Tiny.decoded()."""
+    """Predictions from YoloV7Tiny.decoded()."""
     places = [cells_of(boxes, sizes, stride) for (boxes, _), sizes, stride in zip(levels, anchors, strides)]
     sizes, centers, steps = (torch.cat(parts) for parts in zip(*places))
     boxes = torch.cat([boxes.flatten(1, 3) for boxes, _ in levels], 1)
     logits = torch.cat([logits.flatten(1, 3) for _, logits in levels], 1)
-    return [Predictions(b, p, sizes, centers, steps) for b, p in zip(boxes, logits)]
+    return Predictions(boxes, logits, sizes, centers, steps)
 
 
 def cells_of(boxes, sizes, stride):
@@ -60,49 +62,53 @@ def corners(boxes):
 
 
 @torch.no_grad()
-def assign(predictions, boxes, labels):
-    """(rows of the positive predictions, the object of each) for objects cx cy w h [M, 4] px, M > 0."""
-    ratio = boxes[:, None, 2:] / predictions.anchors
-    fits = torch.maximum(ratio, 1 / ratio).amax(-1) < MAX_SIZE_RATIO
-    offset = (boxes[:, None, :2] - predictions.centers).abs() / predictions.strides[:, None]
-    near = (offset < CENTER_RADIUS).all(-1)
-    candidates = (fits & near).any(0).nonzero()[:, 0]
-    if len(candidates) == 0:
-        return candidates, candidates
-    allowed = (fits & near)[:, candidates]
-    overlap = torchvision.ops.box_iou(corners(boxes), corners(predictions.boxes[candidates]))
-    overlap = overlap.masked_fill(~allowed, 0)
-    cost = (class_cost(predictions.logits[candidates], labels) + LAMBDA * -torch.log(overlap + 1e-8)).masked_fill(
-        ~allowed, math.inf)
+def assign(predictions, boxes, labels, learned):
+    """(which predictions are positive, bool [B, N]; the object of each, int64 [B, N]).
+
+    boxes: cx cy w h [B, M, 4] px, M > 0. labels: [B, M]. learned: bool [B, M], the objects that get predictions.
+    """
+    allowed = learned[..., None] & is_candidate(predictions, boxes)
+    overlap = pairwise_iou(corners(boxes), corners(predictions.boxes)).masked_fill(~allowed, 0)
+    cost = class_cost(predictions.logits, labels) + LAMBDA * -torch.log(overlap + 1e-8)
+    cost = cost.masked_fill(~allowed, math.inf)
     chosen = cheapest(cost, overlap)
-    taken = chosen.any(0)
-    owners = cost.masked_fill(~chosen, math.inf).argmin(0)  # a prediction that several objects want is the cheapest's
-    return candidates[taken], owners[taken]
+    return chosen.any(1), cost.masked_fill(~chosen, math.inf).argmin(1)  # what several objects want is the cheapest's
+
+
+def is_candidate(predictions, boxes):
+    """bool [B, M, N]: predictions in cells about the centre of an object cx cy w h, with an anchor of about its size."""
+    allowed = torch.ones((*boxes.shape[:2], len(predictions.anchors)), dtype=torch.bool, device=boxes.device)
+    for axis in (0, 1):  # one after the other: all at once would need four times the memory
+        center, size = boxes[..., axis, None], boxes[..., 2 + axis, None]
+        allowed &= (center - predictions.centers[:, axis]).abs() < CENTER_RADIUS * predictions.strides
+        ratio = size / predictions.anchors[:, axis]
+        allowed &= (ratio < MAX_SIZE_RATIO) & (ratio > 1 / MAX_SIZE_RATIO)
+    return allowed
 
 
 def class_cost(logits, labels):
-    """Binary cross-entropy [M, K] of the predicted scores with each object's class."""
-    scores = (logits[:, :1].sigmoid() * logits[:, 1:].sigmoid()).sqrt().clamp(1e-7, 1 - 1e-7)
+    """Binary cross-entropy [B, M, N] of the predicted scores with each object's class."""
+    scores = (logits[..., :1].sigmoid() * logits[..., 1:].sigmoid()).sqrt().clamp(1e-7, 1 - 1e-7)
     wrong = -torch.log1p(-scores)
-    return wrong.sum(1) + (-torch.log(scores) - wrong)[:, labels].t()
+    rows = labels[..., None].expand(-1, -1, logits.shape[1])
+    return wrong.sum(2)[:, None] + (-torch.log(scores) - wrong).transpose(1, 2).gather(1, rows)
 
 
 def cheapest(cost, overlap):
-    """bool [M, K]: of every object the k predictions of the lowest cost, k the sum of its best overlaps, at least 1."""
-    best = overlap.topk(min(BEST_OVERLAPS, overlap.shape[1]), 1)[0]
-    counts = best.sum(1).int().clamp(min=1)
-    rank = cost.argsort(dim=1, stable=True).argsort(dim=1, stable=True)
-    return (rank < counts[:, None]) & cost.isfinite()
+    """bool [B, M, N]: of every object the k predictions of the lowest cost, k the sum of its best overlaps, at least 1."""
+    few = min(BEST_OVERLAPS, overlap.shape[2])
+    counts = overlap.topk(few, 2)[0].sum(2).int().clamp(min=1)
+    costs, places = cost.topk(few, 2, largest=False)
+    wanted = (torch.arange(few, device=cost.device) < counts[..., None]) & costs.isfinite()
+    return torch.zeros_like(cost, dtype=torch.bool).scatter_(2, places, wanted)
 
 
-def ignored_predictions(predictions, ignored):
-    """bool [N]: predictions that lie mostly in an ignored object [M, 4] cx cy w h."""
-    if len(ignored) == 0:
-        return torch.zeros(len(predictions.boxes), dtype=torch.bool, device=predictions.boxes.device)
-    found, objects = corners(predictions.boxes.detach()), corners(ignored)
-    low, high = torch.maximum(found[:, None, :2], objects[:, :2]), torch.minimum(found[:, None, 2:], objects[:, 2:])
-    common = (high - low).clamp(min=0).prod(-1)
-    return (common > IGNORED_FRACTION * predictions.boxes.detach()[:, 2:].prod(-1)[:, None]).any(1)
+@torch.no_grad()
+def ignored_predictions(predictions, ignored, exist):
+    """bool [B, N]: predictions that lie mostly in an ignored object [B, M, 4] cx cy w h that exists [B, M]."""
+    found = predictions.boxes[:, None]
+    common = common_area(corners(found), corners(ignored[:, :, None]))
+    return (exist[..., None] & (common > IGNORED_FRACTION * found[..., 2:].prod(-1))).any(1)
 
 
 def complete_iou(boxes, wanted):
@@ -119,34 +125,25 @@ def complete_iou(boxes, wanted):
     return iou - distance - weight * aspect
 
 
-def image_loss(predictions, target):
-    """Sums over an image: (localization, objectness, classification), and the number of positives."""
-    wanted = torchvision.ops.box_convert(target["boxes"], "xyxy", "cxcywh")
-    learned = ~target["ignore"] & (wanted[:, 2:] > 0).all(1)
-    boxes, labels = wanted[learned], target["labels"][learned]
-    objectness = torch.zeros(len(predictions.boxes), device=boxes.device)
-    counted = ~ignored_predictions(predictions, wanted[target["ignore"]])
-    localization = classification = predictions.logits.sum() * 0
-    positive = owners = labels[:0]
-    if len(boxes):
-        positive, owners = assign(predictions, boxes, labels)
-    if len(positive):
-        overlap = complete_iou(predictions.boxes[positive], boxes[owners])
-        localization = (1 - overlap).sum()
-        objectness[positive] = overlap.detach().clamp(0, 1).to(objectness.dtype)
-        counted[positive] = True
-        kinds = functional.one_hot(labels[owners], predictions.logits.shape[1] - 1).to(predictions.logits.dtype)
-        classification = functional.binary_cross_entropy_with_logits(
-            predictions.logits[positive, 1:], kinds, reduction="sum"
-        )
-    each = functional.binary_cross_entropy_with_logits(predictions.logits[:, 0], objectness, reduction="none")
-    return localization, (each * counted).sum(), classification, len(positive)
-
-
 def yolo_loss(levels, targets, anchors, strides):
     """Sums over the batch divided by its number of positive predictions; the objectness to learn is the overlap."""
-    sums = [image_loss(p, target) for p, target in zip(predictions_of(levels, anchors, strides), targets)]
-    localization, objectness, classification, counts = zip(*sums)
-    count = max(1, sum(counts))
-    return {"localization": LOCALIZATION_GAIN * sum(localization) / count, "objectness": sum(objectness) / count,
-            "classification": sum(classification) / count}
+    predictions, objects = predictions_of(levels, anchors, strides), stack(targets)
+    objectness = torch.zeros_like(predictions.logits[..., 0])
+    counted = torch.ones_like(objectness, dtype=torch.bool)
+    image = row = owner = objects.labels.new_zeros(0)
+    boxes = torchvision.ops.box_convert(objects.boxes, "xyxy", "cxcywh")
+    if boxes.shape[1]:
+        learned = objects.exist & ~objects.ignore & (boxes[..., 2:] > 0).all(2)
+        positive, owners = assign(predictions, boxes, objects.labels, learned)
+        counted = positive | ~ignored_predictions(predictions, boxes, objects.exist & objects.ignore)
+        image, row = positive.nonzero(as_tuple=True)
+        owner = owners[image, row]
+    overlap = complete_iou(predictions.boxes[image, row], boxes[image, owner])
+    objectness[image, row] = overlap.detach().clamp(0, 1).to(objectness.dtype)
+    logits = predictions.logits[image, row, 1:]
+    kinds = functional.one_hot(objects.labels[image, owner], logits.shape[1]).to(logits.dtype)
+    classification = functional.binary_cross_entropy_with_logits(logits, kinds, reduction="sum")
+    each = functional.binary_cross_entropy_with_logits(predictions.logits[..., 0], objectness, reduction="none")
+    count = max(1, len(image))
+    return {"localization": LOCALIZATION_GAIN * (1 - overlap).sum() / count, "objectness": (each * counted).sum() / count,
+            "classification": classification / count}
