@@ -18,6 +18,7 @@ from grasp_robot import GraspRobot
 from ros_session import Stalled, run_trial
 
 from extperfc import tasks
+from extperfc.tasks.search import base_pose
 
 MAX_ERROR_M = 0.10          # of the placed cube from where it should be: the map's error is part of it
 HEADER = "  seed  cube in    explored  searched   fetched  delivered    total   driven   placed off  contacts  result"
@@ -47,6 +48,7 @@ class Observer:
         import std_msgs.msg
         self.robot, self.root, self.begin = robot, root, robot.now()
         self.path, self.pose, self.bumps, self.stages_s, self.film = [], (0.0, 0.0, 0.0), 0, {}, None
+        self.map_errors_m = {}  # at the end of each stage: how far the robot is from where it believes to be
         self._blocked = False
         robot.rospy.Subscriber("sim/truth/odom", nav_msgs.msg.Odometry, self._on_odom, queue_size=50)
         robot.rospy.Subscriber("sim/truth/blocked", std_msgs.msg.Bool, self._on_blocked)
@@ -65,8 +67,13 @@ class Observer:
         for stage in self.root.children:
             if stage.status == py_trees.common.Status.SUCCESS and stage.name not in self.stages_s:
                 self.stages_s[stage.name] = self.robot.now() - self.begin
+                self.map_errors_m[stage.name] = self.map_error_m()
         if self.film is not None:
             self.film.tick(next((stage.name for stage in self.root.children if stage.name not in self.stages_s), ""))
+
+    def map_error_m(self):
+        """The map begins where the robot began, at the world's origin."""
+        return math.dist(base_pose("map")[:2], self.pose[:2])
 
     def driven_m(self):
         return float(numpy.linalg.norm(numpy.diff(numpy.array(self.path), axis=0), axis=1).sum()) if len(self.path) > 1 else 0.0
@@ -115,6 +122,7 @@ def one_run(options, session):
     off = math.hypot(cube[0] - to[0], cube[1] - to[1])
     stands = off < MAX_ERROR_M and abs(cube[2] - to[2]) < 0.01
     row = {"seed": options.seed, **dataclasses.asdict(task), "stages_s": observer.stages_s, "seconds": robot.now() - observer.begin,
+           "map_errors_m": {**observer.map_errors_m, "end": observer.map_error_m()}, "cube_at": [*map(float, cube)],
            "driven_m": observer.driven_m(), "contacts": observer.bumps, "reported": done, "message": why,
            "placed_off_m": off, "placed": bool(stands), "path": observer.path}
     row["cause"] = cause(row)

@@ -9,8 +9,10 @@ class ProgressMonitor {
  public:
   /// A new goal.
   void reset();
-  /// Time begins anew: after a stop that was not the robot's fault, or after a recovery.
+  /// Time begins anew, after a recovery.
   void restart(double now_s) { since_s_ = now_s; }
+  /// Time that does not count: the robot had to stand.
+  void leave_out(double seconds) { since_s_ += seconds; }
   /// Another path: its length is the new measure. Paths that grow again and again are no progress: after
   /// kMaxDetours of them the time goes on.
   void path_changed(double rest_m, double now_s);

@@ -226,29 +226,22 @@ class Approach(Leaf):
 
     point: (x, y, z) in `frame`, a Found, or a Key. Of the poses to which the navigator has a plan the one with the shortest
     is taken; one that stands farther from the point must save FARTHER_COSTS times that of the drive. When the robot does not
-    arrive there, the next, `attempts` in all.
+    arrive there, it is asked again which poses can be reached: from nearer it sees more. `attempts` in all.
     """
 
-    def __init__(self, point, frame="map", standoffs_m=(0.72, 0.78, 0.85), attempts=3, name=None):
+    def __init__(self, point, frame="map", standoffs_m=(0.72, 0.78, 0.85), attempts=6, name=None):
         super().__init__(name or "approach")
         self.point, self.frame, self.standoffs_m, self.attempts = point, frame, standoffs_m, attempts
         self._plans = Plans(frame)
 
     def begin(self):
-        point = point_of(read(self.point))
-        here = base_pose(self.frame)
-        reached = [(self._plans.length_m(here, pose), pose) for pose in poses_before(point, self.standoffs_m)]
-        self._left = sorted((length + FARTHER_COSTS * math.dist(pose[:2], point[:2]), pose)
-                            for length, pose in reached if length is not None)[:self.attempts]
-        if not self._left:
-            raise ValueError(f"the navigator has no plan to a place before ({point[0]:.2f}, {point[1]:.2f})")
-        self._motion, self._why = None, ""
+        self._at = point_of(read(self.point))
+        self._tried, self._motion, self._why = [], None, ""
 
     def step(self):
         if self._motion is None:
-            if not self._left:
-                raise ValueError(self._why)
-            self._motion = GoTo(self._left.pop(0)[1], self.frame).motion()
+            self._tried.append(self._next())
+            self._motion = GoTo(self._tried[-1], self.frame).motion()
         if not self._motion.done:
             return None
         try:
@@ -257,6 +250,19 @@ class Approach(Leaf):
         except ArmError as error:
             self._why, self._motion = str(error), None
             return None
+
+    def _next(self):
+        """The best pose that was not tried yet."""
+        if len(self._tried) == self.attempts:
+            raise ValueError(f"{self._why} (the last of {self.attempts} places before the goal)")
+        here = base_pose(self.frame)
+        left = [pose for pose in poses_before(self._at, self.standoffs_m) if pose not in self._tried]
+        costs = [(length + FARTHER_COSTS * math.dist(pose[:2], self._at[:2]), pose)
+                 for pose in left for length in [self._plans.length_m(here, pose)] if length is not None]
+        if not costs:
+            tried = f"; tried {len(self._tried)}, the last: {self._why}" if self._tried else ""
+            raise ValueError(f"the navigator has no plan to a place before ({self._at[0]:.2f}, {self._at[1]:.2f}){tried}")
+        return min(costs)[1]
 
 
 def poses_before(point, standoffs_m):

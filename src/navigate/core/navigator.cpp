@@ -251,14 +251,16 @@ void Navigator::stand(const NavigatorInput& input, Output& output) {
   output.end = end_task(error);
 }
 
-/// Data are back: patience begins anew, and the plan is an old one.
+/// Data are back, and the plan is an old one. Patience goes on where it was: data that come and go shall not make
+/// it endless.
 void Navigator::end_fault() {
+  const double stood_s = clock_s_ - *fault_since_s_;
   fault_since_s_.reset();
   reason_.clear();
   plan_now_ = true;
-  progress_.restart(clock_s_);
-  no_velocity_since_s_.reset();
-  if (state_ == NavState::kPlanning) no_plan_since_s_ = clock_s_;
+  progress_.leave_out(stood_s);
+  if (no_velocity_since_s_) *no_velocity_since_s_ += stood_s;
+  if (no_plan_since_s_) *no_plan_since_s_ += stood_s;
 }
 
 void Navigator::plan_when_due(const NavigatorInput& input, Output& output) {

@@ -448,13 +448,12 @@ class Driving(unittest.TestCase):
     def test_the_nearest_place_before_a_point_that_can_be_reached(self):
         with self.plans(lambda x, y: x < 1.5):
             leaf = tasks.Approach((2.0, 0.0, 0.7))
-            leaf.begin()
-        lengths = [cost for cost, _ in leaf._left]
-        self.assertEqual((sorted(lengths), 3), (lengths, len(lengths)))
-        for _, (x, y, yaw) in leaf._left:
-            self.assertLess(x, 1.5)
-            self.assertAlmostEqual(0.0, math.remainder(math.atan2(-y, 2.0 - x) - yaw, 2 * math.pi), places=9)
-            self.assertTrue(0.7 < math.hypot(2.0 - x, y) < 0.86)
+            self.run_leaf(leaf)
+        self.assertEqual((SUCCESS, 1), (leaf.status, len(self.sent)))
+        x, y, yaw = leaf._tried[0]
+        self.assertLess(x, 1.5)
+        self.assertAlmostEqual(0.0, math.remainder(math.atan2(-y, 2.0 - x) - yaw, 2 * math.pi), places=9)
+        self.assertAlmostEqual(0.72, math.hypot(2.0 - x, y))
 
     def test_no_place_before_it_is_a_failure(self):
         with self.plans(lambda x, y: False):
@@ -467,7 +466,23 @@ class Driving(unittest.TestCase):
         with self.plans(lambda x, y: True):
             leaf = tasks.Approach((2.0, 0.0, 0.7))
             self.run_leaf(leaf)
-        self.assertEqual((SUCCESS, 2), (leaf.status, len(self.sent)))
+        self.assertEqual((SUCCESS, 2, 2), (leaf.status, len(self.sent), len(set(leaf._tried))))
+
+    def test_what_is_seen_from_nearer_counts_for_the_next_place(self):
+        self.failing = {1}
+        with self.plans(lambda x, y: not self.sent or math.hypot(2.0 - x, y) > 0.8):
+            leaf = tasks.Approach((2.0, 0.0, 0.7))
+            self.run_leaf(leaf)
+        distances = [math.hypot(2.0 - x, y) for x, y, _ in leaf._tried]
+        numpy.testing.assert_allclose([0.72, 0.85], distances)
+
+    def test_a_point_that_is_never_reached(self):
+        self.failing = set(range(100))
+        with self.plans(lambda x, y: True):
+            leaf = tasks.Approach((2.0, 0.0, 0.7), attempts=4)
+            self.run_leaf(leaf)
+        self.assertEqual((FAILURE, 4), (leaf.status, len(self.sent)))
+        self.assertIn("the last of 4 places", leaf.feedback_message)
 
 
 class Clouds(unittest.TestCase):

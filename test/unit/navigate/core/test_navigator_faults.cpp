@@ -45,6 +45,26 @@ TEST(NavigatorFaults, ItGivesUpAfterItsPatience) {
   EXPECT_EQ(robot.ends[0].error.code, NavCode::kNoScan);
 }
 
+TEST(NavigatorFaults, DataThatComeAndGoDoNotMakePatienceEndless) {
+  const NavError blocked{NavCode::kGoalBlocked, "the goal is blocked"};
+  double lasted_s[2];
+  for (const bool flickers : {false, true}) {
+    FakeRobot robot;
+    robot.plan_error = blocked;
+    robot.drive_to({2, 0, 0});
+    const double begin_s = robot.now_s;
+    for (int i = 0; robot.ends.empty() && robot.now_s < begin_s + 600; ++i) {
+      robot.input.fault.reset();
+      if (flickers && i % 20 < 4) robot.input.fault = NavError{NavCode::kNoScan, "the newest scan is 0.36 s old"};
+      robot.cycle();
+    }
+    ASSERT_EQ(robot.ends.size(), 1U) << flickers;
+    EXPECT_EQ(robot.ends[0].error.code, NavCode::kGoalBlocked);
+    lasted_s[flickers ? 1 : 0] = robot.now_s - begin_s;
+  }
+  EXPECT_LT(lasted_s[1], 1.5 * lasted_s[0]) << "a fifth of the time it was blind";
+}
+
 TEST(NavigatorFaults, AWaypointTaskEndsAsAWholeWithoutData) {
   FakeRobot robot;
   (void)robot.navigator.start({1, {{2, 0, 0}, {3, 0, 0}}, false});
