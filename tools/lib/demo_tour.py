@@ -34,10 +34,10 @@ def tree(to):
         sequence("explore", tasks.Explore(time_limit=600.0, name="map the flat"), tasks.Say("the flat is mapped")),
         sequence("search", tasks.Search("cube", "seen", max_size_m=0.1),
                  tasks.Say("there is a cube at ({p.x:.2f}, {p.y:.2f}, {p.z:.2f})", p=tasks.Key("seen", "position"))),
-        sequence("fetch", tasks.Approach(tasks.Key("seen")), tasks.SeeSupport(tasks.Key("seen")),
-                 tasks.pick_up("cube", frame="map"), tasks.carry(), tasks.Say("got it")),
-        sequence("deliver", tasks.Approach(to), tasks.SeeSupport(to, "map"), tasks.put_down((*to, 0.0, 0.0, 0.0), frame="map"),
-                 tasks.MoveArm("both", "tuck"), tasks.Say("done")))
+        sequence("fetch", py_trees.decorators.Retry("2 places", sequence(
+            "from a place before it", tasks.Approach(tasks.Key("seen")), tasks.SeeSupport(tasks.Key("seen")),
+            tasks.pick_up("cube", frame="map")), num_failures=2), tasks.carry(), tasks.Say("got it")),
+        sequence("deliver", tasks.bring(to), tasks.MoveArm("both", "tuck"), tasks.Say("done")))
 
 
 class Observer:

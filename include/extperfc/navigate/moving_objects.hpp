@@ -5,6 +5,7 @@
 
 #include <Eigen/Core>
 
+#include "extperfc/navigate/local_planner.hpp"
 #include "extperfc/navigate/map_explanation.hpp"
 #include "extperfc/world/laser_scan.hpp"
 #include "extperfc/world/occupancy_grid.hpp"
@@ -51,5 +52,13 @@ class MovingObjectDetector {
   MovingObjectParams params_;
   MapExplanation map_;
 };
+
+/// The scan without the returns of people, whose positions are in the map's frame: NaN. A margin of 0.15 m about
+/// each covers arms, and a step.
+[[nodiscard]] LaserScan without(LaserScan scan, const std::vector<MovingObstacle>& people,
+                                const Pose2& map_T_sensor);
+/// The same for points of the map's frame, at any height.
+[[nodiscard]] std::vector<Eigen::Vector3f> without(std::vector<Eigen::Vector3f> points_m,
+                                                   const std::vector<MovingObstacle>& people);
 
 }  // namespace extperfc::navigate

@@ -9,11 +9,11 @@ from extperfc.tasks.blackboard import Key, read, write
 from extperfc.tasks.find import Find, Found
 from extperfc.tasks.follow import EnrollFace, Follow
 from extperfc.tasks.leaf import ActionLeaf, GiveUp, Leaf, Say, Wait
-from extperfc.tasks.recipes import carry, pick_up, put_down, show
+from extperfc.tasks.recipes import bring, carry, pick_up, put_down, show
 from extperfc.tasks.runner import run
 from extperfc.tasks.search import Approach, Search
 from extperfc.tasks.support import SeeSupport
 
 __all__ = ["ActionLeaf", "Approach", "EnrollFace", "Explore", "Find", "Follow", "Found", "GiveUp", "GoTo", "InScene", "Key", "Leaf",
-           "MoveArm", "MoveGrippers", "Pick", "Place", "Say", "Search", "SeeSupport", "Show", "Wait", "carry", "pick_up", "put_down",
-           "read", "run", "show", "write"]
+           "MoveArm", "MoveGrippers", "Pick", "Place", "Say", "Search", "SeeSupport", "Show", "Wait", "bring", "carry", "pick_up",
+           "put_down", "read", "run", "show", "write"]

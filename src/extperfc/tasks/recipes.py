@@ -7,6 +7,8 @@ from extperfc.tasks.arm_leaves import InScene, MoveArm, Pick, Place, Show
 from extperfc.tasks.blackboard import Key
 from extperfc.tasks.find import Find
 from extperfc.tasks.leaf import GiveUp, Say
+from extperfc.tasks.search import Approach
+from extperfc.tasks.support import SeeSupport
 
 
 def _sequence(name, children):
@@ -41,6 +43,16 @@ def put_down(pose, held="held", frame=DEFAULT_FRAME):
         GiveUp("it is where it was before"),
     ])
     return py_trees.composites.Selector("put down", memory=True, children=[Place(pose, frame=frame), put_back])
+
+
+def bring(to, held="held", frame="map", attempts=3):
+    """Drives the held object to a point (x, y, z) of its middle and places it there, seen from up to so many places."""
+    return py_trees.decorators.Retry(f"{attempts} attempts", _sequence("bring it", [
+        carry(held),
+        Approach(to, frame),
+        SeeSupport(to, frame),
+        Place((*to, 0.0, 0.0, 0.0), frame=frame),
+    ]), num_failures=attempts)
 
 
 def carry(held="held"):

@@ -31,6 +31,7 @@ CLOUD_S = 1.0       # of ROS time, between clouds that are used
 ROBOT_M = 0.9       # from the lidar: what is nearer may be the robot
 TRANSFORM_S = 0.3   # of real time, that a cloud waits for its place in the map
 FARTHER_COSTS = 5.0  # metres of a drive that are as bad as one metre more from what shall be reached
+AGAIN_COSTS = 2.0    # of a pose where the robot stood for the same point before, in metres of a drive
 APPROACH_YAWS = 24  # directions from which an object is approached
 
 
@@ -226,16 +227,19 @@ class Approach(Leaf):
 
     point: (x, y, z) in `frame`, a Found, or a Key. Of the poses to which the navigator has a plan the one with the shortest
     is taken; one that stands farther from the point must save FARTHER_COSTS times that of the drive. When the robot does not
-    arrive there, it is asked again which poses can be reached: from nearer it sees more. `attempts` in all.
+    arrive there, it is asked again which poses can be reached: from nearer it sees more. `attempts` in all. A leaf that runs
+    again for the same point prefers another pose: from the last one something failed.
     """
 
     def __init__(self, point, frame="map", standoffs_m=(0.72, 0.78, 0.85), attempts=6, name=None):
         super().__init__(name or "approach")
         self.point, self.frame, self.standoffs_m, self.attempts = point, frame, standoffs_m, attempts
-        self._plans = Plans(frame)
+        self._plans, self._at, self._stood = Plans(frame), None, []
 
     def begin(self):
-        self._at = point_of(read(self.point))
+        before, self._at = self._at, point_of(read(self.point))
+        if before is None or math.dist(before, self._at) > NEAR_M:
+            self._stood = []
         self._tried, self._motion, self._why = [], None, ""
 
     def step(self):
@@ -246,6 +250,7 @@ class Approach(Leaf):
             return None
         try:
             self._motion.result()
+            self._stood.append(self._tried[-1])
             return True
         except ArmError as error:
             self._why, self._motion = str(error), None
@@ -257,7 +262,7 @@ class Approach(Leaf):
             raise ValueError(f"{self._why} (the last of {self.attempts} places before the goal)")
         here = base_pose(self.frame)
         left = [pose for pose in poses_before(self._at, self.standoffs_m) if pose not in self._tried]
-        costs = [(length + FARTHER_COSTS * math.dist(pose[:2], self._at[:2]), pose)
+        costs = [(length + FARTHER_COSTS * math.dist(pose[:2], self._at[:2]) + AGAIN_COSTS * self._stood.count(pose), pose)
                  for pose in left for length in [self._plans.length_m(here, pose)] if length is not None]
         if not costs:
             tried = f"; tried {len(self._tried)}, the last: {self._why}" if self._tried else ""

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <iterator>
+#include <limits>
 #include <optional>
 #include <utility>
 
@@ -12,6 +13,8 @@
 namespace extperfc::navigate {
 
 namespace {
+
+constexpr double kPersonMarginM = 0.15;
 
 /// The smallest circle's stand-in: about the middle of the box around the points.
 struct Extent {
@@ -30,6 +33,12 @@ Extent extent_of(const std::vector<Eigen::Vector2d>& points_m) {
   for (const Eigen::Vector2d& point : points_m)
     extent.radius_m = std::max(extent.radius_m, (point - extent.middle_m).norm());
   return extent;
+}
+
+bool is_person(const Eigen::Vector2d& point_m, const std::vector<MovingObstacle>& people) {
+  return std::any_of(people.begin(), people.end(), [&point_m](const MovingObstacle& person) {
+    return (point_m - person.position_m).norm() <= person.radius_m + kPersonMarginM;
+  });
 }
 
 std::optional<double> range_of(const LaserScan& scan, std::size_t ray, double max_range_m) {
@@ -136,6 +145,27 @@ std::vector<MovingCandidate> MovingObjectDetector::detect(const LaserScan& scan,
     candidates.push_back({extent.middle_m, std::max(params_.min_radius_m, extent.radius_m), returns});
   }
   return candidates;
+}
+
+LaserScan without(LaserScan scan, const std::vector<MovingObstacle>& people, const Pose2& map_T_sensor) {
+  if (people.empty()) return scan;
+  for (std::size_t i = 0; i < scan.ranges.size(); ++i) {
+    if (!is_return(scan, scan.ranges[i])) continue;
+    const double angle = map_T_sensor.yaw + scan.angle_min + static_cast<double>(i) * scan.angle_increment;
+    const Eigen::Vector2d point_m{map_T_sensor.x + scan.ranges[i] * std::cos(angle),
+                                  map_T_sensor.y + scan.ranges[i] * std::sin(angle)};
+    if (is_person(point_m, people)) scan.ranges[i] = std::numeric_limits<float>::quiet_NaN();
+  }
+  return scan;
+}
+
+std::vector<Eigen::Vector3f> without(std::vector<Eigen::Vector3f> points_m,
+                                     const std::vector<MovingObstacle>& people) {
+  const auto is_one = [&people](const Eigen::Vector3f& point_m) {
+    return is_person(point_m.head<2>().cast<double>(), people);
+  };
+  if (!people.empty()) points_m.erase(std::remove_if(points_m.begin(), points_m.end(), is_one), points_m.end());
+  return points_m;
 }
 
 }  // namespace extperfc::navigate

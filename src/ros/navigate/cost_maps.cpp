@@ -247,7 +247,17 @@ Result<void> CostMaps::observe(const PlacedScan& placed) {
   return {};
 }
 
-/// Every ray clears; what the map does not explain marks.
+/// In the map's frame.
+std::vector<navigate::MovingObstacle> CostMaps::passers(double now_s, const Pose2& map_T_odom) const {
+  auto people = callbacks_.passers(now_s);
+  for (auto& person : people) {
+    const Pose2 place = compose(map_T_odom, {person.position_m.x(), person.position_m.y(), 0});
+    person.position_m = {place.x, place.y};
+  }
+  return people;
+}
+
+/// Every ray clears; what the map does not explain marks, but for people who pass: a plan around them is late.
 void CostMaps::observe_globally(const PlacedScan& placed, const Pose2& map_T_odom) {
   const Pose2 map_T_base = compose(map_T_odom, placed.odom_T_base);
   const Pose2 map_T_sensor = compose(map_T_base, placed.scan.base_T_sensor);
@@ -256,8 +266,9 @@ void CostMaps::observe_globally(const PlacedScan& placed, const Pose2& map_T_odo
   auto marks = sensor();
   marks.clears = false;
   (void)global_.obstacles->observe(placed.scan, map_T_sensor, placed.height_m, clears);
-  (void)global_.obstacles->observe(explanation_.unexplained(placed.scan, map_T_sensor), map_T_sensor,
-                                   placed.height_m, marks);
+  const auto rest = navigate::without(explanation_.unexplained(placed.scan, map_T_sensor),
+                                      passers(placed.scan.stamp_s, map_T_odom), map_T_sensor);
+  (void)global_.obstacles->observe(rest, map_T_sensor, placed.height_m, marks);
   global_.obstacles->clear_footprint(footprint_, map_T_base);
   if (!global_.map->update(placed.scan.stamp_s).empty()) global_snapshot_.reset();
 }
@@ -282,6 +293,8 @@ Result<void> CostMaps::take_cloud(const sensor_msgs::PointCloud2& message) {
   const Pose& map_T_sensor = *map_T_odom;
   cloud.sensor_m = map_T_sensor * cloud.sensor_m;
   for (auto& point : cloud.points_m) point = map_T_sensor.cast<float>() * point;
+  cloud.points_m = navigate::without(std::move(cloud.points_m),
+                                     passers(cloud.stamp_s, to_pose2(*map_T_odom)));
   return global_.obstacles->observe(cloud, sensor());
 }
 

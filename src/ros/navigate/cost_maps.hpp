@@ -1,11 +1,13 @@
 #pragma once
 
 #include <atomic>
+#include <functional>
 #include <memory>
 #include <mutex>
 #include <optional>
 #include <string>
 #include <thread>
+#include <vector>
 
 #include <ros/node_handle.h>
 #include <tf2_ros/buffer.h>
@@ -14,6 +16,7 @@
 #include "extperfc/navigate/footprint.hpp"
 #include "extperfc/navigate/inflation_layer.hpp"
 #include "extperfc/navigate/map_explanation.hpp"
+#include "extperfc/navigate/moving_objects.hpp"
 #include "extperfc/navigate/nav_error.hpp"
 #include "extperfc/navigate/obstacle_layer.hpp"
 #include "extperfc/navigate/static_layer.hpp"
@@ -36,6 +39,7 @@ class CostMaps {
   struct Callbacks {
     std::function<void(const PlacedScan&)> on_scan;
     std::function<void(const OccupancyGrid&)> on_map;
+    std::function<std::vector<navigate::MovingObstacle>(double now_s)> passers;  ///< in odom
   };
 
   CostMaps(const ros::NodeHandle& handle, const ros_params::NavigatorNodeParams& params, tf2_ros::Buffer& tf,
@@ -87,6 +91,7 @@ class CostMaps {
   [[nodiscard]] Result<void> take_cloud(const sensor_msgs::PointCloud2& message);
   [[nodiscard]] Result<void> observe(const PlacedScan& placed);
   void observe_globally(const PlacedScan& placed, const Pose2& map_T_odom);
+  [[nodiscard]] std::vector<navigate::MovingObstacle> passers(double now_s, const Pose2& map_T_odom) const;
   [[nodiscard]] Result<Pose> transform_at(const std::string& target, const std::string& source,
                                           const ros::Time& stamp) const;
   [[nodiscard]] navigate::Inflation inflation() const;

@@ -47,7 +47,7 @@ void PeopleTracker::forget() {
   const std::lock_guard lock(mutex_);
   tracker_ = track::Tracker(tracker_params());
   people_.clear();
-  walked_.clear();
+  walked_s_.clear();
 }
 
 void PeopleTracker::update(const PlacedScan& placed) {
@@ -72,31 +72,41 @@ void PeopleTracker::update(const PlacedScan& placed) {
 
 void PeopleTracker::note_people(const std::vector<navigate::MovingCandidate>& candidates) {
   people_.clear();
-  std::set<std::uint64_t> walked;
+  std::map<std::uint64_t, double> walked_s;
   for (const auto& track : tracker_.tracks()) {
     const Eigen::Vector2d velocity_m_s = track.point.velocity_m_s().head<2>();
     const double speed = velocity_m_s.norm();
     const bool walks = speed >= kWalksMS;
-    if (!track.confirmed || speed > kFastestMS || !(walks || walked_.count(track.id) > 0)) continue;
-    walked.insert(track.id);
+    if (!track.confirmed || speed > kFastestMS || !(walks || walked_s_.count(track.id) > 0)) continue;
+    const double last_s = walked_s[track.id] = walks ? stamp_s_ : walked_s_[track.id];
     Person person;
     person.state.position_m = track.point.position_m().head<2>();
     if (walks) person.state.velocity_m_s = velocity_m_s;
+    person.passes = stamp_s_ - last_s < params_.stand_s;
     person.state.radius_m = kRadiusM;
     if (track.observation)
       person.state.radius_m = std::max(kRadiusM, candidates[*track.observation].radius_m);
     people_.push_back(person);
   }
-  walked_ = std::move(walked);
+  walked_s_ = std::move(walked_s);
 }
 
 std::vector<navigate::MovingObstacle> PeopleTracker::people(double now_s) const {
+  return at(now_s, true);
+}
+
+std::vector<navigate::MovingObstacle> PeopleTracker::passers(double now_s) const {
+  return at(now_s, false);
+}
+
+std::vector<navigate::MovingObstacle> PeopleTracker::at(double now_s, bool all) const {
   const std::lock_guard lock(mutex_);
   std::vector<navigate::MovingObstacle> people;
   const double age_s = now_s - stamp_s_;
   if (std::abs(age_s) > kOldS) return people;
   people.reserve(people_.size());
   for (const auto& person : people_) {
+    if (!all && !person.passes) continue;
     people.push_back(person.state);
     people.back().position_m += age_s * person.state.velocity_m_s;
   }

@@ -1,8 +1,8 @@
 #pragma once
 
 #include <cstdint>
+#include <map>
 #include <mutex>
-#include <set>
 #include <string>
 #include <vector>
 
@@ -30,6 +30,8 @@ class PeopleTracker {
   /// Those who walk or have walked, in odom, where they are at `now_s`. Empty when the last scan is older
   /// than 1 s.
   [[nodiscard]] std::vector<navigate::MovingObstacle> people(double now_s) const;
+  /// Of them, those who have not stood for PeopleParams::stand_s: soon they are elsewhere.
+  [[nodiscard]] std::vector<navigate::MovingObstacle> passers(double now_s) const;
   /// All confirmed objects of the last scan, in odom: those who stand, too, as long as the map does not
   /// explain them.
   [[nodiscard]] TrackArray tracks(const std::string& odom_frame) const;
@@ -37,16 +39,18 @@ class PeopleTracker {
  private:
   struct Person {
     navigate::MovingObstacle state;  ///< at the stamp
+    bool passes{true};
   };
 
   void note_people(const std::vector<navigate::MovingCandidate>& candidates);
+  [[nodiscard]] std::vector<navigate::MovingObstacle> at(double now_s, bool all) const;
 
   const ros_params::PeopleParams params_;
   mutable std::mutex mutex_;  ///< guards what follows
   navigate::MovingObjectDetector detector_;
   track::Tracker tracker_;
   std::vector<Person> people_;
-  std::set<std::uint64_t> walked_;  ///< ids of tracks
+  std::map<std::uint64_t, double> walked_s_;  ///< tracks that have walked, and when they did so last
   double stamp_s_{0};
 };
 

@@ -124,6 +124,7 @@ void read_data(ParamReader& reader, NavigatorNodeParams& params) {
   reader.read("arm_max_height_m", params.arms.max_height_m, {0.0, 10.0});
   reader.read("track_people", params.people.enabled);
   reader.read("people_range_m", params.people.max_range_m, {0.5, 100.0});
+  reader.read("people_stand_s", params.people.stand_s, {0.0, 3600.0});
   reader.read("guard_time_s", params.guard.min_time_s, {0.01, 2.0});
   reader.read("guard_margin_m", params.guard.margin_m, {0.0, 0.5});
   params.guard.max_age_s = params.limits.scan_s + params.limits.odom_s;

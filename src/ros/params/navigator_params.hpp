@@ -52,6 +52,7 @@ struct ArmOutlineParams {
 struct PeopleParams {
   bool enabled{true};
   double max_range_m{6.0};
+  double stand_s{4.0};  ///< who has stood for so long is part of the global cost map
 };
 
 struct NavigatorNodeParams {

@@ -319,6 +319,16 @@ class Recipes(unittest.TestCase):
         self.assertEqual(("place", 0.5), self.arm.asked[-1])
 
 
+    def test_what_cannot_be_placed_from_here_is_placed_from_elsewhere(self):
+        self.assertTrue(self.run_tree(tasks.pick_up("cube"))[0])
+        self.arm.failures["place"] = ["none can be reached"]
+        drives = mock.patch.object(tasks.Approach, "update", lambda leaf: SUCCESS), mock.patch.object(
+            tasks.SeeSupport, "update", lambda leaf: SUCCESS)
+        with drives[0], drives[1]:
+            self.assertEqual((True, ""), self.run_tree(tasks.bring((2.0, 0.5, 0.7))))
+        self.assertEqual(["move", "place", "move", "place"], [name for name, _ in self.arm.asked[2:]])
+
+
 def found_at(x, y, z):
     pose = geometry_msgs.msg.PoseStamped()
     pose.pose.position = geometry_msgs.msg.Point(x, y, z)
@@ -475,6 +485,18 @@ class Driving(unittest.TestCase):
             self.run_leaf(leaf)
         distances = [math.hypot(2.0 - x, y) for x, y, _ in leaf._tried]
         numpy.testing.assert_allclose([0.72, 0.85], distances)
+
+    def test_who_comes_again_stands_elsewhere(self):
+        with self.plans(lambda x, y: True):
+            leaf = tasks.Approach((2.0, 0.0, 0.7))
+            stood = []
+            for _ in range(3):
+                self.run_leaf(leaf)
+                stood.append(leaf._tried[0])
+            self.assertEqual(3, len(set(stood)))
+            leaf.point = (2.0, 3.0, 0.7)
+            self.run_leaf(leaf)
+            self.assertEqual([leaf._tried[0]], leaf._stood)
 
     def test_a_point_that_is_never_reached(self):
         self.failing = set(range(100))

@@ -105,6 +105,34 @@ TEST(MovingObjects, TwoLegsAreOnePersonAndTwoPeopleAreTwo) {
   }
 }
 
+TEST(MovingObjects, WithoutPeopleWhatElseWasSeenStays) {
+  Room8 room;
+  const Pose2 pose{1, 3, 0.4};
+  Rng of_empty(8);
+  Rng of_full(8);
+  const LaserScan empty = room.scan(pose, of_empty);
+  room.discs = {{{3.0, 3.0}, 0.25}, {{2.5, 4.6}, 0.25}};
+  const LaserScan full = room.scan(pose, of_full);
+  const std::vector<MovingObstacle> people{{{3.05, 2.95}, {0.5, 0}, 0.25}, {{2.5, 4.6}, {0, 0}, 0.25}};
+  const LaserScan rest = without(full, people, pose);
+  int gone = 0;
+  for (std::size_t i = 0; i < rest.ranges.size(); ++i) {
+    const bool person = full.ranges[i] < empty.ranges[i] - 0.1F;
+    EXPECT_EQ(std::isnan(rest.ranges[i]), person) << i;
+    gone += person ? 1 : 0;
+  }
+  EXPECT_GT(gone, 30);
+  EXPECT_EQ(without(full, {}, pose).ranges, full.ranges);
+}
+
+TEST(MovingObjects, PointsOfPeopleAreLeftOutAtAnyHeight) {
+  const std::vector<MovingObstacle> people{{{2, 1}, {0, 0}, 0.3}};
+  const auto rest = without({{2, 1, 0.1F}, {2.4F, 1, 1.7F}, {2.5F, 1, 0.5F}, {0, 0, 0}}, people);
+  ASSERT_EQ(rest.size(), 2U);
+  EXPECT_EQ(rest[0], Eigen::Vector3f(2.5F, 1, 0.5F));
+  EXPECT_EQ(rest[1], Eigen::Vector3f(0, 0, 0));
+}
+
 TEST(MovingObjects, ACabinetIsNoPerson) {
   Room8 room;
   MovingObjectDetector detector({});
