@@ -116,7 +116,7 @@ bool ShapeMask::touches_robot(int voxel) const {
 
 bool ShapeMask::covers(int voxel) const {
   return heads_[voxel] == kInObject || is_near(voxel, [&](const MaskPart& own) {
-           return own.owner == Owner::kRobot ? grid_.half_diagonal() : own.padding_m;
+           return own.owner == Owner::kRobot ? grid_.half_diagonal() : own.padding_m + grid_.edge / 2;
          });
 }
 

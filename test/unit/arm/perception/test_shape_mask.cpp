@@ -87,5 +87,24 @@ TEST(ShapeMask, CoversWhatTheRobotTouches) {
   }
 }
 
+TEST(ShapeMask, CoversWhatMayHaveBeenAnObject) {
+  ShapeMask mask(kGrid);
+  Shape shape;
+  shape.geometry = Box{{0.3, 0.4, 0.05}};
+  const auto part = make_convex_part(shape).value();
+  // Noise of a surface fills the voxels above it, wherever the grid has its borders.
+  for (const double top : {0.5001, 0.5049, 0.51, 0.5151, 0.5199}) {
+    mask.set({{part, make_pose({0, 0, top - 0.025}), 0.02, Owner::kObject}});
+    for (const double above : {0.0, 0.01, 0.019}) {
+      const Eigen::Vector3i cell =
+          ((Eigen::Vector3d(0.01, 0.01, top + above) - kGrid.low) / kGrid.edge).cast<int>();
+      EXPECT_TRUE(mask.covers(kGrid.index(cell.x(), cell.y(), cell.z()))) << top << " + " << above;
+    }
+    const Eigen::Vector3i far =
+        ((Eigen::Vector3d(0.01, 0.01, top + 0.02 + 1.01 * kGrid.edge) - kGrid.low) / kGrid.edge).cast<int>();
+    EXPECT_FALSE(mask.covers(kGrid.index(far.x(), far.y(), far.z()))) << top;
+  }
+}
+
 }  // namespace
 }  // namespace extperfc::arm
