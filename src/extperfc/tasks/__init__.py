@@ -4,6 +4,7 @@ Trees are those of py_trees; leaves are extperfc.tasks.Pick, Place, GoTo, ...; r
 """
 
 from extperfc.tasks.arm_leaves import InScene, MoveArm, MoveGrippers, Pick, Place, Show
+from extperfc.tasks.around import SeeAround
 from extperfc.tasks.base_leaves import Explore, GoTo
 from extperfc.tasks.blackboard import Key, read, write
 from extperfc.tasks.find import Find, Found
@@ -15,5 +16,6 @@ from extperfc.tasks.search import Approach, Search
 from extperfc.tasks.support import SeeSupport
 
 __all__ = ["ActionLeaf", "Approach", "EnrollFace", "Explore", "Find", "Follow", "Found", "GiveUp", "GoTo", "InScene", "Key", "Leaf",
-           "MoveArm", "MoveGrippers", "Pick", "Place", "Say", "Search", "SeeSupport", "Show", "Wait", "bring", "carry", "pick_up",
+           "MoveArm", "MoveGrippers", "Pick", "Place", "Say", "Search",
+           "SeeAround", "SeeSupport", "Show", "Wait", "bring", "carry", "pick_up",
            "put_down", "read", "run", "show", "write"]

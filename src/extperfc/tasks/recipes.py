@@ -3,6 +3,7 @@
 import py_trees
 
 from extperfc.arm.goals import DEFAULT_FRAME
+from extperfc.tasks.around import SeeAround
 from extperfc.tasks.arm_leaves import InScene, MoveArm, Pick, Place, Show
 from extperfc.tasks.blackboard import Key
 from extperfc.tasks.find import Find
@@ -50,6 +51,7 @@ def bring(to, held="held", frame="map", attempts=3):
     return py_trees.decorators.Retry(f"{attempts} attempts", _sequence("bring it", [
         carry(held),
         Approach(to, frame),
+        SeeAround(frame),
         SeeSupport(to, frame),
         Place((*to, 0.0, 0.0, 0.0), frame=frame),
     ]), num_failures=attempts)

@@ -17,6 +17,7 @@ from extperfc.tasks.base_leaves import START, GoTo, planar_pose
 from extperfc.tasks.blackboard import Key, read
 from extperfc.tasks.find import Find, point_of
 from extperfc.tasks.leaf import Leaf
+from extperfc.tasks.solids import Solids
 from extperfc.tasks.tops import Tops
 from extperfc.tasks.views import Camera, Grid, Views
 
@@ -63,7 +64,7 @@ class Search(Leaf):
 
     def setup(self, **_):
         self._find.setup()
-        self._tops = self._tops or LidarTops(self.frame)
+        self._tops = Lidar.of(self.frame)
 
     def begin(self):
         self.setup()
@@ -160,17 +161,30 @@ class Search(Leaf):
         self._closer = None
 
 
-class LidarTops:
-    """Tops in the clouds of `velodyne_points`."""
+class Lidar:
+    """What the clouds of `velodyne_points` show, since the first leaf that needs it was set up: one for each frame."""
+
+    _of = {}
+
+    @classmethod
+    def of(cls, frame):
+        if frame not in cls._of:
+            cls._of[frame] = cls(frame)
+        return cls._of[frame]
 
     def __init__(self, frame):
-        self.frame, self._tops, self._lock = frame, Tops(), threading.Lock()
+        self.frame, self._tops, self._solids, self._lock = frame, Tops(), Solids(), threading.Lock()
         self._last_s = -math.inf
         rospy.Subscriber("velodyne_points", sensor_msgs.msg.PointCloud2, self._on_cloud, queue_size=1, buff_size=1 << 24)
 
     def squares(self):
         with self._lock:
             return self._tops.squares()
+
+    def boxes(self, *arguments):
+        """As Solids.boxes()."""
+        with self._lock:
+            return self._solids.boxes(*arguments)
 
     def _on_cloud(self, cloud):
         stamp = cloud.header.stamp
@@ -183,8 +197,10 @@ class LidarTops:
             frame_T_lidar = robot_state.frames().matrix(self.frame, cloud.header.frame_id, TRANSFORM_S, stamp)
         except ArmError:
             return  # no place in the map yet
+        points = points @ frame_T_lidar[:3, :3].T + frame_T_lidar[:3, 3]
         with self._lock:
-            self._tops.add(points @ frame_T_lidar[:3, :3].T + frame_T_lidar[:3, 3])
+            self._tops.add(points)
+            self._solids.add(points)
 
 
 def points_of(cloud):

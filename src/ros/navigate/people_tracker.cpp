@@ -12,6 +12,7 @@ namespace {
 
 constexpr double kWalksMS = 0.25;  // who never was faster is furniture: part of the cost maps
 constexpr double kFastestMS = 2.5;
+constexpr double kFarM = 1.0;
 constexpr double kPositionSigmaM = 0.06;
 constexpr double kOldS = 1.0;
 constexpr double kRadiusM = 0.25;  // of a person, at least
@@ -47,7 +48,7 @@ void PeopleTracker::forget() {
   const std::lock_guard lock(mutex_);
   tracker_ = track::Tracker(tracker_params());
   people_.clear();
-  walked_s_.clear();
+  walks_.clear();
 }
 
 void PeopleTracker::update(const PlacedScan& placed) {
@@ -72,23 +73,25 @@ void PeopleTracker::update(const PlacedScan& placed) {
 
 void PeopleTracker::note_people(const std::vector<navigate::MovingCandidate>& candidates) {
   people_.clear();
-  std::map<std::uint64_t, double> walked_s;
+  std::map<std::uint64_t, Walk> walking;
   for (const auto& track : tracker_.tracks()) {
     const Eigen::Vector2d velocity_m_s = track.point.velocity_m_s().head<2>();
     const double speed = velocity_m_s.norm();
     const bool walks = speed >= kWalksMS;
-    if (!track.confirmed || speed > kFastestMS || !(walks || walked_s_.count(track.id) > 0)) continue;
-    const double last_s = walked_s[track.id] = walks ? stamp_s_ : walked_s_[track.id];
+    if (!track.confirmed || speed > kFastestMS || !(walks || walks_.count(track.id) > 0)) continue;
     Person person;
     person.state.position_m = track.point.position_m().head<2>();
+    Walk& walk = walking[track.id] = walks_.try_emplace(track.id, Walk{person.state.position_m}).first->second;
+    if (walks) walk.last_s = stamp_s_;
+    walk.far = walk.far || (person.state.position_m - walk.begin_m).norm() >= kFarM;
     if (walks) person.state.velocity_m_s = velocity_m_s;
-    person.passes = stamp_s_ - last_s < params_.stand_s;
+    person.passes = walk.far && stamp_s_ - walk.last_s < params_.stand_s;
     person.state.radius_m = kRadiusM;
     if (track.observation)
       person.state.radius_m = std::max(kRadiusM, candidates[*track.observation].radius_m);
     people_.push_back(person);
   }
-  walked_s_ = std::move(walked_s);
+  walks_ = std::move(walking);
 }
 
 std::vector<navigate::MovingObstacle> PeopleTracker::people(double now_s) const {

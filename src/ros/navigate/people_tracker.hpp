@@ -30,7 +30,8 @@ class PeopleTracker {
   /// Those who walk or have walked, in odom, where they are at `now_s`. Empty when the last scan is older
   /// than 1 s.
   [[nodiscard]] std::vector<navigate::MovingObstacle> people(double now_s) const;
-  /// Of them, those who have not stood for PeopleParams::stand_s: soon they are elsewhere.
+  /// Of them, those who were seen to walk a metre and have not stood for PeopleParams::stand_s: soon they are
+  /// elsewhere.
   [[nodiscard]] std::vector<navigate::MovingObstacle> passers(double now_s) const;
   /// All confirmed objects of the last scan, in odom: those who stand, too, as long as the map does not
   /// explain them.
@@ -39,7 +40,12 @@ class PeopleTracker {
  private:
   struct Person {
     navigate::MovingObstacle state;  ///< at the stamp
-    bool passes{true};
+    bool passes{false};
+  };
+  struct Walk {
+    Eigen::Vector2d begin_m{0, 0};
+    double last_s{0};  ///< when it walked last
+    bool far{false};   ///< it came so far that it is no furniture, of which another part is seen from elsewhere
   };
 
   void note_people(const std::vector<navigate::MovingCandidate>& candidates);
@@ -50,7 +56,7 @@ class PeopleTracker {
   navigate::MovingObjectDetector detector_;
   track::Tracker tracker_;
   std::vector<Person> people_;
-  std::map<std::uint64_t, double> walked_s_;  ///< tracks that have walked, and when they did so last
+  std::map<std::uint64_t, Walk> walks_;  ///< of tracks that have walked
   double stamp_s_{0};
 };
 

@@ -4,6 +4,7 @@ import math
 import pathlib
 import re
 import sys
+import threading
 import types
 import unittest
 from unittest import mock
@@ -26,8 +27,9 @@ import vision_msgs.msg  # noqa: E402
 from extperfc import tasks  # noqa: E402
 from extperfc.arm import ArmError  # noqa: E402
 from extperfc.msg import ArmCode, PickResult  # noqa: E402
-from extperfc.tasks import arm_leaves, base_leaves, find, search  # noqa: E402
+from extperfc.tasks import arm_leaves, around, base_leaves, find, search  # noqa: E402
 from extperfc.tasks.arm_leaves import between_fingers  # noqa: E402
+from extperfc.tasks.solids import Solids  # noqa: E402
 
 RUNNING, SUCCESS, FAILURE, INVALID = (py_trees.common.Status.RUNNING, py_trees.common.Status.SUCCESS,
                                       py_trees.common.Status.FAILURE, py_trees.common.Status.INVALID)
@@ -322,10 +324,11 @@ class Recipes(unittest.TestCase):
     def test_what_cannot_be_placed_from_here_is_placed_from_elsewhere(self):
         self.assertTrue(self.run_tree(tasks.pick_up("cube"))[0])
         self.arm.failures["place"] = ["none can be reached"]
-        drives = mock.patch.object(tasks.Approach, "update", lambda leaf: SUCCESS), mock.patch.object(
-            tasks.SeeSupport, "update", lambda leaf: SUCCESS)
-        with drives[0], drives[1]:
-            self.assertEqual((True, ""), self.run_tree(tasks.bring((2.0, 0.5, 0.7))))
+        for leaf in (tasks.Approach, tasks.SeeAround, tasks.SeeSupport):
+            patched = mock.patch.multiple(leaf, setup=lambda leaf, **_: None, update=lambda leaf: SUCCESS)
+            patched.start()
+            self.addCleanup(patched.stop)
+        self.assertEqual((True, ""), self.run_tree(tasks.bring((2.0, 0.5, 0.7))))
         self.assertEqual(["move", "place", "move", "place"], [name for name, _ in self.arm.asked[2:]])
 
 
@@ -347,7 +350,7 @@ class Driving(unittest.TestCase):
         no_tops = types.SimpleNamespace(squares=frozenset)
         for patched in (mock.patch.object(search, "newest_map", lambda: search.Grid(cells, 0.05, (-2.0, -2.0))),
                         mock.patch.object(search, "base_pose", lambda frame: self.sent[-1] if self.sent else (0.0, 0.0, 0.0)),
-                        mock.patch.object(search, "LidarTops", lambda frame: no_tops),
+                        mock.patch.object(search.Lidar, "of", lambda frame: no_tops),
                         mock.patch.object(tasks.GoTo, "motion", lambda leaf: self.drive(leaf.pose)),
                         mock.patch.object(rospy, "logwarn"), mock.patch.object(rospy, "loginfo"),
                         mock.patch.object(tasks.Find, "setup", lambda leaf, **_: None),
@@ -525,7 +528,7 @@ class Clouds(unittest.TestCase):
                         mock.patch.object(search.robot_state, "frames", lambda: types.SimpleNamespace(matrix=matrix))):
             patched.start()
             self.addCleanup(patched.stop)
-        self.tops = search.LidarTops("map")
+        self.tops = search.Lidar("map")
 
     def hear(self, at, height=0.3, stamp=1.0):
         """A square of 0.6 m at (at, 0), seen at a height above the lidar."""
@@ -560,6 +563,52 @@ class Clouds(unittest.TestCase):
         self.known = False
         self.hear(2.0)
         self.assertEqual(set(), self.tops.squares())
+
+
+class Around(unittest.TestCase):
+    """What a lidar has seen around the robot, as boxes of the arms' scene."""
+
+    @staticmethod
+    def wall(x0, x1, y, low, high):
+        x, z = numpy.meshgrid(numpy.arange(x0, x1, 0.02), numpy.arange(low, high, 0.05))
+        return numpy.column_stack([x.ravel(), numpy.full(x.size, y), z.ravel()])
+
+    def test_walls_go_on_and_cabinets_end(self):
+        solids = Solids()
+        solids.add(self.wall(0.0, 1.0, 1.02, 0.3, 1.5))
+        solids.add(self.wall(0.0, 1.0, -1.03, 0.3, 0.9))
+        boxes = solids.boxes((0.5, 0.0), 0.5, 1.3)
+        self.assertEqual(2, len(boxes))
+        (low_size, low_middle), (tall_size, tall_middle) = boxes
+        numpy.testing.assert_allclose((1.0, 0.05, 0.9), low_size, atol=0.11)
+        numpy.testing.assert_allclose((1.0, 0.05, 2.2), tall_size, atol=1e-9)
+        numpy.testing.assert_allclose((0.5, 1.025, 1.1), tall_middle, atol=1e-9)
+        self.assertAlmostEqual(low_size[2] / 2, low_middle[2])
+
+    def test_tables_and_single_points_are_none(self):
+        solids = Solids()
+        x, y = numpy.meshgrid(numpy.arange(0.0, 1.0, 0.02), numpy.arange(0.0, 1.0, 0.02))
+        solids.add(numpy.column_stack([x.ravel(), y.ravel(), numpy.full(x.size, 0.7)]))
+        solids.add(numpy.array([(0.6, 0.6, 1.9), (numpy.nan, 0.0, 1.0), (3.0, 3.0, 1.0), (3.0, 3.0, 1.9)]))
+        self.assertEqual(1, len(solids.boxes((0.5, 0.5), 0.0, 9.0)), "where something stands above the table")
+        self.assertEqual([], solids.boxes((0.5, 0.5), 0.0, 9.0, lambda x, y: x < 2))
+
+    def test_they_replace_what_was_around_before(self):
+        known = {"around_0": 1, "around_7": 1, "support": 1, "cube_1": 1}
+        added = []
+        made_up = types.SimpleNamespace(objects=known, remove=lambda name: removed.append(name),
+                                        add_box=lambda name, size, middle, frame: added.append((name, middle[:2], frame)))
+        removed = []
+        lidar = search.Lidar.__new__(search.Lidar)
+        lidar._solids, lidar._tops, lidar._lock = Solids(), types.SimpleNamespace(squares=lambda: {(5, 0)}), threading.Lock()
+        for x in (1.2, 0.41, 2.0):  # the robot itself, what carries the table, a post
+            lidar._solids.add(self.wall(x + 0.01, x + 0.02, 0.01, 0.3, 1.5))
+        with mock.patch.object(around, "scene", lambda: made_up), mock.patch.object(search.Lidar, "of", lambda frame: lidar), \
+                mock.patch.object(around, "base_pose", lambda frame: (1.0, 0.0, 0.3)):
+            leaf = tasks.SeeAround()
+            self.assertEqual(SUCCESS, tick(leaf))
+        self.assertEqual(["around_0", "around_7"], removed)
+        self.assertEqual([("around_0", (2.025, 0.025), "map")], [(n, tuple(round(v, 3) for v in m), f) for n, m, f in added])
 
 
 class Running(unittest.TestCase):

@@ -1,0 +1,57 @@
+"""What stands upright around a robot, by the points of a lidar from all over its way: walls, shelves, cabinets. Without ROS."""
+
+import math
+
+import numpy
+
+SQUARE_M = 0.05
+LOW_M, HIGH_M = 0.25, 2.2     # heights above the floor that arms come to
+UPRIGHT_M = 0.25              # a square whose points at such heights differ by less is a table top, or too little is known of it
+MIN_POINTS = 4                # of a square
+TALL_M = 1.1                  # what is seen up to here is taken to go on
+RISE_M = 0.05                 # the rings of a lidar seldom hit the highest point
+MAX_SQUARES = 400_000         # 1,000 m2; further ones are not kept
+
+
+class Solids:
+    """Upright squares of the floor, and up to which height something was seen above each."""
+
+    def __init__(self):
+        self._squares = {}  # (i, j): [number of points, lowest, highest]
+
+    def add(self, points):
+        """Points (x, y, z), N x 3, in a frame that stands on the floor."""
+        points = points[numpy.isfinite(points).all(axis=1)]
+        points = points[(points[:, 2] >= LOW_M) & (points[:, 2] <= HIGH_M)]
+        if len(points) == 0:
+            return
+        squares, index, counts = numpy.unique(numpy.floor(points[:, :2] / SQUARE_M).astype(int), axis=0, return_inverse=True,
+                                              return_counts=True)
+        index = index.reshape(-1)
+        lowest, highest = numpy.full(len(squares), numpy.inf), numpy.full(len(squares), -numpy.inf)
+        numpy.minimum.at(lowest, index, points[:, 2])
+        numpy.maximum.at(highest, index, points[:, 2])
+        for square, count, low, high in zip(map(tuple, squares.tolist()), counts.tolist(), lowest.tolist(), highest.tolist()):
+            known = self._squares.get(square)
+            if known is not None:
+                known[:] = known[0] + count, min(known[1], low), max(known[2], high)
+            elif len(self._squares) < MAX_SQUARES:
+                self._squares[square] = [count, low, high]
+
+    def boxes(self, at, near_m, far_m, without=lambda x, y: False):
+        """[(size, middle)] of boxes from the floor upwards whose squares' middles are so far from `at` (x, y); those for which
+        without(x, y) is true are left out. Neighbours along x with the same height are one box."""
+        rows = {}
+        for (i, j), (count, low, high) in self._squares.items():
+            x, y = (i + 0.5) * SQUARE_M, (j + 0.5) * SQUARE_M
+            upright = count >= MIN_POINTS and high - low >= UPRIGHT_M
+            if upright and near_m <= math.dist(at, (x, y)) <= far_m and not without(x, y):
+                rows.setdefault((j, HIGH_M if high >= TALL_M else math.ceil((high + RISE_M) / 0.1) * 0.1), []).append(i)
+        found = []
+        for (j, top), columns in sorted(rows.items()):
+            columns = numpy.array(sorted(columns))
+            for run in numpy.split(columns, numpy.flatnonzero(numpy.diff(columns) > 1) + 1):
+                size = (len(run) * SQUARE_M, SQUARE_M, top)
+                middle = ((run[0] + len(run) / 2) * SQUARE_M, (j + 0.5) * SQUARE_M, top / 2)
+                found.append((size, tuple(float(v) for v in middle)))
+        return found
