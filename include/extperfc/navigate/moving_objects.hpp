@@ -53,8 +53,8 @@ class MovingObjectDetector {
   MapExplanation map_;
 };
 
-/// The scan without the returns of people, whose positions are in the map's frame: NaN. A margin of 0.15 m about
-/// each covers arms, and a step.
+/// The scan without the returns of people, whose positions are in the map's frame: NaN. A margin of 0.15 m
+/// about each covers arms, and a step.
 [[nodiscard]] LaserScan without(LaserScan scan, const std::vector<MovingObstacle>& people,
                                 const Pose2& map_T_sensor);
 /// The same for points of the map's frame, at any height.

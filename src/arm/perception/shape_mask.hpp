@@ -49,7 +49,7 @@ class ShapeMask {
   }
   /// Whether the voxel may touch the robot's shape itself.
   [[nodiscard]] bool touches_robot(int voxel) const;
-  /// Whether it touches_robot(), or the padding of an object reaches into it by about its middle's side: then its
+  /// Whether it touches_robot(), or its middle is within the padding of an object and half an edge: then its
   /// points may have been that object's. Those that were not come again with the next image.
   [[nodiscard]] bool covers(int voxel) const;
 

@@ -251,8 +251,8 @@ void Navigator::stand(const NavigatorInput& input, Output& output) {
   output.end = end_task(error);
 }
 
-/// Data are back, and the plan is an old one. Patience goes on where it was: data that come and go shall not make
-/// it endless.
+/// Data are back, and the plan is an old one. Patience goes on where it was: data that come and go shall not
+/// make it endless.
 void Navigator::end_fault() {
   const double stood_s = clock_s_ - *fault_since_s_;
   fault_since_s_.reset();

@@ -164,7 +164,8 @@ std::vector<Eigen::Vector3f> without(std::vector<Eigen::Vector3f> points_m,
   const auto is_one = [&people](const Eigen::Vector3f& point_m) {
     return is_person(point_m.head<2>().cast<double>(), people);
   };
-  if (!people.empty()) points_m.erase(std::remove_if(points_m.begin(), points_m.end(), is_one), points_m.end());
+  if (!people.empty())
+    points_m.erase(std::remove_if(points_m.begin(), points_m.end(), is_one), points_m.end());
   return points_m;
 }
 

@@ -257,7 +257,8 @@ std::vector<navigate::MovingObstacle> CostMaps::passers(double now_s, const Pose
   return people;
 }
 
-/// Every ray clears; what the map does not explain marks, but for people who pass: a plan around them is late.
+/// Every ray clears; what the map does not explain marks, but for people who pass: a plan around them is
+/// late.
 void CostMaps::observe_globally(const PlacedScan& placed, const Pose2& map_T_odom) {
   const Pose2 map_T_base = compose(map_T_odom, placed.odom_T_base);
   const Pose2 map_T_sensor = compose(map_T_base, placed.scan.base_T_sensor);
@@ -293,8 +294,8 @@ Result<void> CostMaps::take_cloud(const sensor_msgs::PointCloud2& message) {
   const Pose& map_T_sensor = *map_T_odom;
   cloud.sensor_m = map_T_sensor * cloud.sensor_m;
   for (auto& point : cloud.points_m) point = map_T_sensor.cast<float>() * point;
-  cloud.points_m = navigate::without(std::move(cloud.points_m),
-                                     passers(cloud.stamp_s, to_pose2(*map_T_odom)));
+  cloud.points_m =
+      navigate::without(std::move(cloud.points_m), passers(cloud.stamp_s, to_pose2(*map_T_odom)));
   return global_.obstacles->observe(cloud, sensor());
 }
 

@@ -81,7 +81,8 @@ void PeopleTracker::note_people(const std::vector<navigate::MovingCandidate>& ca
     if (!track.confirmed || speed > kFastestMS || !(walks || walks_.count(track.id) > 0)) continue;
     Person person;
     person.state.position_m = track.point.position_m().head<2>();
-    Walk& walk = walking[track.id] = walks_.try_emplace(track.id, Walk{person.state.position_m}).first->second;
+    Walk& walk = walking[track.id] =
+        walks_.try_emplace(track.id, Walk{person.state.position_m}).first->second;
     if (walks) walk.last_s = stamp_s_;
     walk.far = walk.far || (person.state.position_m - walk.begin_m).norm() >= kFarM;
     if (walks) person.state.velocity_m_s = velocity_m_s;

@@ -45,7 +45,8 @@ class PeopleTracker {
   struct Walk {
     Eigen::Vector2d begin_m{0, 0};
     double last_s{0};  ///< when it walked last
-    bool far{false};   ///< it came so far that it is no furniture, of which another part is seen from elsewhere
+    bool far{
+        false};  ///< it came so far that it is no furniture, of which another part is seen from elsewhere
   };
 
   void note_people(const std::vector<navigate::MovingCandidate>& candidates);

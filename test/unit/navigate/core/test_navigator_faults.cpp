@@ -55,7 +55,8 @@ TEST(NavigatorFaults, DataThatComeAndGoDoNotMakePatienceEndless) {
     const double begin_s = robot.now_s;
     for (int i = 0; robot.ends.empty() && robot.now_s < begin_s + 600; ++i) {
       robot.input.fault.reset();
-      if (flickers && i % 20 < 4) robot.input.fault = NavError{NavCode::kNoScan, "the newest scan is 0.36 s old"};
+      if (flickers && i % 20 < 4)
+        robot.input.fault = NavError{NavCode::kNoScan, "the newest scan is 0.36 s old"};
       robot.cycle();
     }
     ASSERT_EQ(robot.ends.size(), 1U) << flickers;
