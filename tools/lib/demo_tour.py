@@ -18,6 +18,7 @@ from grasp_robot import GraspRobot
 from ros_session import Stalled, run_trial
 
 from extperfc import tasks
+from extperfc.arm import ArmError
 from extperfc.tasks.search import base_pose
 
 MAX_ERROR_M = 0.10          # of the placed cube from where it should be: the map's error is part of it
@@ -72,8 +73,11 @@ class Observer:
             self.film.tick(next((stage.name for stage in self.root.children if stage.name not in self.stages_s), ""))
 
     def map_error_m(self):
-        """The map begins where the robot began, at the world's origin."""
-        return math.dist(base_pose("map")[:2], self.pose[:2])
+        """The map begins where the robot began, at the world's origin. None: the robot does not know where it is."""
+        try:
+            return math.dist(base_pose("map")[:2], self.pose[:2])
+        except ArmError:
+            return None
 
     def driven_m(self):
         return float(numpy.linalg.norm(numpy.diff(numpy.array(self.path), axis=0), axis=1).sum()) if len(self.path) > 1 else 0.0
