@@ -195,5 +195,25 @@ TEST_F(NavigatorTest, FollowsPeopleFromScanToScan) {
   EXPECT_GT(shown.all().back()->markers.size(), 1U) << "who has walked and stands is a person still";
 }
 
+TEST_F(NavigatorTest, ThePlanLeadsAroundWhoStandsNotAroundWhoWalks) {
+  load({{"people_stand_s", 2.0}});
+  Inbox<TrackArray> tracks("move_base/people_tracks");
+  ASSERT_TRUE(wait_for([&] { return tracks.connected(); }));
+  WalkingPerson person(robot_);
+  const auto is_free = [&] {
+    nav_msgs::GetPlan call;
+    call.request.start = goal(-4, -2).target_pose;
+    call.request.goal = goal(person.place().x(), person.place().y()).target_pose;
+    EXPECT_TRUE(ros::service::call("move_base/make_plan", call));
+    return !call.response.plan.poses.empty();
+  };
+  const auto walked = [&] { return person.place().x() > -1.7; };
+  ASSERT_TRUE(wait_while([&] { person.walk(); }, walked, 20));
+  EXPECT_TRUE(is_free()) << "the person is elsewhere when the robot comes: " << log_.text();
+  const auto stood = robot_.now() + ros::Duration(5.0);
+  ASSERT_TRUE(wait_while([&] { person.walk(); }, [&] { return robot_.now() > stood; }, 20));
+  EXPECT_FALSE(is_free()) << "the person has stood for 2 s and more";
+}
+
 }  // namespace
 }  // namespace extperfc::ros_test
