@@ -4,6 +4,8 @@ import math
 
 import numpy
 
+from extperfc.tasks.heights import Heights
+
 SQUARE_M = 0.05
 LOW_M, HIGH_M = 0.25, 2.2     # heights above the floor that arms come to
 UPRIGHT_M = 0.25              # a square whose points at such heights differ by less is a table top, or too little is known of it
@@ -17,32 +19,17 @@ class Solids:
     """Upright squares of the floor, and up to which height something was seen above each."""
 
     def __init__(self):
-        self._squares = {}  # (i, j): [number of points, lowest, highest]
+        self._heights = Heights(SQUARE_M, LOW_M, HIGH_M, MAX_SQUARES)
 
     def add(self, points):
         """Points (x, y, z), N x 3, in a frame that stands on the floor."""
-        points = points[numpy.isfinite(points).all(axis=1)]
-        points = points[(points[:, 2] >= LOW_M) & (points[:, 2] <= HIGH_M)]
-        if len(points) == 0:
-            return
-        squares, index, counts = numpy.unique(numpy.floor(points[:, :2] / SQUARE_M).astype(int), axis=0, return_inverse=True,
-                                              return_counts=True)
-        index = index.reshape(-1)
-        lowest, highest = numpy.full(len(squares), numpy.inf), numpy.full(len(squares), -numpy.inf)
-        numpy.minimum.at(lowest, index, points[:, 2])
-        numpy.maximum.at(highest, index, points[:, 2])
-        for square, count, low, high in zip(map(tuple, squares.tolist()), counts.tolist(), lowest.tolist(), highest.tolist()):
-            known = self._squares.get(square)
-            if known is not None:
-                known[:] = known[0] + count, min(known[1], low), max(known[2], high)
-            elif len(self._squares) < MAX_SQUARES:
-                self._squares[square] = [count, low, high]
+        self._heights.add(points)
 
     def boxes(self, at, near_m, far_m, without=lambda x, y: False):
         """[(size, middle)] of boxes from the floor upwards whose squares' middles are so far from `at` (x, y); those for which
         without(x, y) is true are left out. Neighbours along x with the same height are one box."""
         rows = {}
-        for (i, j), (count, low, high) in self._squares.items():
+        for (i, j), (count, low, high) in self._heights.spans.items():
             x, y = (i + 0.5) * SQUARE_M, (j + 0.5) * SQUARE_M
             upright = count >= MIN_POINTS and high - low >= UPRIGHT_M
             if upright and near_m <= math.dist(at, (x, y)) <= far_m and not without(x, y):
