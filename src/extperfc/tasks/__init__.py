@@ -16,6 +16,5 @@ from extperfc.tasks.search import Approach, Search
 from extperfc.tasks.support import SeeSupport
 
 __all__ = ["ActionLeaf", "Approach", "EnrollFace", "Explore", "Find", "Follow", "Found", "GiveUp", "GoTo", "InScene", "Key", "Leaf",
-           "MoveArm", "MoveGrippers", "Pick", "Place", "Say", "Search",
-           "SeeAround", "SeeSupport", "Show", "Wait", "bring", "carry", "pick_up",
-           "put_down", "read", "run", "show", "write"]
+           "MoveArm", "MoveGrippers", "Pick", "Place", "Say", "Search", "SeeAround", "SeeSupport", "Show", "Wait", "bring", "carry",
+           "pick_up", "put_down", "read", "run", "show", "write"]

@@ -3,8 +3,8 @@
 import py_trees
 
 from extperfc.arm.goals import DEFAULT_FRAME
-from extperfc.tasks.around import SeeAround
 from extperfc.tasks.arm_leaves import InScene, MoveArm, Pick, Place, Show
+from extperfc.tasks.around import SeeAround
 from extperfc.tasks.blackboard import Key
 from extperfc.tasks.find import Find
 from extperfc.tasks.leaf import GiveUp, Say

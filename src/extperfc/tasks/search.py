@@ -253,8 +253,8 @@ class Approach(Leaf):
         self._plans, self._at, self._stood = Plans(frame), None, []
 
     def begin(self):
-        before, self._at = self._at, point_of(read(self.point))
-        if before is None or math.dist(before, self._at) > NEAR_M:
+        last, self._at = self._at, point_of(read(self.point))
+        if last is None or math.dist(last, self._at) > NEAR_M:
             self._stood = []
         self._tried, self._motion, self._why = [], None, ""
 

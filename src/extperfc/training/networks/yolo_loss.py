@@ -115,7 +115,7 @@ def complete_iou(boxes, wanted):
     """IoU less the squared distance of centres over the squared diagonal and a term of the aspect ratio; boxes cx cy
     w h."""
     one, other = corners(boxes), corners(wanted)
-    common = (torch.minimum(one[:, 2:], other[:, 2:]) - torch.maximum(one[:, :2], other[:, :2])).clamp(min=0).prod(1)
+    common = common_area(one, other)
     iou = common / (boxes[:, 2:].prod(1) + wanted[:, 2:].prod(1) - common + 1e-7)
     diagonal = (torch.maximum(one[:, 2:], other[:, 2:]) - torch.minimum(one[:, :2], other[:, :2])).square().sum(1)
     distance = (boxes[:, :2] - wanted[:, :2]).square().sum(1) / (diagonal + 1e-7)
