@@ -41,6 +41,12 @@ bool is_person(const Eigen::Vector2d& point_m, const std::vector<MovingObstacle>
   });
 }
 
+Eigen::Vector2d point_of(const LaserScan& scan, std::size_t ray, const Pose2& map_T_sensor) {
+  const double range_m = scan.ranges[ray];
+  const double angle = map_T_sensor.yaw + scan.angle_min + static_cast<double>(ray) * scan.angle_increment;
+  return {map_T_sensor.x + range_m * std::cos(angle), map_T_sensor.y + range_m * std::sin(angle)};
+}
+
 std::optional<double> range_of(const LaserScan& scan, std::size_t ray, double max_range_m) {
   const float range_m = scan.ranges[ray];
   if (!is_return(scan, range_m) || range_m > max_range_m) return std::nullopt;
@@ -81,9 +87,7 @@ std::vector<MovingObjectDetector::Cluster> MovingObjectDetector::clusters(const 
   for (std::size_t ray = 0; ray < scan.ranges.size(); ++ray) {
     const auto range_m = range_of(scan, ray, params_.max_range_m);
     if (!range_m) continue;
-    const double angle = map_T_sensor.yaw + scan.angle_min + static_cast<double>(ray) * scan.angle_increment;
-    const Eigen::Vector2d point(map_T_sensor.x + *range_m * std::cos(angle),
-                                map_T_sensor.y + *range_m * std::sin(angle));
+    const Eigen::Vector2d point = point_of(scan, ray, map_T_sensor);
     const double gap_m = std::max(params_.gap_m, between_rays * std::min(*range_m, before_m));
     const bool same = !result.empty() && ray <= result.back().last_ray + 2 &&
                       (point - result.back().points_m.back()).norm() <= gap_m;
@@ -151,10 +155,8 @@ LaserScan without(LaserScan scan, const std::vector<MovingObstacle>& people, con
   if (people.empty()) return scan;
   for (std::size_t i = 0; i < scan.ranges.size(); ++i) {
     if (!is_return(scan, scan.ranges[i])) continue;
-    const double angle = map_T_sensor.yaw + scan.angle_min + static_cast<double>(i) * scan.angle_increment;
-    const Eigen::Vector2d point_m{map_T_sensor.x + scan.ranges[i] * std::cos(angle),
-                                  map_T_sensor.y + scan.ranges[i] * std::sin(angle)};
-    if (is_person(point_m, people)) scan.ranges[i] = std::numeric_limits<float>::quiet_NaN();
+    if (is_person(point_of(scan, i, map_T_sensor), people))
+      scan.ranges[i] = std::numeric_limits<float>::quiet_NaN();
   }
   return scan;
 }
