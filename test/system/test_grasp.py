@@ -120,6 +120,14 @@ class Grasp(unittest.TestCase):
         self.assertEqual([], self.held())
         self.fails(ArmCode.UNKNOWN_OBJECT, self.arms.arms.pick("sphere", wait=False))
 
+    def test_a_cube_that_is_lost_on_the_way_is_not_placed(self):
+        goal = (*scene.middle("cube", self.other), 0.0, 0.0, self.other.yaw)
+        self.arms.arms.pick("cube", lift=LIFT_M, place_at=goal, frame="map", timeout=ANSWER_S)
+        self.robot.park("cube")
+        self.fails(ArmCode.OBJECT_LOST, self.arms.arms.place(goal, frame="map", wait=False))
+        self.assertEqual([], self.held())
+        self.fails(ArmCode.NOTHING_HELD, self.arms.arms.place(goal, frame="map", wait=False))
+
 
 if __name__ == "__main__":
     unittest.main()

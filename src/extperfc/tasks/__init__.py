@@ -3,7 +3,7 @@
 Trees are those of py_trees; leaves are extperfc.tasks.Pick, Place, GoTo, ...; run(tree) ticks one until it ends.
 """
 
-from extperfc.tasks.arm_leaves import InScene, MoveArm, MoveGrippers, Pick, Place, Show
+from extperfc.tasks.arm_leaves import InScene, MoveArm, MoveGrippers, Pick, Place, Show, StillHeld
 from extperfc.tasks.around import SeeAround
 from extperfc.tasks.base_leaves import Explore, GoTo
 from extperfc.tasks.blackboard import Key, read, write
@@ -16,5 +16,5 @@ from extperfc.tasks.search import Approach, Search
 from extperfc.tasks.support import SeeSupport
 
 __all__ = ["ActionLeaf", "Approach", "EnrollFace", "Explore", "Find", "Follow", "Found", "GiveUp", "GoTo", "InScene", "Key", "Leaf",
-           "MoveArm", "MoveGrippers", "Pick", "Place", "Say", "Search", "SeeAround", "SeeSupport", "Show", "Wait", "bring", "carry",
-           "pick_up", "put_down", "read", "run", "show", "write"]
+           "MoveArm", "MoveGrippers", "Pick", "Place", "Say", "Search", "SeeAround", "SeeSupport", "Show", "StillHeld", "Wait", "bring",
+           "carry", "pick_up", "put_down", "read", "run", "show", "write"]

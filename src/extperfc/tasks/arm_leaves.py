@@ -102,6 +102,21 @@ class Pick(ActionLeaf):
         write(f"{self.key}_from", self._before.get(result.object))
 
 
+class StillHeld(Leaf):
+    """Fails when the arm node's scene has the picked object in no gripper any more."""
+
+    def __init__(self, held="held", name=None):
+        super().__init__(name or "it is still held")
+        self.held = held
+
+    def step(self):
+        what = read(Key(self.held)).object
+        one = scene().objects.get(what)
+        if one is None or not one.link:
+            raise ValueError(f"no gripper holds {what} any more")
+        return True
+
+
 class Place(ActionLeaf):
     """Places what a gripper holds at a pose, or at that of a Key. any_yaw: any rotation about the vertical is accepted."""
 

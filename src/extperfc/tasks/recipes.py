@@ -3,7 +3,7 @@
 import py_trees
 
 from extperfc.arm.goals import DEFAULT_FRAME
-from extperfc.tasks.arm_leaves import InScene, MoveArm, Pick, Place, Show
+from extperfc.tasks.arm_leaves import InScene, MoveArm, Pick, Place, Show, StillHeld
 from extperfc.tasks.around import SeeAround
 from extperfc.tasks.blackboard import Key
 from extperfc.tasks.find import Find
@@ -49,6 +49,7 @@ def put_down(pose, held="held", frame=DEFAULT_FRAME):
 def bring(to, held="held", frame="map", attempts=3):
     """Drives the held object to a point (x, y, z) of its middle and places it there, seen from up to so many places."""
     return py_trees.decorators.Retry(f"{attempts} attempts", _sequence("bring it", [
+        StillHeld(held),
         carry(held),
         Approach(to, frame),
         SeeAround(frame),

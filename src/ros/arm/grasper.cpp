@@ -199,14 +199,17 @@ Status Grasper::lift(Hand& hand, const arm::PickPlan& plan, double time_s, const
   if (auto moved = move_along(hand, plan.paths.departure, time_s, with_stage(callbacks, "lifting", rise));
       failed(moved))
     return ended_from_outside(moved) ? moved : let_go(hand, object.name, moved);
-  // Closing again shows whether the object is still held; it moves only empty fingers.
-  const auto still = hand.gripper->close(callbacks);
-  if (!still) return still.error();
-  if (!*still) {
-    (void)change(SceneObject::REMOVE, object.name, nullptr);
-    return {ArmCode::kObjectLost, object.name + " slipped out of the " + hand.manipulator.name + " gripper"};
-  }
-  return success();
+  return still_holds(hand, object.name, callbacks);
+}
+
+/// Closing again shows whether the object is still held; it moves only empty fingers. An object that is not
+/// leaves the scene, for where it lies is not known.
+Status Grasper::still_holds(Hand& hand, const std::string& name, const MotionCallbacks& callbacks) {
+  const auto holds = hand.gripper->close(callbacks);
+  if (!holds) return holds.error();
+  if (*holds) return success();
+  (void)change(SceneObject::REMOVE, name, nullptr);
+  return {ArmCode::kObjectLost, name + " slipped out of the " + hand.manipulator.name + " gripper"};
 }
 
 /// Opens the gripper where it is; the object stays in the scene at that place.
@@ -247,6 +250,7 @@ Status Grasper::place(const extperfc::PlaceGoal& goal, const MotionCallbacks& ca
   const auto found = holding(goal, &item);
   if (!found) return found.error();
   Hand& hand = **found;
+  if (auto holds = still_holds(hand, item.name, callbacks); failed(holds)) return holds;
   const auto target = shared.transforms.root_T_pose(goal.pose);
   if (!target) return target.error();
   const auto carrying = shared.scene.world();
@@ -288,6 +292,7 @@ Status Grasper::put_down(Hand& hand, const CollisionObject& item, const arm::Pla
   if (auto moved = move_along(hand, plan.paths.approach, time_s, with_stage(callbacks, "lowering", stand));
       failed(moved))
     return moved;
+  if (auto holds = still_holds(hand, item.name, callbacks); failed(holds)) return holds;
   callbacks.progress("releasing", 0.0);
   if (auto opened = hand.gripper->open(callbacks); !opened) return opened.error();
   if (auto done = change(SceneObject::DETACH, item.name, nullptr); failed(done)) return done;

@@ -52,6 +52,7 @@ class Grasper {
   /// Lifts the object that the gripper holds; releases it when that fails.
   [[nodiscard]] Status lift(Hand& hand, const arm::PickPlan& plan, double time_s,
                             const MotionCallbacks& callbacks);
+  [[nodiscard]] Status still_holds(Hand& hand, const std::string& name, const MotionCallbacks& callbacks);
   [[nodiscard]] Status let_go(Hand& hand, const std::string& name, const Status& why);
 
   // Place.

@@ -263,7 +263,7 @@ class MadeUpArm:
         self.asked, self.failures, self.side = [], {}, "left"
         self.stood = geometry_msgs.msg.PoseStamped()
         self.stood.pose.position.x = 0.7
-        self.scene = types.SimpleNamespace(objects={"cube_1": types.SimpleNamespace(label="cube", pose=self.stood)})
+        self.scene = types.SimpleNamespace(objects={"cube_1": types.SimpleNamespace(label="cube", pose=self.stood, link="")})
 
     def _act(self, name, what, result):
         self.asked.append((name, what))
@@ -275,6 +275,7 @@ class MadeUpArm:
         return self._act("move", goal, types.SimpleNamespace(message=""))
 
     def pick(self, what, **_):
+        self.scene.objects["cube_1"].link = "left_gripper"
         return self._act("pick", what, PickResult(object="cube_1", arm="left"))
 
     def place(self, pose, **_):
@@ -320,7 +321,6 @@ class Recipes(unittest.TestCase):
         self.assertTrue(self.run_tree(tasks.put_down((0.5, 0.0, 0.1)))[0])
         self.assertEqual(("place", 0.5), self.arm.asked[-1])
 
-
     def test_what_cannot_be_placed_from_here_is_placed_from_elsewhere(self):
         self.assertTrue(self.run_tree(tasks.pick_up("cube"))[0])
         self.arm.failures["place"] = ["none can be reached"]
@@ -330,6 +330,14 @@ class Recipes(unittest.TestCase):
             self.addCleanup(patched.stop)
         self.assertEqual((True, ""), self.run_tree(tasks.bring((2.0, 0.5, 0.7))))
         self.assertEqual(["move", "place", "move", "place"], [name for name, _ in self.arm.asked[2:]])
+
+    def test_what_was_lost_is_not_brought(self):
+        self.assertTrue(self.run_tree(tasks.pick_up("cube"))[0])
+        self.arm.scene.objects.clear()
+        done, why = self.run_tree(tasks.bring((2.0, 0.5, 0.7)))
+        self.assertFalse(done)
+        self.assertIn("no gripper holds cube_1 any more", why)
+        self.assertEqual(["move", "pick"], [name for name, _ in self.arm.asked], "the arms stay, and the base")
 
 
 def found_at(x, y, z):
