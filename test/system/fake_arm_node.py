@@ -30,6 +30,7 @@ import extperfc.msg  # noqa: E402
 import extperfc.srv  # noqa: E402
 from extperfc import robot_description as rd  # noqa: E402
 from extperfc.arm import goals  # noqa: E402
+from extperfc.arm.hands import BAXTER  # noqa: E402
 from extperfc.msg import ArmCode  # noqa: E402
 
 TABLE_Z_M = -0.3
@@ -80,10 +81,10 @@ class FakeArms:
     def __init__(self, urdf):
         robot = rd.RobotDescription.from_file(urdf)
         rospy.set_param("robot_description", pathlib.Path(urdf).read_text())
-        self.chains = {side: Chain(robot, goals.tip_of(side)) for side in goals.SIDES}
+        self.chains = {side: Chain(robot, BAXTER[side].tip) for side in BAXTER.names}
         self.lock = threading.Lock()
         self.others = {j.name: robot.value_of(j, {}) for j in robot.joints.values() if j.kind != "fixed" and not j.mimic}
-        self.values = {f"{side}_{n}": self.state_value("untuck", side, i) for side in goals.SIDES for i, n in enumerate(NAMES)}
+        self.values = {f"{side}_{n}": self.state_value("untuck", side, i) for side in BAXTER.names for i, n in enumerate(NAMES)}
         self.shown = rospy.Publisher("arm/display_trajectory", JointTrajectory, queue_size=1, latch=True)
         self.states = rospy.Publisher("robot/joint_states", JointState, queue_size=10)
         self.ends = rospy.Publisher("motion_ended", String, queue_size=10)
@@ -93,7 +94,7 @@ class FakeArms:
         rospy.Service("arm/stop", Trigger, self.on_stop)
         self.servers = [self.serve("plan", extperfc.msg.PlanAction, self.on_plan),
                         self.serve("move_arm", extperfc.msg.MoveArmAction, self.on_move)]
-        for side in goals.SIDES:
+        for side in BAXTER.names:
             name = f"robot/end_effector/{side}_gripper/gripper_action"
             self.servers.append(self.serve(name, GripperCommandAction, lambda goal: GripperCommandResult(
                 position=goal.command.position, reached_goal=True)))
@@ -118,11 +119,11 @@ class FakeArms:
         message = JointState(name=list(joints), position=list(joints.values()))
         message.header.stamp = rospy.Time.now()
         self.states.publish(message)
-        for side in goals.SIDES if self.frames else ():
+        for side in BAXTER.names if self.frames else ():
             self.publish_frame(side, joints, message.header.stamp)
 
     def publish_frame(self, side, joints, stamp):
-        chain, made = self.chains[side], TransformStamped(child_frame_id=goals.tip_of(side))
+        chain, made = self.chains[side], TransformStamped(child_frame_id=BAXTER[side].tip)
         pose = goals.pose_of_matrix(chain.forward([joints[n] for n in chain.names])[0])
         made.header.stamp, made.header.frame_id = stamp, "base"
         made.transform.translation.x, made.transform.translation.y = pose.position.x, pose.position.y
@@ -151,14 +152,14 @@ class FakeArms:
     def goal_values(self, request):
         """Joint values of a request, or a code and a message."""
         values = dict(zip(request.joint_goal.name, request.joint_goal.position))
-        sides = [side for side in goals.SIDES if request.group in (goals.GROUPS[side], "both_arms")]
+        sides = [side for side in BAXTER.names if request.group in (BAXTER.group(side), "both_arms")]
         if request.named_state:
             if request.named_state not in STATES:
                 return ArmCode.INVALID_REQUEST, f"no state {request.named_state}"
             values = {f"{s}_{n}": self.state_value(request.named_state, s, i) for s in sides for i, n in enumerate(NAMES)}
         for tool in request.tool_goals:
             side = tool.link.split("_")[0]
-            answer = self.on_ik(extperfc.srv.SolveArmIkRequest(group=goals.GROUPS[side], goal=tool, avoid_collisions=True))
+            answer = self.on_ik(extperfc.srv.SolveArmIkRequest(group=BAXTER.group(side), goal=tool, avoid_collisions=True))
             if answer.code:
                 return answer.code, answer.message
             values.update(zip(answer.joints.name, answer.joints.position))

@@ -48,8 +48,9 @@ class Observer:
         import vision_msgs.msg
         self.rospy, self.session, self.lock = rospy, session, threading.Lock()
         self.now_s, self.robot, self.leader, self.classes = 0.0, None, scene.START, None
-        self.samples, self.bumps, self.near_person, self.faces, self.named = [], 0, 0, 0, 0
+        self.samples, self.bumps, self.near_person, self.faces, self.named, self.newest_faces = [], 0, 0, 0, 0, []
         self.map = self.true_map = self.start = None
+        self.navigator = None  # its newest NavigationStatus
         self._blocked = self._was_near = False
         rospy.Subscriber("clock", rosgraph_msgs.msg.Clock, self._on_clock, queue_size=1)
         rospy.Subscriber("sim/truth/odom", nav_msgs.msg.Odometry, self._on_odom, queue_size=50)
@@ -59,6 +60,8 @@ class Observer:
         rospy.Subscriber("sim/truth/map", nav_msgs.msg.OccupancyGrid, self._on_true_map)
         rospy.Subscriber("map", nav_msgs.msg.OccupancyGrid, self._on_map)
         rospy.Subscriber("faces", extperfc.msg.FaceArray, self._on_faces, queue_size=5)
+        rospy.Subscriber("navigation_status", extperfc.msg.NavigationStatus,
+                         lambda message: setattr(self, "navigator", message), queue_size=5)
 
     def wait_until_ready(self):
         import time
@@ -102,6 +105,7 @@ class Observer:
     def _on_faces(self, message):
         self.faces += len(message.faces)
         self.named += sum(face.name == scene.LEADER for face in message.faces)
+        self.newest_faces = [(face.name, face.similarity, face.bbox.size_x) for face in message.faces]
 
     def _on_true_map(self, message):
         self.true_map = TrueMap(_cells(message), message.info.resolution, message.info.origin.position.x,
@@ -162,7 +166,13 @@ def note(trace, root, observer):
         return
     trace.append({"time_s": observer.now_s, "says": leaf.feedback_message, "track": leaf.leader.track, "leader": leaf.leader.position,
                   "people": [(one.track, *one.position, *one.velocity, one.seen) for one in leaf.people], "goal": leaf.goal,
+                  "navigator": said_by(observer.navigator), "faces": observer.newest_faces,
                   "true_leader": observer.leader, "true_robot": (observer.robot.x, observer.robot.y, observer.robot.yaw)})
+
+
+def said_by(navigator):
+    """Of a NavigationStatus, None before the first."""
+    return navigator and {name: getattr(navigator, name) for name in ("state", "reason", "distance_left", "speed", "recoveries")}
 
 
 def measured(observer):

@@ -15,7 +15,7 @@ ROUTES = {"passage": [], "west": [(-11.0, 3.75), (-11.0, -3.5)], "east": [(11.0,
 START, MEETING = (4.0, 3.75), (0.0, 1.4)  # out of the robot's sight, and before the robot, to which the leader comes
 LEADER, SPEED_M_S, STANDS_S = "anna", 0.55, (8.0, 0.0, 8.0)
 OTHER = {"name": "dan", "speed": 0.7, "colour": [0.3, 0.3, 0.32]}
-OTHER_Y, OTHER_X = -3.1, (3.0, 9.5)  # walks up and down the south corridor, between places so far in the east and in the west
+OTHER_Y, OTHER_X = -2.9, (3.0, 9.5)  # walks up and down the south corridor, along its wall, so that the robot can pass
 WALL_M = 0.2        # from the true map's obstacles to a ghost, at least
 GHOST_CELLS = 12    # in a group: a leg's width of cells is noise
 

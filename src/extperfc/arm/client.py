@@ -14,8 +14,8 @@ import trajectory_msgs.msg
 import extperfc.msg
 import extperfc.srv
 from extperfc.arm import connection, goals, robot_state
+from extperfc.arm import hands as robot_hands
 from extperfc.arm.errors import ArmError, ClientCode
-from extperfc.arm.goals import DEFAULT_FRAME, GROUPS, SIDES
 from extperfc.arm.scene import Scene
 
 JOG_PERIOD_S = 0.02
@@ -40,12 +40,12 @@ class Plan:
 
 
 class Arm:
-    """One arm ("left", "right") or "both".
+    """One arm by the name of its gripper, of a Baxter "left" or "right", or "both": all arms of the robot.
 
     A goal is
     - the name of a state: "neutral", "tuck", "untuck";
     - joint values [rad], {"s0": 0.1, "e1": 0.75}: what is not named stays;
-    - a pose of the tool (left_gripper, right_gripper) in `frame`: (x, y, z) with its present orientation,
+    - a pose of the tool (left_gripper, right_gripper) in `frame` (none: hands.frame, a Baxter's base): (x, y, z) with its present orientation,
       (x, y, z, roll, pitch, yaw), (x, y, z, qx, qy, qz, qw), a 4x4 array, a Pose, or a PoseStamped with its own frame;
     - with linear=True also a list of poses, straight from one to the next;
     - for both arms {"left": goal, "right": goal} with two poses or two of joint values, or one name of a state.
@@ -53,20 +53,35 @@ class Arm:
     velocity_scale=0.3, planning_time=2.0.
 
     namespace: of the robot and the arm node; none: this node's own. wait_s: how long to wait for servers, in real time.
+    Names of arms, tools and joints are those of the arm node's parameter `grippers` and of robot_description.
     Makes the process a ROS node if necessary. Failures raise ArmError; invalid goals raise ValueError.
     A motion ends when it is interrupted with Ctrl-C, when its timeout is over, and when the program ends, unless it is
     killed with SIGKILL.
     """
 
     def __init__(self, side, namespace="", wait_s=connection.WAIT_S):
-        if side not in GROUPS:
-            raise ValueError(f"unknown arm {side!r}: must be left, right or both")
         connection.ensure_node()
-        self.side, self.namespace, self.wait_s = side, namespace, wait_s
-        self.sides = SIDES if side == "both" else (side,)
+        self.namespace, self.wait_s, self._which = namespace, wait_s, side
+        robot_hands.wait_for(side, namespace, wait_s)
         self.scene = Scene(namespace, wait_s)
         self._joint_states = robot_state.joints(namespace)
         self._actions, self._services, self._publishers = {}, {}, {}
+
+    @property
+    def hands(self):
+        """The robot's arms (extperfc.arm.hands.Hands)."""
+        return robot_hands.of(self.namespace)
+
+    @property
+    def sides(self):
+        """The names of these arms."""
+        return self.hands.named(self._which)
+
+    @property
+    def side(self):
+        """The name of the one arm, or "both"."""
+        sides = self.sides
+        return sides[0] if len(sides) == 1 else robot_hands.ALL
 
     # Motions.
 
@@ -121,11 +136,12 @@ class Arm:
             raise ValueError("jog: give either twist or joints")
         if twist is not None:
             send = self._publisher(f"arm/{side}/jog_twist", geometry_msgs.msg.TwistStamped)
-            command, stop = _twist(twist, frame or goals.tip_of(side)), _twist((0,) * 6, frame or goals.tip_of(side))
+            frame = frame or self.hands[side].tip
+            command, stop = _twist(twist, frame), _twist((0,) * 6, frame)
         else:
             send = self._publisher(f"arm/{side}/jog_joints", control_msgs.msg.JointJog)
-            command = _joint_jog(joints, side)
-            stop = _joint_jog(dict.fromkeys(joints, 0.0), side)
+            command = _joint_jog(joints, side, self.hands)
+            stop = _joint_jog(dict.fromkeys(joints, 0.0), side, self.hands)
         try:
             end = time.monotonic() + duration
             while True:
@@ -142,7 +158,7 @@ class Arm:
     # Grasping.
 
     def pick(self, what, lift=0.0, planning_time=0.0, wait=True, timeout=None, place_at=None, any_yaw=True,
-             frame=DEFAULT_FRAME):
+             frame=None):
         """Grasps an object of the scene, by its name or label, and lifts it [m] (0: the node's parameter).
 
         "both": the arm that reaches it better. place_at: a pose, or a list of poses, where it will be placed later,
@@ -151,14 +167,14 @@ class Arm:
         """
         places = place_at if isinstance(place_at, list) else [] if place_at is None else [place_at]
         goal = extperfc.msg.PickGoal(what, self._arm_name(), float(lift), float(planning_time),
-                                     [goals.pose_stamped(pose, frame) for pose in places], bool(any_yaw))
+                                     [self._pose_stamped(pose, frame) for pose in places], bool(any_yaw))
         return self._ended(self._send("pick", extperfc.msg.PickAction, goal), wait, timeout)
 
-    def place(self, pose, what="", any_yaw=True, frame=DEFAULT_FRAME, retreat=0.0, planning_time=0.0, wait=True,
+    def place(self, pose, what="", any_yaw=True, frame=None, retreat=0.0, planning_time=0.0, wait=True,
               timeout=None):
         """Places the held object. pose: of the object; any_yaw: any rotation about the vertical is accepted.
         retreat: back from it after opening [m], 0: the node's parameter. Returns extperfc/PlaceResult, or a Motion."""
-        goal = extperfc.msg.PlaceGoal(what, self._arm_name(), goals.pose_stamped(pose, frame), bool(any_yaw),
+        goal = extperfc.msg.PlaceGoal(what, self._arm_name(), self._pose_stamped(pose, frame), bool(any_yaw),
                                       float(retreat), float(planning_time))
         return self._ended(self._send("place", extperfc.msg.PlaceAction, goal), wait, timeout)
 
@@ -176,53 +192,57 @@ class Arm:
     @property
     def joints(self):
         """{joint: radians} as last heard from the robot."""
-        return self._joint_states.of(tuple(f"{side}_" for side in self.sides), self.wait_s)
+        return self._joint_states.of([joint for side in self.sides for joint in self.hands[side].joints], self.wait_s)
 
-    def tool_pose(self, frame=DEFAULT_FRAME):
+    def tool_pose(self, frame=None):
         """geometry_msgs/PoseStamped of the tool in a frame, by tf; good as a goal, too."""
-        found = robot_state.frames().lookup(frame, goals.tip_of(self._one_side("tool_pose")), self.wait_s)
+        frame = frame or self.hands.frame
+        found = robot_state.frames().lookup(frame, self.hands[self._one_side("tool_pose")].tip, self.wait_s)
         pose = geometry_msgs.msg.PoseStamped()
         pose.header.frame_id = frame  # stamp 0: as a goal it means now
         t = found.transform.translation
         pose.pose.position, pose.pose.orientation = geometry_msgs.msg.Point(t.x, t.y, t.z), found.transform.rotation
         return pose
 
-    def solve_ik(self, pose, frame=DEFAULT_FRAME, seed=None, avoid_collisions=True):
+    def solve_ik(self, pose, frame=None, seed=None, avoid_collisions=True):
         """{joint: radians} that bring the tool to a pose; seed: near these (none: near the present state)."""
         side = self._one_side("solve_ik")
-        request = goals.motion_request(side, [pose], goals.MotionOptions(frame=frame), False, self._rotation_now)
-        answer = self._call("arm/solve_ik", extperfc.srv.SolveArmIk, group=GROUPS[side], goal=request.tool_goals[0],
-                            seed=goals.joint_state(seed or {}, side), avoid_collisions=bool(avoid_collisions))
+        request = goals.motion_request(side, [pose], goals.MotionOptions(frame=frame or ""), False, self._rotation_now, self.hands)
+        answer = self._call("arm/solve_ik", extperfc.srv.SolveArmIk, group=self.hands.group(side), goal=request.tool_goals[0],
+                            seed=goals.joint_state(seed or {}, side, self.hands), avoid_collisions=bool(avoid_collisions))
         if answer.code != 0:
             raise ArmError(answer.code, answer.message, answer)
         return dict(zip(answer.joints.name, answer.joints.position))
 
     def check(self, joints=None):
         """Is a state free of collisions and within limits? Joints not named are where they are. Returns a StateCheck."""
-        answer = self._call("arm/check_state", extperfc.srv.CheckArmState, group=GROUPS[self.side],
-                            joints=goals.joint_state(joints or {}, self.side))
+        answer = self._call("arm/check_state", extperfc.srv.CheckArmState, group=self.hands.group(self.side),
+                            joints=goals.joint_state(joints or {}, self.side, self.hands))
         return StateCheck(answer.code == 0, answer.code, answer.message, answer.first, answer.second, answer.distance)
 
-    def keep_level(self, frame=DEFAULT_FRAME):
+    def keep_level(self, frame=None):
         """Constraints: keeps the held object upright (along the vertical of `frame`)."""
-        return [goals.keep_axis(self._rotation_now(side, frame).T @ numpy.array([0.0, 0.0, 1.0]), goals.tip_of(side))
+        return [goals.keep_axis(self._rotation_now(side, frame).T @ numpy.array([0.0, 0.0, 1.0]), self.hands[side].tip)
                 for side in self.sides]
 
     # Implementation.
 
     def _one_side(self, what):
-        if self.side == "both":
-            raise ValueError(f"{what} needs one arm: Arm('left') or Arm('right')")
+        if len(self.sides) > 1:
+            raise ValueError(f"{what} needs one arm: " + " or ".join(f"Arm({side!r})" for side in self.sides))
         return self.side
 
     def _arm_name(self):
-        return "" if self.side == "both" else self.side
+        return "" if len(self.sides) > 1 else self.side
+
+    def _pose_stamped(self, pose, frame):
+        return goals.pose_stamped(pose, frame or self.hands.frame)
 
     def _rotation_now(self, side, frame):
-        return robot_state.frames().rotation(frame, goals.tip_of(side), self.wait_s)
+        return robot_state.frames().rotation(frame or self.hands.frame, self.hands[side].tip, self.wait_s)
 
     def _request(self, goal, linear, options):
-        return goals.motion_request(self.side, goal, goals.MotionOptions(**options), linear, self._rotation_now)
+        return goals.motion_request(self.side, goal, goals.MotionOptions(**options), linear, self._rotation_now, self.hands)
 
     def _send(self, name, action_type, goal, **more):
         if name not in self._actions:
@@ -257,7 +277,7 @@ class Arm:
             raise ValueError(f"opening {percent}: must be from 0 to 100 %")
         goal = control_msgs.msg.GripperCommandGoal()
         goal.command.position, goal.command.max_effort = float(percent), 0.0  # 0: the gripper's setting
-        name = f"robot/end_effector/{side}_gripper/gripper_action"
+        name = self.hands[side].action
         try:
             return self._send(name, control_msgs.msg.GripperCommandAction, goal,
                               start="does the robot have an electric gripper there, and is it enabled?").wait(timeout)
@@ -278,8 +298,8 @@ def _twist(values, frame):
     return message
 
 
-def _joint_jog(joints, side):
-    state = goals.joint_state(joints, side)
+def _joint_jog(joints, side, hands):
+    state = goals.joint_state(joints, side, hands)
     if not state.name:
         raise ValueError("jog: no joints")
     return control_msgs.msg.JointJog(joint_names=list(state.name), velocities=list(state.position))

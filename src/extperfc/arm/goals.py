@@ -10,15 +10,7 @@ import sensor_msgs.msg
 
 import extperfc.msg
 from extperfc import robot_description as rd
-
-DEFAULT_FRAME = "base"
-SIDES = ("left", "right")
-GROUPS = {"left": "left_arm", "right": "right_arm", "both": "both_arms"}
-
-
-def tip_of(side):
-    """The link that tool goals are about."""
-    return f"{side}_gripper"
+from extperfc.arm.hands import ALL, BAXTER
 
 
 def _finite(values, what):
@@ -60,7 +52,7 @@ def is_pose(value):
             or getattr(value, "shape", None) == (4, 4) or (_is_numbers(value) and len(value) in (3, 6, 7)))
 
 
-def pose_stamped(value, frame=DEFAULT_FRAME, rotation=None):
+def pose_stamped(value, frame=BAXTER.frame, rotation=None):
     """A geometry_msgs/PoseStamped with stamp 0, which means now.
 
     value: a PoseStamped (its own frame counts), a Pose, a 4x4 array, (x, y, z), (x, y, z, roll, pitch, yaw) or
@@ -88,7 +80,7 @@ def pose_stamped(value, frame=DEFAULT_FRAME, rotation=None):
     return stamped
 
 
-def joint_state(values, side="both"):
+def joint_state(values, side=ALL, hands=BAXTER):
     """sensor_msgs/JointState of {name: radians}. Of one arm, names may leave out the side: s0 is left_s0."""
     if isinstance(values, sensor_msgs.msg.JointState):
         return values
@@ -96,10 +88,7 @@ def joint_state(values, side="both"):
     for name, value in values.items():
         if not isinstance(value, numbers.Real):
             raise ValueError(f"joint {name}: {value!r} is not a number of radians")
-        bare = not name.startswith(tuple(f"{s}_" for s in SIDES))
-        if bare and side == "both":
-            raise ValueError(f"joint {name}: of which arm? Write left_{name} or right_{name}")
-        message.name.append(f"{side}_{name}" if bare else name)
+        message.name.append(hands.full_name(name, side))
         message.position.append(float(_finite(value, name)))
     if len(set(message.name)) != len(message.name):
         raise ValueError(f"a joint is named twice: {', '.join(sorted(message.name))}")
@@ -114,9 +103,9 @@ def _vector(values):
     return geometry_msgs.msg.Vector3(*(float(v) for v in numpy.broadcast_to(array, 3)))
 
 
-def tool_goal(side, pose, position_tolerance=0.0, orientation_tolerance=0.0):
+def tool_goal(tip, pose, position_tolerance=0.0, orientation_tolerance=0.0):
     """extperfc/ToolGoal of a PoseStamped; tolerances [m], [rad]: one number or one for each axis of the pose, 0: exact."""
-    return extperfc.msg.ToolGoal(tip_of(side), pose, _vector(position_tolerance), _vector(orientation_tolerance))
+    return extperfc.msg.ToolGoal(tip, pose, _vector(position_tolerance), _vector(orientation_tolerance))
 
 
 def _constraint(kind, link="", axis=(0, 0, 0), frame="", other=""):
@@ -149,7 +138,7 @@ def keep_orientation(link=""):
     return _constraint(extperfc.msg.ToolConstraint.KEEP_ORIENTATION, link)
 
 
-def keep_relative(link=tip_of("left"), other=tip_of("right")):
+def keep_relative(link=BAXTER["left"].tip, other=BAXTER["right"].tip):
     """Both tools keep their relative pose: both grippers hold one object."""
     return _constraint(extperfc.msg.ToolConstraint.KEEP_RELATIVE, link, other=other)
 
@@ -157,7 +146,7 @@ def keep_relative(link=tip_of("left"), other=tip_of("right")):
 @dataclasses.dataclass
 class MotionOptions:
     """Options of a motion. 0 means: the parameter of the node."""
-    frame: str = DEFAULT_FRAME              # of poses without a frame_id
+    frame: str = ""                         # of poses without a frame_id; "": that of the robot's arms, base of a Baxter
     constraints: object = ()                # one of keep_...(), or several
     start: object = None                    # for plan: {joint: radians}; joints not named are where they are
     position_tolerance: object = 0.0        # [m], see tool_goal
@@ -177,63 +166,63 @@ def _flat(constraints):
     return [one for some in constraints for one in _flat(some)]
 
 
-def _of_two_sides(goal):
-    return isinstance(goal, collections.abc.Mapping) and bool(goal) and set(goal) <= set(SIDES)
+def _of_sides(goal, hands):
+    return isinstance(goal, collections.abc.Mapping) and bool(goal) and set(goal) <= set(hands.names)
 
 
-def _tool_goals(side, goal, options, rotation_now):
+def _tool_goals(side, goal, options, rotation_now, hands):
     """Tool goals of one arm: of a pose or of a list of poses."""
     poses = [goal] if is_pose(goal) else list(goal)
     if not poses:
         raise ValueError("the list of goals is empty")
-    goals = []
+    goals, frame = [], options.frame or hands.frame
     for pose in poses:
-        rotation = rotation_now(side, options.frame) if _is_numbers(pose) and len(pose) == 3 else None
-        goals.append(tool_goal(side, pose_stamped(pose, options.frame, rotation), options.position_tolerance,
+        rotation = rotation_now(side, frame) if _is_numbers(pose) and len(pose) == 3 else None
+        goals.append(tool_goal(hands[side].tip, pose_stamped(pose, frame, rotation), options.position_tolerance,
                                options.orientation_tolerance))
     return goals
 
 
-def _set_goal(request, side, goal, options, rotation_now):
+def _set_goal(request, side, goal, options, rotation_now, hands):
     if isinstance(goal, str):
         request.named_state = goal
-    elif _of_two_sides(goal):
+    elif _of_sides(goal, hands):
         for one, part in goal.items():
-            if side not in ("both", one):
+            if side not in (ALL, one):
                 raise ValueError(f"the {side} arm has no goal for {one}")
             if isinstance(part, (collections.abc.Mapping, sensor_msgs.msg.JointState)):
-                joints = joint_state(part, one)
+                joints = joint_state(part, one, hands)
                 request.joint_goal.name += list(joints.name)
                 request.joint_goal.position += list(joints.position)
             elif isinstance(part, str):
                 raise ValueError("named states count for the whole group: give one name instead of one for each arm")
             else:
-                request.tool_goals += _tool_goals(one, part, options, rotation_now)
+                request.tool_goals += _tool_goals(one, part, options, rotation_now, hands)
         if request.tool_goals and request.joint_goal.name:
             raise ValueError("one arm has a pose and the other joint values: give two of a kind")
     elif isinstance(goal, (collections.abc.Mapping, sensor_msgs.msg.JointState)):
-        request.joint_goal = joint_state(goal, side)
+        request.joint_goal = joint_state(goal, side, hands)
         if not request.joint_goal.name:
             raise ValueError("a goal without joints")
-    elif side == "both":
+    elif side == ALL:
         raise ValueError("poses for both arms: give {'left': pose, 'right': pose}")
     elif is_pose(goal) or (isinstance(goal, (list, tuple)) and all(is_pose(g) for g in goal)):
-        request.tool_goals = _tool_goals(side, goal, options, rotation_now)
+        request.tool_goals = _tool_goals(side, goal, options, rotation_now, hands)
     else:
         raise ValueError(f"{goal!r} is not a goal: give a state's name, {{joint: radians}}, a pose or a list of poses")
 
 
-def motion_request(side, goal, options, linear, rotation_now):
+def motion_request(side, goal, options, linear, rotation_now, hands=BAXTER):
     """extperfc/ArmRequest. rotation_now(side, frame): 3x3 rotation of the tool at present. Raises ValueError."""
-    request = extperfc.msg.ArmRequest(group=GROUPS[side])
+    request = extperfc.msg.ArmRequest(group=hands.group(side))
     request.motion = request.LINEAR if linear else request.FREE
-    _set_goal(request, side, goal, options, rotation_now)
+    _set_goal(request, side, goal, options, rotation_now, hands)
     links = [tool.link for tool in request.tool_goals]
     if len(set(links)) != len(links) and not linear:
         raise ValueError("several poses for one arm: only linear=True goes from one to the next")
     request.constraints = _flat(options.constraints)
     if options.start is not None:
-        request.start = joint_state(options.start, side)
+        request.start = joint_state(options.start, side, hands)
     for name in ("planning_time", "velocity_scale", "acceleration_scale", "minimum_fraction"):
         value = float(_finite(getattr(options, name), name))
         if value < 0 or (name != "planning_time" and value > 1):

@@ -31,18 +31,18 @@ class JointListener:
         with self._heard:
             return dict(self._positions)
 
-    def of(self, prefixes, wait_s):
-        """Joints whose names begin so. Raises ArmError when none was heard of within wait_s seconds of real time."""
+    def of(self, names, wait_s):
+        """These joints, those that were heard of. Raises ArmError when none was within wait_s seconds of real time."""
         deadline = time.monotonic() + wait_s
         with self._heard:
             while True:
-                found = {name: value for name, value in self._positions.items() if name.startswith(prefixes)}
+                found = {name: self._positions[name] for name in names if name in self._positions}
                 left = deadline - time.monotonic()
                 if found or left <= 0:
                     break
                 self._heard.wait(left)
         if not found:
-            raise ArmError(ArmCode.NO_JOINT_STATES, f"no positions of the joints {', '.join(p + '*' for p in prefixes)} "
+            raise ArmError(ArmCode.NO_JOINT_STATES, f"no positions of the joints {', '.join(names)} "
                            f"on {self.topic} within {wait_s:g} s")
         return found
 

@@ -8,9 +8,9 @@ import numpy
 import shape_msgs.msg
 
 import extperfc.srv
-from extperfc.arm import connection
+from extperfc.arm import connection, hands
 from extperfc.arm.errors import ArmError
-from extperfc.arm.goals import DEFAULT_FRAME, pose_stamped
+from extperfc.arm.goals import pose_stamped
 from extperfc.msg import ArmCode, SceneObject
 
 Primitive = shape_msgs.msg.SolidPrimitive
@@ -20,37 +20,39 @@ class Scene:
     """Objects of the node's scene.
 
     Poses are given as to pose_stamped: (x, y, z), (x, y, z, roll, pitch, yaw), Pose, PoseStamped, ... of the object's
-    middle (box, cylinder, sphere, cone) or origin (mesh), in `frame` unless they bring their own. Cylinders and cones
+    middle (box, cylinder, sphere, cone) or origin (mesh), in `frame` (none: that of the robot's arms, a Baxter's base) unless
+    they bring their own. Cylinders and cones
     stand along z, a cone's tip upwards. An object of a known name is replaced. Raises ArmError; ValueError for
     numbers that make no sense.
     """
 
     def __init__(self, namespace="", wait_s=connection.WAIT_S):
+        self._namespace = namespace
         self._apply = connection.Service(namespace, "arm/apply_scene", extperfc.srv.ApplyScene, wait_s)
         self._get = connection.Service(namespace, "arm/get_scene", extperfc.srv.GetScene, wait_s)
 
-    def add_box(self, name, size, pose, frame=DEFAULT_FRAME, label=""):
+    def add_box(self, name, size, pose, frame=None, label=""):
         """size: x, y, z [m]."""
         self._add(name, Primitive.BOX, size, 3, pose, frame, label)
 
-    def add_cylinder(self, name, radius, height, pose, frame=DEFAULT_FRAME, label=""):
+    def add_cylinder(self, name, radius, height, pose, frame=None, label=""):
         self._add(name, Primitive.CYLINDER, (height, radius), 2, pose, frame, label)
 
-    def add_sphere(self, name, radius, pose, frame=DEFAULT_FRAME, label=""):
+    def add_sphere(self, name, radius, pose, frame=None, label=""):
         self._add(name, Primitive.SPHERE, (radius,), 1, pose, frame, label)
 
-    def add_cone(self, name, radius, height, pose, frame=DEFAULT_FRAME, label=""):
+    def add_cone(self, name, radius, height, pose, frame=None, label=""):
         self._add(name, Primitive.CONE, (height, radius), 2, pose, frame, label)
 
-    def add_mesh(self, name, file, pose, frame=DEFAULT_FRAME, label="", scale=1.0):
+    def add_mesh(self, name, file, pose, frame=None, label="", scale=1.0):
         """file: STL or OBJ, also package://...; counts as its convex hull. scale: one number or one for each axis."""
-        made = SceneObject(operation=SceneObject.ADD, name=_named(name), label=label, pose=pose_stamped(pose, frame))
+        made = SceneObject(operation=SceneObject.ADD, name=_named(name), label=label, pose=self._stamped(pose, frame))
         made.meshes = [mesh_message(*read_mesh(file), scale)]
         made.mesh_poses = [geometry_msgs.msg.Pose(orientation=geometry_msgs.msg.Quaternion(w=1.0))]
         self.apply([made])
 
-    def move(self, name, pose, frame=DEFAULT_FRAME):
-        self.apply([SceneObject(operation=SceneObject.MOVE, name=_named(name), pose=pose_stamped(pose, frame))])
+    def move(self, name, pose, frame=None):
+        self.apply([SceneObject(operation=SceneObject.MOVE, name=_named(name), pose=self._stamped(pose, frame))])
 
     def remove(self, name):
         self.apply([SceneObject(operation=SceneObject.REMOVE, name=_named(name))])
@@ -78,9 +80,12 @@ class Scene:
         """{name: extperfc/SceneObject}, each with its pose in its frame; operation ATTACH for held objects."""
         return {found.name: found for found in self._get().objects}
 
+    def _stamped(self, pose, frame):
+        return pose_stamped(pose, frame or hands.of(self._namespace).frame)
+
     def _add(self, name, kind, dimensions, count, pose, frame, label):
         primitive = Primitive(type=kind, dimensions=_lengths(name, dimensions, count))
-        self.apply([SceneObject(operation=SceneObject.ADD, name=_named(name), label=label, pose=pose_stamped(pose, frame),
+        self.apply([SceneObject(operation=SceneObject.ADD, name=_named(name), label=label, pose=self._stamped(pose, frame),
                                 primitives=[primitive],
                                 primitive_poses=[geometry_msgs.msg.Pose(orientation=geometry_msgs.msg.Quaternion(w=1.0))])])
 

@@ -25,11 +25,12 @@ def wrapped(text, letters=LINE_LETTERS):
 
 
 class ArmGoal:
-    """publish(MarkerArray); joints(): {joint: value} of the robot now; solve: the service arm/solve_ik. Of any thread."""
+    """arms: extperfc.arm.hands.Hands; publish(MarkerArray); joints(): {joint: value} of the robot now; solve: the service arm/solve_ik. Of any thread."""
 
-    def __init__(self, side, robot, frame, publish, joints, rate_hz, solve=None):
+    def __init__(self, side, arms, robot, frame, publish, joints, rate_hz, solve=None):
         self.side, self._robot, self._frame, self._publish, self._robot_joints = side, robot, frame, publish, joints
-        self.joint_names = robot.joints_above(goals.tip_of(side))
+        self._arms, self._tip = arms, arms[side].tip
+        self.joint_names = robot.joints_above(self._tip)
         self._ghost = Ghost(robot, robot.links_below(self.joint_names[:1]), f"{side}_goal")
         self._solve = solve or connection.Service("", "arm/solve_ik", extperfc.srv.SolveArmIk)
         self._lock = threading.Lock()
@@ -39,7 +40,7 @@ class ArmGoal:
     def tool_now(self):
         """geometry_msgs/PoseStamped of the tool, by forward kinematics."""
         frame_T_link = self._robot.link_poses(self._robot_joints(), self._frame)
-        return goals.pose_stamped(frame_T_link[goals.tip_of(self.side)], self._frame)
+        return goals.pose_stamped(frame_T_link[self._tip], self._frame)
 
     @property
     def pose(self):
@@ -76,8 +77,8 @@ class ArmGoal:
         last = self._solution or {name: now[name] for name in self.joint_names if name in now}
 
         def solve(avoid_collisions):
-            return self._solve(group=goals.GROUPS[self.side], goal=goals.tool_goal(self.side, pose),
-                               seed=goals.joint_state(last, self.side), avoid_collisions=avoid_collisions)
+            return self._solve(group=self._arms.group(self.side), goal=goals.tool_goal(self._tip, pose),
+                               seed=goals.joint_state(last, self.side, self._arms), avoid_collisions=avoid_collisions)
 
         view = view_of(solve, last)
         with self._lock:

@@ -3,11 +3,11 @@
 import threading
 
 from extperfc.arm.errors import ArmError
-from extperfc.arm.goals import SIDES
+from extperfc.arm.hands import ALL
 
 
 class Commands:
-    """arms: {"left", "right", "both": extperfc.arm.Arm}; goals: {side: ArmGoal}; changed(): the arms have moved."""
+    """arms: {arm, "both": extperfc.arm.Arm}; goals: {side: ArmGoal}; changed(): the arms have moved."""
 
     def __init__(self, arms, goals, changed):
         self._arms, self._goals, self._changed = arms, goals, changed
@@ -43,8 +43,7 @@ class Commands:
     # Below: in the command's thread. What they return is shown.
 
     def _goal_of(self, which):
-        poses = {side: self._goals[side].pose for side in (SIDES if which == "both" else (which,))}
-        return poses if which == "both" else poses[which]
+        return {side: goal.pose for side, goal in self._goals.items()} if which == ALL else self._goals[which].pose
 
     def _plan_now(self, which):
         self._plan = None
@@ -66,7 +65,7 @@ class Commands:
 
     def _stop_now(self, which):
         try:
-            self._arms["both"].stop()
+            self._arms[ALL].stop()
             self._say(which, "stopped")
         except ArmError as error:
             self._say(which, str(error), False)
@@ -88,6 +87,5 @@ class Commands:
         self._say(which, *said)
 
     def _say(self, which, text, good=True):
-        for side in SIDES if which == "both" else (which,):
-            if side in self._goals:
-                self._goals[side].say(text, good)
+        for side in self._goals if which == ALL else (which,):
+            self._goals[side].say(text, good)

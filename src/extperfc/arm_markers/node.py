@@ -5,7 +5,7 @@
   offers     arm/goals (interactive markers: arm/goals/update, /update_full, /feedback)
   publishes  arm/goal_ghost (visualization_msgs/MarkerArray): each arm at its dragged goal, and what is said of it
              arm/planned_path (visualization_msgs/MarkerArray): the planned motion, repeatedly, and the paths of the tools
-  parameters ~frame (base): of the goals, a link of the robot; ~ik_rate (15 Hz): of questions while dragging;
+  parameters ~frame (that of the arms, a Baxter's base): of the goals, a link of the robot; ~ik_rate (15 Hz): of questions while dragging;
              ~named_states ([neutral, tuck, untuck]): of the menu
 """
 
@@ -18,7 +18,7 @@ from interactive_markers.menu_handler import MenuHandler
 from trajectory_msgs.msg import JointTrajectory
 from visualization_msgs.msg import InteractiveMarkerFeedback, MarkerArray
 
-from extperfc.arm import Arm, goals, robot_state
+from extperfc.arm import Arm, goals, hands, robot_state
 from extperfc.arm_markers.arm_goal import ArmGoal
 from extperfc.arm_markers.commands import Commands
 from extperfc.arm_markers.goal import goal_marker
@@ -38,7 +38,7 @@ def read_parameters():
         robot = RobotDescription(rospy.get_param("robot_description"))
     except ValueError as error:
         raise Refused(f"robot_description: {error}") from None
-    frame, rate_hz = rospy.get_param("~frame", goals.DEFAULT_FRAME), float(rospy.get_param("~ik_rate", 15.0))
+    frame, rate_hz = rospy.get_param("~frame", hands.of().frame), float(rospy.get_param("~ik_rate", 15.0))
     if frame not in robot.links:
         raise Refused(f"~frame: {frame} is not a link of the robot")
     if not 0.1 <= rate_hz <= 200:
@@ -54,14 +54,16 @@ class ArmMarkers:
         self._listener = robot_state.joints()
         self._ghosts = rospy.Publisher("arm/goal_ghost", MarkerArray, queue_size=10, latch=True)
         self._paths = rospy.Publisher("arm/planned_path", MarkerArray, queue_size=10)
-        sides = [side for side in goals.SIDES if goals.tip_of(side) in self._robot.links]
+        arms = hands.of()
+        sides = [side for side in arms.names if arms[side].tip in self._robot.links]
         if not sides:
-            raise Refused("the robot has neither a left_gripper nor a right_gripper")
-        self._await_joints(sides)
-        self._goals = {side: ArmGoal(side, self._robot, self._frame, self._ghosts.publish, self._listener.positions, rate_hz)
+            raise Refused("the robot has none of the links " + ", ".join(arms[side].tip for side in arms.names))
+        self._tips = {side: arms[side].tip for side in sides}
+        self._await_joints()
+        self._goals = {side: ArmGoal(side, arms, self._robot, self._frame, self._ghosts.publish, self._listener.positions, rate_hz)
                        for side in sides}
-        self._commands = Commands({which: Arm(which) for which in goals.GROUPS}, self._goals, self._on_moved)
-        self._player = PathPlayer(self._robot, self._paths.publish, lambda: self._paths.get_num_connections() > 0,
+        self._commands = Commands({which: Arm(which) for which in (*sides, hands.ALL)}, self._goals, self._on_moved)
+        self._player = PathPlayer(self._robot, self._tips, self._paths.publish, lambda: self._paths.get_num_connections() > 0,
                                   self._listener.positions)
         self._server, self._menus = InteractiveMarkerServer("arm/goals"), {}
         for side in sides:
@@ -71,9 +73,9 @@ class ArmMarkers:
         self._server.applyChanges()
         self._subscriber = rospy.Subscriber("arm/display_trajectory", JointTrajectory, self._on_trajectory, queue_size=1)
 
-    def _await_joints(self, sides):
+    def _await_joints(self):
         """Waits until every joint of the arms was published."""
-        wanted = {name for side in sides for name in self._robot.joints_above(goals.tip_of(side))}
+        wanted = {name for tip in self._tips.values() for name in self._robot.joints_above(tip)}
         waited = 0
         while not wanted <= set(self._listener.positions()):
             if rospy.is_shutdown():
@@ -101,7 +103,7 @@ class ArmMarkers:
     def _on_moved(self, which):
         """The arms have moved: clears the planned path and moves the goals to the tools."""
         self._player.clear()
-        for side in goals.SIDES if which == "both" else (which,):
+        for side in self._goals if which == hands.ALL else (which,):
             self._settle(side)
 
     def _settle(self, side):
@@ -118,8 +120,8 @@ class ArmMarkers:
         entry("Execute the plan", lambda: do.execute(side))
         entry("Plan and execute", lambda: do.plan_and_execute(side))
         if len(self._goals) == 2:
-            entry("Plan both arms", lambda: do.plan("both"))
-            entry("Plan and execute both arms", lambda: do.plan_and_execute("both"))
+            entry("Plan both arms", lambda: do.plan(hands.ALL))
+            entry("Plan and execute both arms", lambda: do.plan_and_execute(hands.ALL))
         entry("STOP", lambda: do.stop(side))
         straight = menu.insert("Straight line", callback=lambda feedback: self._toggle_linear(feedback.menu_entry_id))
         menu.setCheckState(straight, MenuHandler.UNCHECKED)

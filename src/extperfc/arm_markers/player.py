@@ -6,7 +6,6 @@ import time
 
 import numpy
 
-from extperfc.arm import goals
 from extperfc.arm_markers.ghost import Ghost, array, line_marker
 
 PERIOD_S = 0.1
@@ -14,7 +13,7 @@ THERE_RAD = 0.02            # every joint is so near to the end: the motion is o
 PAUSE_S = 1.0               # at the end, before it begins again
 LINE_POINTS = 200
 GHOST = (0.95, 0.75, 0.2, 0.45)
-LINES = {"left": (0.3, 0.65, 1.0, 1.0), "right": (1.0, 0.65, 0.2, 1.0)}
+LINES = ((0.3, 0.65, 1.0, 1.0), (1.0, 0.65, 0.2, 1.0))  # of the arms, in turn
 
 
 class Motion:
@@ -47,30 +46,31 @@ class Motion:
         return {name: float(value) for name, value in zip(self.names, values)}
 
 
-def sides_of(robot, joint_names):
-    """Sides whose tools these joints move."""
-    return [side for side in goals.SIDES if goals.tip_of(side) in robot.links
-            and set(robot.joints_above(goals.tip_of(side))) & set(joint_names)]
+def moved_tips(robot, tips, joint_names):
+    """Of {side: tool's link} those that these joints move."""
+    return {side: tip for side, tip in tips.items() if set(robot.joints_above(tip)) & set(joint_names)}
 
 
-def tool_lines(robot, motion, other_joints, count=LINE_POINTS):
-    """{side: points (N, 3) [m] of the tool in the root's frame}. other_joints: values of what the motion does not move."""
-    sides = sides_of(robot, motion.names)
-    lines = {side: [] for side in sides}
+def tool_lines(robot, tips, motion, other_joints, count=LINE_POINTS):
+    """{side: points (N, 3) [m] of the tool in the root's frame}. tips: {side: tool's link}; other_joints: values of what the
+    motion does not move."""
+    moved = moved_tips(robot, tips, motion.names)
+    lines = {side: [] for side in moved}
     for time_s in numpy.linspace(0, motion.duration_s, count):
         poses = robot.link_poses({**other_joints, **motion.at(time_s)})
-        for side in sides:
-            lines[side].append(poses[goals.tip_of(side)][:3, 3])
+        for side, tip in moved.items():
+            lines[side].append(poses[tip][:3, 3])
     return {side: numpy.array(points) for side, points in lines.items()}
 
 
 class PathPlayer:
     """Shows the newest motion again and again, in real time, in a thread of its own, until the robot is at its end.
 
-    publish(MarkerArray); watched(): whether anybody looks; joints(): {joint: value} of the robot now.
+    tips: {side: tool's link}; publish(MarkerArray); watched(): whether anybody looks; joints(): {joint: value} of the robot now.
     """
 
-    def __init__(self, robot, publish, watched, joints, pause_s=PAUSE_S):
+    def __init__(self, robot, tips, publish, watched, joints, pause_s=PAUSE_S):
+        self._tips = tips
         self._robot, self._publish, self._watched, self._joints, self._pause_s = robot, publish, watched, joints, pause_s
         self._new, self._changed, self._ended = [], threading.Condition(), False
         self._thread = threading.Thread(target=self._run, daemon=True)
@@ -121,8 +121,9 @@ class PathPlayer:
         """Until something else is to be done, or the robot is there. Returns the markers that take away what it showed."""
         ghost = Ghost(self._robot, self._robot.links_below(motion.names), "ghost")
         others = self._joints()
-        lines = [line_marker(self._robot.root, "tool", number, points, LINES[side]) for number, (side, points)
-                 in enumerate(tool_lines(self._robot, motion, others).items())]
+        sides = list(self._tips)
+        lines = [line_marker(self._robot.root, "tool", number, points, LINES[sides.index(side) % len(LINES)])
+                 for number, (side, points) in enumerate(tool_lines(self._robot, self._tips, motion, others).items())]
         while True:
             began = time.monotonic()
             while time.monotonic() - began <= motion.duration_s + self._pause_s:

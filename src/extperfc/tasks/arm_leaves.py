@@ -6,7 +6,6 @@ import numpy
 import rospy
 
 from extperfc.arm import Arm, robot_state
-from extperfc.arm.goals import DEFAULT_FRAME, pose_stamped, tip_of
 from extperfc.robot_description import rotation_about
 from extperfc.tasks.blackboard import Key, read, write
 from extperfc.tasks.find import DEPTH_FRAME
@@ -88,7 +87,7 @@ class Pick(ActionLeaf):
     place_at: a pose or a list of them, or a Key: see Arm.pick.
     """
 
-    def __init__(self, what, key="held", side="both", lift=0.0, place_at=None, frame=DEFAULT_FRAME, name=None):
+    def __init__(self, what, key="held", side="both", lift=0.0, place_at=None, frame=None, name=None):
         super().__init__(name or f"pick the {what}")
         self.what, self.key, self.side, self.lift, self.place_at, self.frame = what, key, side, lift, place_at, frame
 
@@ -120,7 +119,7 @@ class StillHeld(Leaf):
 class Place(ActionLeaf):
     """Places what a gripper holds at a pose, or at that of a Key. any_yaw: any rotation about the vertical is accepted."""
 
-    def __init__(self, pose, any_yaw=True, frame=DEFAULT_FRAME, name=None):
+    def __init__(self, pose, any_yaw=True, frame=None, name=None):
         super().__init__(name or "place")
         self.pose, self.any_yaw, self.frame = pose, any_yaw, frame
 
@@ -128,7 +127,7 @@ class Place(ActionLeaf):
         pose = read(self.pose)
         if pose is None:
             raise ValueError("the place is not known")
-        return _arm("both").place(pose_stamped(pose, self.frame), any_yaw=self.any_yaw, wait=False)
+        return _arm("both").place(pose, any_yaw=self.any_yaw, frame=self.frame, wait=False)
 
 
 class Show(ActionLeaf):
@@ -148,8 +147,8 @@ class Show(ActionLeaf):
     def motion(self):
         arm = _arm(read(Key(self.held)).arm)
         frames = robot_state.frames()
-        base_T_camera = frames.matrix(DEFAULT_FRAME, self.frame, SERVER_WAIT_S)
-        base_T_tool = frames.matrix(DEFAULT_FRAME, tip_of(arm.side), SERVER_WAIT_S)
+        base_T_camera = frames.matrix(arm.hands.frame, self.frame, SERVER_WAIT_S)
+        base_T_tool = frames.matrix(arm.hands.frame, arm.hands[arm.side].tip, SERVER_WAIT_S)
         base_T_tool[:3, 3] = (base_T_camera @ (0.0, 0.0, read(self.distance_m), 1.0))[:3]
         tolerance = (SHOW_TILT_RAD, SHOW_TILT_RAD, math.pi)
         if self.between:

@@ -2,7 +2,6 @@
 
 import py_trees
 
-from extperfc.arm.goals import DEFAULT_FRAME
 from extperfc.tasks.arm_leaves import InScene, MoveArm, Pick, Place, Show, StillHeld
 from extperfc.tasks.around import SeeAround
 from extperfc.tasks.blackboard import Key
@@ -16,7 +15,7 @@ def _sequence(name, children):
     return py_trees.composites.Sequence(name, memory=True, children=children)
 
 
-def pick_up(label, found="found", held="held", place_at=None, frame=DEFAULT_FRAME, attempts=2, start="neutral", **finding):
+def pick_up(label, found="found", held="held", place_at=None, frame=None, attempts=2, start="neutral", **finding):
     """The arms go where they hide nothing from the camera (a state of the SRDF), the object is found and picked; a failure
     begins again, so many times in all. Writes a Found and a PickResult. finding: further arguments of Find."""
     return py_trees.decorators.Retry(f"{attempts} attempts", _sequence(f"pick up the {label}", [
@@ -35,7 +34,7 @@ def show(distance_m, held="held"):
         Show(held, distance_m, between=False, name="show somehow")])
 
 
-def put_down(pose, held="held", frame=DEFAULT_FRAME):
+def put_down(pose, held="held", frame=None):
     """Places the held object. Where that fails it is put back where it was picked, and the tree fails: the object was not
     lost, but is not where it was wanted."""
     put_back = _sequence("put back", [

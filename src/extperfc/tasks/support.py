@@ -4,9 +4,8 @@ import numpy
 import rospy
 import sensor_msgs.msg
 
-from extperfc.arm import robot_state
+from extperfc.arm import hands, robot_state
 from extperfc.arm.connection import WAIT_S
-from extperfc.arm.goals import DEFAULT_FRAME
 from extperfc.record.frames import depth_of
 from extperfc.tasks.arm_leaves import scene
 from extperfc.tasks.blackboard import read
@@ -61,7 +60,7 @@ class SeeSupport(Leaf):
     point: the object's middle, (x, y, z) in `frame`, a Found in its own frame, or a Key.
     """
 
-    def __init__(self, point, frame=DEFAULT_FRAME, object_name="support", name=None):
+    def __init__(self, point, frame=None, object_name="support", name=None):
         super().__init__(name or "see what it stands on")
         self.point, self.frame, self.object_name = point, frame, object_name
 
@@ -76,7 +75,7 @@ class SeeSupport(Leaf):
 
     def _add(self):
         point = read(self.point)
-        frame = point.pose.header.frame_id if hasattr(point, "pose") else self.frame
+        frame = point.pose.header.frame_id if hasattr(point, "pose") else self.frame or hands.of().frame
         base_T_frame = robot_state.frames().matrix(BASE_FRAME, frame, WAIT_S)
         place = (base_T_frame @ (*point_of(point), 1.0))[:3]
         size, middle = surface_below(self._seen(), place)

@@ -15,7 +15,7 @@ from trajectory_msgs.msg import JointTrajectory, JointTrajectoryPoint
 
 import extperfc.srv
 from extperfc import robot_description as rd
-from extperfc.arm import client, connection, robot_state
+from extperfc.arm import client, connection, hands, robot_state
 from extperfc.arm.errors import ArmError, ClientCode
 from extperfc.msg import ArmCode, MoveArmResult, PickResult, PlanResult, SceneObject
 
@@ -157,6 +157,30 @@ class Motions(unittest.TestCase):
         self.finish(motion, handle)
 
 
+class Names(unittest.TestCase):
+    URDF = """<robot name="r"><link name="chassis"/><link name="mast"/><link name="tip"/><link name="finger"/>
+        <joint name="lift" type="prismatic"><parent link="chassis"/><child link="mast"/><axis xyz="0 0 1"/>
+          <limit lower="0" upper="1" effort="1" velocity="1"/></joint>
+        <joint name="arm_roll" type="continuous"><parent link="mast"/><child link="tip"/><axis xyz="1 0 0"/></joint>
+        <joint name="pinch" type="prismatic"><parent link="tip"/><child link="finger"/><axis xyz="0 1 0"/>
+          <limit lower="0" upper="0.04" effort="1" velocity="1"/></joint></robot>"""
+    GRIPPERS = [{"name": "arm", "group": "arm", "tip": "tip", "finger_joint": "pinch", "action": "hand/move"}]
+
+    def test_the_node_and_the_description_say_what_there_is(self):
+        found = hands.from_parameters(self.GRIPPERS, self.URDF)
+        self.assertEqual(("arm", ("lift", "arm_roll"), "chassis"), (*found.names, found["arm"].joints, found.frame))
+        self.assertEqual("arm", found.group("both"), "of one arm there is no group of both")
+        self.assertEqual(["arm_roll", "lift", "pinch"], [found.full_name(joint, "arm") for joint in ("roll", "lift", "pinch")])
+        self.assertEqual((), hands.from_parameters(self.GRIPPERS, "")["arm"].joints)
+
+    def test_a_joint_that_several_arms_have_needs_its_arm(self):
+        self.assertEqual("both_arms", hands.BAXTER.group("both"))
+        with self.assertRaisesRegex(ValueError, "left_s0 or right_s0"):
+            hands.BAXTER.full_name("s0", "both")
+        with self.assertRaisesRegex(ValueError, "must be left or right or both"):
+            hands.BAXTER.named("middle")
+
+
 class FakeServers:
     """Actions and services by name: `answers` holds what they answer, `asked` what they were asked."""
 
@@ -178,21 +202,40 @@ class FakeServers:
 
 class Arms(unittest.TestCase):
     def setUp(self):
-        self.servers = FakeServers()
+        self.servers, self.hands = FakeServers(), hands.BAXTER
         self.joints = robot_state.JointListener.__new__(robot_state.JointListener)
         self.joints._positions, self.joints._heard, self.joints.topic = {}, threading.Condition(), "/joint_states"
         self.rotation = rd.rotation_of_rpy(0, 1.5707963267948966, 0)
         frames = types.SimpleNamespace(rotation=lambda *_: self.rotation)
         for owner, name, fake in ((connection, "ensure_node", lambda: None), (connection, "Action", self.servers.action),
                                   (connection, "Service", self.servers.service), (robot_state, "joints", lambda _: self.joints),
-                                  (robot_state, "frames", lambda: frames)):
+                                  (robot_state, "frames", lambda: frames), (hands, "of", lambda namespace="": self.hands)):
             patch = mock.patch.object(owner, name, fake)
             patch.start()
             self.addCleanup(patch.stop)
 
     def test_no_arm(self):
-        with self.assertRaises(ValueError):
+        with self.assertRaisesRegex(ArmError, "middle"):
+            client.Arm("middle", wait_s=0.0)
+        self.hands = hands.Hands([hands.BAXTER["left"]], "base")
+        with self.assertRaisesRegex(ValueError, "must be left$"):
             client.Arm("middle")
+
+    def test_a_robot_with_one_arm(self):
+        tool = hands.Hand("claw", "manipulator", "claw_tip", "claw/move", ("lift", "claw_roll"))
+        self.hands = hands.Hands([tool], "chassis")
+        self.servers.answers["move_arm"] = (MoveArmResult(),)
+        client.Arm("both").move_to((0.3, 0.0, 0.5, 0.0, 0.0, 0.0))
+        asked = self.servers.asked[-1][1].request
+        self.assertEqual(("manipulator", "claw_tip", "chassis"),
+                         (asked.group, asked.tool_goals[0].link, asked.tool_goals[0].pose.header.frame_id))
+        client.Arm("claw").move_to({"roll": 0.5, "lift": 0.1})
+        self.assertEqual(["claw_roll", "lift"], self.servers.asked[-1][1].request.joint_goal.name)
+        self.servers.answers["claw/move"] = (GripperCommandResult(stalled=True),)
+        self.assertTrue(client.Arm("both").close())
+        self.servers.answers["pick"] = (PickResult(object="can"),)
+        client.Arm("claw").pick("can", place_at=(0.3, 0.1, 0.2))
+        self.assertEqual(("claw", "chassis"), (self.servers.asked[-1][1].arm, self.servers.asked[-1][1].place_at[0].header.frame_id))
 
     def test_move(self):
         self.servers.answers["move_arm"] = (MoveArmResult(executed=1.0),)

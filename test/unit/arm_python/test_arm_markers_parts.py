@@ -16,11 +16,13 @@ import extperfc.srv
 from extperfc import robot_description as rd
 from extperfc.arm import goals
 from extperfc.arm.errors import ArmError, ClientCode
+from extperfc.arm.hands import BAXTER
 from extperfc.arm_markers import arm_goal, commands, ghost, goal, player
 from extperfc.msg import ArmCode
 
 URDF = pathlib.Path(__file__).resolve().parents[3] / "urdf" / "mobile_baxter.urdf"
 ROBOT = rd.RobotDescription.from_file(URDF)
+TIPS = {side: BAXTER[side].tip for side in BAXTER.names}
 WAIT_S = 30.0
 
 
@@ -132,7 +134,7 @@ class ArmGoals(unittest.TestCase):
     def setUp(self):
         self.published, self.asked, self.code, self.go = [], [], 0, threading.Event()
         self.go.set()
-        self.goal = arm_goal.ArmGoal("left", ROBOT, "base", lambda array: self.published.extend(array.markers),
+        self.goal = arm_goal.ArmGoal("left", BAXTER, ROBOT, "base", lambda array: self.published.extend(array.markers),
                                      lambda: {"left_s0": 0.1, "right_s0": 0.2}, 1000.0, self.answer)
         self.addCleanup(self.goal.end)
 
@@ -196,7 +198,7 @@ class Players(unittest.TestCase):
     def test_line_of_the_tool(self):
         """Turning s0 alone moves the tool on a circle about the shoulder's axis."""
         motion = player.Motion(trajectory(["left_s0"], (0, (0,)), (1, (1,))))
-        lines = player.tool_lines(ROBOT, motion, {}, 11)
+        lines = player.tool_lines(ROBOT, TIPS, motion, {}, 11)
         self.assertEqual(["left"], list(lines))
         axis = ROBOT.link_poses({})["left_upper_shoulder"][:3, 3]
         radii = numpy.linalg.norm((lines["left"] - axis)[:, :2], axis=1)
@@ -210,7 +212,7 @@ class Players(unittest.TestCase):
         def publish(array):
             with lock:
                 published.append(array.markers)
-        shown = player.PathPlayer(ROBOT, publish, lambda: True, dict, pause_s=0.0)
+        shown = player.PathPlayer(ROBOT, TIPS, publish, lambda: True, dict, pause_s=0.0)
         self.addCleanup(shown.end)
         shown.show(trajectory(["left_s0", "right_s0"], (0, (0, 0)), (0.15, (1, 1))))
         wait_until(lambda: len(published) > 4)
@@ -225,7 +227,7 @@ class Players(unittest.TestCase):
 
     def test_ends_when_the_robot_is_there(self):
         published, now = [], {"left_s0": 0.0}
-        shown = player.PathPlayer(ROBOT, lambda array: published.append(array.markers), lambda: True, lambda: dict(now))
+        shown = player.PathPlayer(ROBOT, TIPS, lambda array: published.append(array.markers), lambda: True, lambda: dict(now))
         self.addCleanup(shown.end)
         shown.show(trajectory(["left_s0"], (0, (0,)), (0.1, (1,))))
         wait_until(lambda: len(published) > 2)
@@ -235,7 +237,7 @@ class Players(unittest.TestCase):
 
     def test_nothing_is_sent_while_nobody_looks(self):
         published, asked = [], []
-        shown = player.PathPlayer(ROBOT, published.append, lambda: asked.append(1) and False, dict)
+        shown = player.PathPlayer(ROBOT, TIPS, published.append, lambda: asked.append(1) and False, dict)
         shown.show(trajectory(["left_s0"], (0, (0,)), (1, (1,))))
         wait_until(lambda: len(asked) >= 2)
         shown.end()
@@ -272,7 +274,7 @@ class Menus(unittest.TestCase):
         self.said, self.moved = {"left": [], "right": []}, []
         shown = {side: types.SimpleNamespace(pose=f"pose of {side}", say=lambda text, good=True, side=side:
                                              self.said[side].append((text, good))) for side in self.said}
-        self.arms = {which: FakeArm() for which in goals.GROUPS}
+        self.arms = {which: FakeArm() for which in (*BAXTER.names, "both")}
         self.commands = commands.Commands(self.arms, shown, self.moved.append)
 
     def last(self, side):

@@ -80,6 +80,24 @@ class TheLeader(unittest.TestCase):
         self.assertAlmostEqual(0.0, self.leader.position[1])
         self.assertEqual(0, self.leader.lost)
 
+    def test_who_walked_beside_the_leader_is_not_taken_for_the_leader_later(self):
+        now, x = 0.0, 0.0
+        for _ in range(30):
+            x, now = x + 0.1 * SPEED, now + 0.1
+            leader, other = Person(7, (x, 0.0), (SPEED, 0.0)), Person(8, (x, 1.0), (SPEED, 0.0))
+            if self.leader.known:
+                self.leader.update([leader, other], now)
+            else:
+                self.leader.choose(leader, now)
+        for _ in range(30):
+            x, now = x + 0.1 * SPEED, now + 0.1
+            self.leader.update([Person(8, (x, 0.5), (SPEED, 0.0))], now)
+        self.assertEqual(7, self.leader.track, "walks on where the leader would be, but is known to be another")
+        for _ in range(20):
+            x, now = x + 0.1 * SPEED, now + 0.1
+            self.leader.update([Person(8, (x, 0.5), (SPEED, 0.0)), Person(9, (x, 0.0), (SPEED, 0.0))], now)
+        self.assertEqual(9, self.leader.track, "a new number may be the leader")
+
     def test_who_comes_into_sight_again_with_another_number_is_found(self):
         now = walk(self.leader, [(0, 0), (4, 0)])
         self.leader.update([], now + 2.0)

@@ -26,6 +26,7 @@ import vision_msgs.msg  # noqa: E402
 
 from extperfc import tasks  # noqa: E402
 from extperfc.arm import ArmError  # noqa: E402
+from extperfc.arm.goals import pose_stamped  # noqa: E402
 from extperfc.msg import ArmCode, PickResult  # noqa: E402
 from extperfc.tasks import arm_leaves, around, base_leaves, find, search  # noqa: E402
 from extperfc.tasks.arm_leaves import between_fingers  # noqa: E402
@@ -279,7 +280,7 @@ class MadeUpArm:
         return self._act("pick", what, PickResult(object="cube_1", arm="left"))
 
     def place(self, pose, **_):
-        return self._act("place", pose.pose.position.x, types.SimpleNamespace(message=""))
+        return self._act("place", pose_stamped(pose).pose.position.x, types.SimpleNamespace(message=""))
 
 
 class Recipes(unittest.TestCase):
