@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstddef>
+#include <deque>
 #include <vector>
 
 #include <Eigen/Core>
@@ -23,6 +24,8 @@ struct MovingObjectParams {
   double max_explained{0.5};  ///< fraction of a cluster's returns that the map may explain, [0, 1]
   int min_returns{2};         ///< of a person, >= 1
   double max_range_m{8};      ///< farther returns are too few, > 0
+  double old_map_s{3};  ///< a map that grows shows who walks: of them it explains what it showed so long
+                        ///< ago, >= 0
 };
 
 /// A cluster of returns that may be a person.
@@ -39,18 +42,28 @@ class MovingObjectDetector {
   /// Throws std::invalid_argument for parameters out of their range.
   explicit MovingObjectDetector(const MovingObjectParams& params);
 
-  /// Without a map no return is explained. As MapExplanation::set_map().
-  void set_map(const OccupancyGrid& map);
-  /// Precondition: validate(scan) has a value. O(rays) without clusters, which are few.
-  [[nodiscard]] std::vector<MovingCandidate> detect(const LaserScan& scan, const Pose2& map_T_base) const;
+  /// Without a map no return is explained. As MapExplanation::set_map(). `stamp_s`: when it came; one that is
+  /// before the last map's begins anew.
+  void set_map(const OccupancyGrid& map, double stamp_s = 0);
+  /// `walkers`: who walks, where they should be now in the map's frame. Precondition: validate(scan) has a
+  /// value. O(rays) without clusters, which are few.
+  [[nodiscard]] std::vector<MovingCandidate> detect(const LaserScan& scan, const Pose2& map_T_base,
+                                                    const std::vector<MovingObstacle>& walkers = {}) const;
 
  private:
   struct Cluster;
-  [[nodiscard]] std::vector<Cluster> clusters(const LaserScan& scan, const Pose2& map_T_base) const;
+  struct DatedMap {
+    double stamp_s;
+    MapExplanation map;
+  };
+  [[nodiscard]] std::vector<Cluster> clusters(const LaserScan& scan, const Pose2& map_T_base,
+                                              const std::vector<MovingObstacle>& walkers) const;
+  [[nodiscard]] bool is_explained(const Eigen::Vector2d& point_m,
+                                  const std::vector<MovingObstacle>& walkers) const;
   void join(std::vector<Cluster>& clusters) const;
 
   MovingObjectParams params_;
-  MapExplanation map_;
+  std::deque<DatedMap> maps_;  ///< the last is the newest, the first the newest of those that are old enough
 };
 
 /// The scan without the returns of people, whose positions are in the map's frame: NaN. A margin of 0.15 m

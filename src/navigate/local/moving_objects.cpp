@@ -14,6 +14,7 @@ namespace extperfc::navigate {
 
 namespace {
 
+constexpr double kBetweenMapsS = 0.5;
 constexpr double kPersonMarginM = 0.15;
 
 /// The smallest circle's stand-in: about the middle of the box around the points.
@@ -72,14 +73,29 @@ MovingObjectDetector::MovingObjectDetector(const MovingObjectParams& params) : p
   demand(params.max_explained >= 0 && params.max_explained <= 1, "max_explained must be from 0 to 1");
   demand(params.min_returns >= 1, "min_returns must be 1 or more");
   demand(params.max_range_m > 0, "max_range_m must be above 0");
+  demand(params.old_map_s >= 0, "old_map_s must be 0 or more");
 }
 
-void MovingObjectDetector::set_map(const OccupancyGrid& map) {
-  map_.set_map(map, params_.map_margin_m);
+void MovingObjectDetector::set_map(const OccupancyGrid& map, double stamp_s) {
+  if (!maps_.empty() && stamp_s < maps_.back().stamp_s) maps_.clear();
+  // Few are kept: of maps that come fast, the newest takes the place of the one before.
+  if (maps_.size() > 1 && maps_.back().stamp_s - maps_[maps_.size() - 2].stamp_s < kBetweenMapsS)
+    maps_.pop_back();
+  maps_.emplace_back();
+  maps_.back().stamp_s = stamp_s;
+  maps_.back().map.set_map(map, params_.map_margin_m);
+  while (maps_.size() > 1 && maps_[1].stamp_s <= stamp_s - params_.old_map_s) maps_.pop_front();
 }
 
-std::vector<MovingObjectDetector::Cluster> MovingObjectDetector::clusters(const LaserScan& scan,
-                                                                          const Pose2& map_T_base) const {
+/// A map that is made meanwhile soon shows who walks, too, and would explain them.
+bool MovingObjectDetector::is_explained(const Eigen::Vector2d& point_m,
+                                        const std::vector<MovingObstacle>& walkers) const {
+  return !maps_.empty() && maps_.back().map.explains(point_m, 0) &&
+         (!is_person(point_m, walkers) || maps_.front().map.explains(point_m, 0));
+}
+
+std::vector<MovingObjectDetector::Cluster> MovingObjectDetector::clusters(
+    const LaserScan& scan, const Pose2& map_T_base, const std::vector<MovingObstacle>& walkers) const {
   std::vector<Cluster> result;
   const Pose2 map_T_sensor = compose(map_T_base, scan.base_T_sensor);
   const double between_rays = 2 * std::abs(scan.angle_increment);
@@ -95,7 +111,7 @@ std::vector<MovingObjectDetector::Cluster> MovingObjectDetector::clusters(const 
     Cluster& cluster = result.back();
     cluster.points_m.push_back(point);
     cluster.last_ray = ray;
-    if (map_.explains(point, 0)) ++cluster.explained;
+    if (is_explained(point, walkers)) ++cluster.explained;
     before_m = *range_m;
   }
   // A sweep of a full revolution begins where it ends.
@@ -130,9 +146,9 @@ void MovingObjectDetector::join(std::vector<Cluster>& clusters) const {
     }
 }
 
-std::vector<MovingCandidate> MovingObjectDetector::detect(const LaserScan& scan,
-                                                          const Pose2& map_T_base) const {
-  std::vector<Cluster> found = clusters(scan, map_T_base);
+std::vector<MovingCandidate> MovingObjectDetector::detect(const LaserScan& scan, const Pose2& map_T_base,
+                                                          const std::vector<MovingObstacle>& walkers) const {
+  std::vector<Cluster> found = clusters(scan, map_T_base, walkers);
   const auto is_other = [this](const Cluster& cluster) {
     const auto returns = static_cast<double>(cluster.points_m.size());
     return cluster.explained > params_.max_explained * returns ||

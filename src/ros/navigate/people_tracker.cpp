@@ -41,7 +41,7 @@ PeopleTracker::PeopleTracker(const ros_params::PeopleParams& params)
 void PeopleTracker::set_map(const OccupancyGrid& map) {
   if (!params_.enabled) return;
   const std::lock_guard lock(mutex_);
-  detector_.set_map(map);
+  detector_.set_map(map, stamp_s_);
 }
 
 void PeopleTracker::forget() {
@@ -54,7 +54,13 @@ void PeopleTracker::forget() {
 void PeopleTracker::update(const PlacedScan& placed) {
   if (!params_.enabled || !placed.map_T_odom) return;
   const std::lock_guard lock(mutex_);
-  const auto candidates = detector_.detect(placed.scan, compose(*placed.map_T_odom, placed.odom_T_base));
+  auto walkers = at(placed.scan.stamp_s, true);
+  for (auto& walker : walkers) {
+    const Pose2 place = compose(*placed.map_T_odom, {walker.position_m.x(), walker.position_m.y(), 0});
+    walker.position_m = {place.x, place.y};
+  }
+  const auto candidates =
+      detector_.detect(placed.scan, compose(*placed.map_T_odom, placed.odom_T_base), walkers);
   const Pose2 odom_T_map = inverse(*placed.map_T_odom);
   std::vector<track::Observation> observations;
   observations.reserve(candidates.size());
@@ -96,15 +102,16 @@ void PeopleTracker::note_people(const std::vector<navigate::MovingCandidate>& ca
 }
 
 std::vector<navigate::MovingObstacle> PeopleTracker::people(double now_s) const {
+  const std::lock_guard lock(mutex_);
   return at(now_s, true);
 }
 
 std::vector<navigate::MovingObstacle> PeopleTracker::passers(double now_s) const {
+  const std::lock_guard lock(mutex_);
   return at(now_s, false);
 }
 
 std::vector<navigate::MovingObstacle> PeopleTracker::at(double now_s, bool all) const {
-  const std::lock_guard lock(mutex_);
   std::vector<navigate::MovingObstacle> people;
   const double age_s = now_s - stamp_s_;
   if (std::abs(age_s) > kOldS) return people;

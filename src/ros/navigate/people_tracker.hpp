@@ -50,6 +50,7 @@ class PeopleTracker {
   };
 
   void note_people(const std::vector<navigate::MovingCandidate>& candidates);
+  /// Of people or of passers only. The mutex is held.
   [[nodiscard]] std::vector<navigate::MovingObstacle> at(double now_s, bool all) const;
 
   const ros_params::PeopleParams params_;

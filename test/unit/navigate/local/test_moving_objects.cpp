@@ -89,6 +89,31 @@ TEST(MovingObjects, FindsPeopleWhereTheyAre) {
   EXPECT_EQ(found, 50);
 }
 
+TEST(MovingObjects, WhoWalksIsSeenThoughAMapThatGrowsShowsThem) {
+  Rng rng(9);
+  const Pose2 pose{1.5, 2.5, 0.4};
+  const Eigen::Vector2d person(4.5, 2.8);
+  Room8 room;
+  room.discs.push_back({person, 0.22});
+  Room8 mapped;
+  mapped.building.add(person.x() - 0.2, person.y() - 0.2, person.x() + 0.2, person.y() + 0.2);
+  const std::vector<MovingObstacle> walkers{{person, {0.5, 0}, 0.25}};
+
+  const auto before = Room8().map();
+  const auto after = mapped.map();
+  MovingObjectDetector detector({});
+  detector.set_map(before, 10);
+  detector.set_map(after, 11);
+  EXPECT_TRUE(detector.detect(room.scan(pose, rng), pose).empty()) << "part of the map";
+  ASSERT_EQ(detector.detect(room.scan(pose, rng), pose, walkers).size(), 1U);
+  const std::vector<MovingObstacle> elsewhere{{{2.5, 4.5}, {0.5, 0}, 0.25}};
+  EXPECT_TRUE(detector.detect(room.scan(pose, rng), pose, elsewhere).empty());
+  for (int i = 1; i <= 31; ++i) detector.set_map(after, 11 + 0.1 * i);
+  EXPECT_TRUE(detector.detect(room.scan(pose, rng), pose, walkers).empty()) << "it has stood there for long";
+  detector.set_map(before, 2);
+  EXPECT_EQ(detector.detect(room.scan(pose, rng), pose).size(), 1U) << "another clock, another beginning";
+}
+
 TEST(MovingObjects, TwoLegsAreOnePersonAndTwoPeopleAreTwo) {
   Room8 room;
   room.discs = {{{3.0, 2.9}, 0.07}, {{3.1, 3.2}, 0.07}, {{2.0, 4.6}, 0.07}, {{2.2, 4.5}, 0.07}};
