@@ -50,6 +50,11 @@ class Bench(unittest.TestCase):
         paper = [row for row in rows if row["goal"] is not None]
         self.assertTrue(paper)
 
+    def test_system(self):
+        of = {row["metric"]: row["ours"] for row in self.bench("system", "--seconds", "8", "--cameras", "1", "--slower")}
+        for name in ("3D detections per second", "poses in the map per second", "image to 3D detections, median", "mapper: memory"):
+            self.assertGreater(of[name], 0, name)
+
     def test_scan(self):
         rows = self.bench("scan")
         cases = {row["case"] for row in rows}

@@ -4,75 +4,25 @@ import os
 import pathlib
 import signal
 import sys
-import threading
 import time
 import unittest
 
 import rospy
-from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus
 from extperfc.health.processes import ProcessTable
-from extperfc.srv import GetScene
 from roslaunch.config import ROSLaunchConfig
 from roslaunch.xmlloader import XmlLoader
 
 import simulated_robot
 from nav_robot import NavRobot
 from pose_errors import Pose
+from robot_health import NODES, Listener, named, runs
 
 REPO = pathlib.Path(__file__).resolve().parents[2]
 START_LIMIT_S = 20.0   # what is aimed at; printed beside the measured times, the deadlines below are for any machine
 RETURN_LIMIT_S = 5.0
 DEADLINE_S = 90.0
-KILLED = {  # node: the parts that end with it, and a topic that shows that they work again
-    "/robot_manager": (("simulator",), "odom"),
-    "/robot_state_publisher": (("robot_state_publisher",), "tf_static"),
-    "/camera_manager": (("detector", "box_depth"), "detections_3d"),
-    "/lidar_manager": (("cloud_to_scan",), "scan"),
-    "/cloud_to_scan": (("cloud_to_scan",), "scan"),
-    "/mapping_manager": (("mapper",), "pose"),
-    "/navigator": (("navigator",), "navigation_status"),
-    "/navigation_manager": (("navigator", "cmd_vel_mux"), "navigation_status"),
-    "/arm_manager": (("arm",), None),  # its service arm/get_scene does
-}
 HANGS = "/navigation_manager"
 GOAL = Pose(0.1, 1.1, 0.0)  # free floor beside the start, where the simulator and the mapper began anew
-
-
-class Listener:
-    """What health publishes, and when the topics of KILLED brought a message."""
-
-    def __init__(self):
-        self.summary, self.messages, self.tree, self.arrivals = None, [], [], {}
-        self.lock = threading.Lock()
-        rospy.Subscriber("diagnostics_toplevel_state", DiagnosticStatus, self._on_summary)
-        rospy.Subscriber("diagnostics_agg", DiagnosticArray, self._on_tree)
-        for topic in {topic for _, topic in KILLED.values() if topic}:
-            rospy.Subscriber(topic, rospy.AnyMsg, self._on_message, topic)
-
-    def _on_summary(self, message):
-        with self.lock:
-            self.summary = message
-            self.messages.append(message)
-
-    def _on_tree(self, message):
-        self.tree = message.status
-
-    def _on_message(self, _, topic):
-        self.arrivals[topic] = time.monotonic()
-
-    def since(self, count):
-        with self.lock:
-            return self.messages[count:]
-
-
-def named(message, title, part):
-    """Whether a summary names the part under this title, e.g. missing."""
-    sections = dict(section.split(": ", 1) for section in message.split("; ") if ": " in section)
-    return part in sections.get(title, "").split(", ")
-
-
-def runs(message, part):
-    return not any(named(message, title, part) for title in ("missing", "silent", "starting", "refuses to start"))
 
 
 class Bringup(unittest.TestCase):
@@ -83,7 +33,7 @@ class Bringup(unittest.TestCase):
         cls.addClassCleanup(rospy.signal_shutdown, "the tests are over")
         cls.listener = Listener()
         cls.table = ProcessTable(os.environ["ROS_MASTER_URI"])
-        cls.wait(lambda: cls.listener.summary and cls.listener.summary.level == DiagnosticStatus.OK, "a complete robot")
+        cls.wait(lambda: cls.listener.complete, "a complete robot")
         cls.start_s = time.monotonic() - begin
 
     @classmethod
@@ -103,7 +53,7 @@ class Bringup(unittest.TestCase):
     def test_1_comes_up_complete(self):
         print(f"\ncomplete after {self.start_s:.1f} s (aim: {START_LIMIT_S:.0f} s)", file=sys.stderr)
         parts = {value.key for value in self.listener.summary.values}
-        self.assertEqual({part for parts, _ in KILLED.values() for part in parts}, parts)
+        self.assertEqual({part for parts, _ in NODES.values() for part in parts}, parts)
         self.wait(lambda: any(status.name == "/Navigation/navigator/navigator: navigator" for status in self.listener.tree),
                   "the tree of diagnostics")
         levels = {status.name: status.level for status in self.listener.tree}
@@ -112,7 +62,7 @@ class Bringup(unittest.TestCase):
             self.assertTrue(above == "" or above in levels, f"{name} has no branch")
 
     def test_2_what_is_killed_is_named_and_comes_back(self):
-        for node, (parts, topic) in KILLED.items():
+        for node, (parts, topic) in NODES.items():
             with self.subTest(node):
                 begin = time.monotonic()
                 count = self.disturb(node, signal.SIGKILL)
@@ -121,16 +71,9 @@ class Bringup(unittest.TestCase):
                 noticed = time.monotonic()
                 self.wait(lambda: all(runs(self.listener.summary.message, part) for part in parts), f"{parts} to run again")
                 returned = time.monotonic()
-                self.wait(lambda: self.works(topic, noticed), f"{topic or 'arm/get_scene'} to work")
+                self.wait(lambda: self.listener.works(topic, noticed, DEADLINE_S), f"{topic or 'arm/get_scene'} to work")
                 print(f"{node}: named after {noticed - begin:.1f} s, back after {returned - begin:.1f} s (aim: "
                       f"{RETURN_LIMIT_S:.0f} s), works after {time.monotonic() - begin:.1f} s", file=sys.stderr)
-
-    def works(self, topic, since):
-        """Whether a message came on the topic, or without one the arm's scene can be asked for."""
-        if topic:
-            return self.listener.arrivals.get(topic, 0) > since
-        rospy.wait_for_service("arm/get_scene", DEADLINE_S)
-        return rospy.ServiceProxy("arm/get_scene", GetScene)() is not None
 
     def test_3_health_itself_comes_back(self):
         begin = time.monotonic()
@@ -140,7 +83,7 @@ class Bringup(unittest.TestCase):
         print(f"/health: back after {time.monotonic() - begin:.1f} s (aim: {RETURN_LIMIT_S:.0f} s)", file=sys.stderr)
 
     def test_4_a_manager_that_hangs_is_ended_and_comes_back(self):
-        parts, _ = KILLED[HANGS]
+        parts, _ = NODES[HANGS]
         before = self.table.scan()[HANGS]
         begin = time.monotonic()
         count = self.disturb(HANGS, signal.SIGSTOP)

@@ -158,12 +158,12 @@ class NavRobot:
         self.wait(lambda: self.map is not None and self.now() > 0, "the simulator's map and truth", 120)
         self.wait(lambda: self.status is not None and self.goal_publisher.get_num_connections() > 0, "the navigator", 60)
 
-    def send(self, goal):
+    def send(self, goal, frame="map"):
         """Sends a goal; returns its id."""
         self.number += 1
         message = self.messages.MoveBaseActionGoal()
         message.goal_id.id = f"trial_{self.number}"
-        message.goal.target_pose.header.frame_id = "map"
+        message.goal.target_pose.header.frame_id = frame
         pose = message.goal.target_pose.pose
         pose.position.x, pose.position.y = goal.x, goal.y
         pose.orientation.z, pose.orientation.w = math.sin(goal.yaw / 2), math.cos(goal.yaw / 2)
@@ -174,13 +174,13 @@ class NavRobot:
         import actionlib_msgs.msg
         self.cancel_publisher.publish(actionlib_msgs.msg.GoalID())
 
-    def drive(self, goal, limit_s=300.0, real_s=600.0, meanwhile=None):
+    def drive(self, goal, limit_s=300.0, real_s=600.0, meanwhile=None, frame="map"):
         """Drives to a goal and returns the Drive. `limit_s`: of simulated time; cancelled afterwards. `meanwhile` is called
         with every true pose until it returns True."""
         with self.lock:
             del self.samples[:-1], self.people[:], self.paths[:], self.bumps[:]
         begin, deadline = self.now(), time.monotonic() + real_s
-        name = self.send(goal)
+        name = self.send(goal, frame)
         cancelled = False
         while True:
             with self.lock:

@@ -43,6 +43,7 @@ ASIDE = ("system/training", "system/network_folders", "system/plain_workspace", 
 LONG = {
     "system/bench": "measures; correctness of what it measures is in the unit tests",
     "system/translator_soak": "system/translator_faults has each fault alone",
+    "system/robot_soak": "ten minutes; system/bringup has each fault alone",
     "system/mapping_office": "system/mapping_bag and ros/mapper draw maps",
     "system/mapping_people": "minutes; system/mapping_office has the same checks without people"}
 

@@ -45,10 +45,11 @@ class MovingObjectDetector {
   /// Without a map no return is explained. As MapExplanation::set_map(). `stamp_s`: when it came; one that is
   /// before the last map's begins anew.
   void set_map(const OccupancyGrid& map, double stamp_s = 0);
-  /// `walkers`: who walks, where they should be now in the map's frame. Precondition: validate(scan) has a
-  /// value. O(rays) without clusters, which are few.
-  [[nodiscard]] std::vector<MovingCandidate> detect(const LaserScan& scan, const Pose2& map_T_base,
-                                                    const std::vector<MovingObstacle>& walkers = {}) const;
+  /// `pedestrians`: who walks, where they should be now in the map's frame. Precondition: validate(scan) has
+  /// a value. O(rays) without clusters, which are few.
+  [[nodiscard]] std::vector<MovingCandidate> detect(
+      const LaserScan& scan, const Pose2& map_T_base,
+      const std::vector<MovingObstacle>& pedestrians = {}) const;
 
  private:
   struct Cluster;
@@ -57,9 +58,9 @@ class MovingObjectDetector {
     MapExplanation map;
   };
   [[nodiscard]] std::vector<Cluster> clusters(const LaserScan& scan, const Pose2& map_T_base,
-                                              const std::vector<MovingObstacle>& walkers) const;
+                                              const std::vector<MovingObstacle>& pedestrians) const;
   [[nodiscard]] bool is_explained(const Eigen::Vector2d& point_m,
-                                  const std::vector<MovingObstacle>& walkers) const;
+                                  const std::vector<MovingObstacle>& pedestrians) const;
   void join(std::vector<Cluster>& clusters) const;
 
   MovingObjectParams params_;

@@ -89,13 +89,13 @@ void MovingObjectDetector::set_map(const OccupancyGrid& map, double stamp_s) {
 
 /// A map that is made meanwhile soon shows who walks, too, and would explain them.
 bool MovingObjectDetector::is_explained(const Eigen::Vector2d& point_m,
-                                        const std::vector<MovingObstacle>& walkers) const {
+                                        const std::vector<MovingObstacle>& pedestrians) const {
   return !maps_.empty() && maps_.back().map.explains(point_m, 0) &&
-         (!is_person(point_m, walkers) || maps_.front().map.explains(point_m, 0));
+         (!is_person(point_m, pedestrians) || maps_.front().map.explains(point_m, 0));
 }
 
 std::vector<MovingObjectDetector::Cluster> MovingObjectDetector::clusters(
-    const LaserScan& scan, const Pose2& map_T_base, const std::vector<MovingObstacle>& walkers) const {
+    const LaserScan& scan, const Pose2& map_T_base, const std::vector<MovingObstacle>& pedestrians) const {
   std::vector<Cluster> result;
   const Pose2 map_T_sensor = compose(map_T_base, scan.base_T_sensor);
   const double between_rays = 2 * std::abs(scan.angle_increment);
@@ -111,7 +111,7 @@ std::vector<MovingObjectDetector::Cluster> MovingObjectDetector::clusters(
     Cluster& cluster = result.back();
     cluster.points_m.push_back(point);
     cluster.last_ray = ray;
-    if (is_explained(point, walkers)) ++cluster.explained;
+    if (is_explained(point, pedestrians)) ++cluster.explained;
     before_m = *range_m;
   }
   // A sweep of a full revolution begins where it ends.
@@ -146,9 +146,9 @@ void MovingObjectDetector::join(std::vector<Cluster>& clusters) const {
     }
 }
 
-std::vector<MovingCandidate> MovingObjectDetector::detect(const LaserScan& scan, const Pose2& map_T_base,
-                                                          const std::vector<MovingObstacle>& walkers) const {
-  std::vector<Cluster> found = clusters(scan, map_T_base, walkers);
+std::vector<MovingCandidate> MovingObjectDetector::detect(
+    const LaserScan& scan, const Pose2& map_T_base, const std::vector<MovingObstacle>& pedestrians) const {
+  std::vector<Cluster> found = clusters(scan, map_T_base, pedestrians);
   const auto is_other = [this](const Cluster& cluster) {
     const auto returns = static_cast<double>(cluster.points_m.size());
     return cluster.explained > params_.max_explained * returns ||

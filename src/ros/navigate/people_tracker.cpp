@@ -54,13 +54,14 @@ void PeopleTracker::forget() {
 void PeopleTracker::update(const PlacedScan& placed) {
   if (!params_.enabled || !placed.map_T_odom) return;
   const std::lock_guard lock(mutex_);
-  auto walkers = at(placed.scan.stamp_s, true);
-  for (auto& walker : walkers) {
-    const Pose2 place = compose(*placed.map_T_odom, {walker.position_m.x(), walker.position_m.y(), 0});
-    walker.position_m = {place.x, place.y};
+  auto pedestrians = at(placed.scan.stamp_s, true);
+  for (auto& pedestrian : pedestrians) {
+    const Pose2 place =
+        compose(*placed.map_T_odom, {pedestrian.position_m.x(), pedestrian.position_m.y(), 0});
+    pedestrian.position_m = {place.x, place.y};
   }
   const auto candidates =
-      detector_.detect(placed.scan, compose(*placed.map_T_odom, placed.odom_T_base), walkers);
+      detector_.detect(placed.scan, compose(*placed.map_T_odom, placed.odom_T_base), pedestrians);
   const Pose2 odom_T_map = inverse(*placed.map_T_odom);
   std::vector<track::Observation> observations;
   observations.reserve(candidates.size());

@@ -97,7 +97,7 @@ TEST(MovingObjects, WhoWalksIsSeenThoughAMapThatGrowsShowsThem) {
   room.discs.push_back({person, 0.22});
   Room8 mapped;
   mapped.building.add(person.x() - 0.2, person.y() - 0.2, person.x() + 0.2, person.y() + 0.2);
-  const std::vector<MovingObstacle> walkers{{person, {0.5, 0}, 0.25}};
+  const std::vector<MovingObstacle> pedestrians{{person, {0.5, 0}, 0.25}};
 
   const auto before = Room8().map();
   const auto after = mapped.map();
@@ -105,11 +105,12 @@ TEST(MovingObjects, WhoWalksIsSeenThoughAMapThatGrowsShowsThem) {
   detector.set_map(before, 10);
   detector.set_map(after, 11);
   EXPECT_TRUE(detector.detect(room.scan(pose, rng), pose).empty()) << "part of the map";
-  ASSERT_EQ(detector.detect(room.scan(pose, rng), pose, walkers).size(), 1U);
+  ASSERT_EQ(detector.detect(room.scan(pose, rng), pose, pedestrians).size(), 1U);
   const std::vector<MovingObstacle> elsewhere{{{2.5, 4.5}, {0.5, 0}, 0.25}};
   EXPECT_TRUE(detector.detect(room.scan(pose, rng), pose, elsewhere).empty());
   for (int i = 1; i <= 31; ++i) detector.set_map(after, 11 + 0.1 * i);
-  EXPECT_TRUE(detector.detect(room.scan(pose, rng), pose, walkers).empty()) << "it has stood there for long";
+  EXPECT_TRUE(detector.detect(room.scan(pose, rng), pose, pedestrians).empty())
+      << "it has stood there for long";
   detector.set_map(before, 2);
   EXPECT_EQ(detector.detect(room.scan(pose, rng), pose).size(), 1U) << "another clock, another beginning";
 }
