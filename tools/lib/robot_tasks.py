@@ -8,13 +8,12 @@ import time
 
 import numpy
 import rospy
-from nav_msgs.msg import Odometry
 
 import extperfc.arm
 from driven_contacts import TrueMap
+from extperfc.arm import robot_state
 from pose_errors import Pose
 from ros_session import Stalled
-from sim_robot import planar
 
 from extperfc.srv import DetectOnce
 
@@ -46,6 +45,12 @@ def inverted(a):
     return Pose(-cos * a.x - sin * a.y, sin * a.x - cos * a.y, -a.yaw)
 
 
+def base_in_odom():
+    """A Pose. ArmError: odom and the base have no transform."""
+    odom_T_base = robot_state.frames().matrix("odom", "base_footprint", LOOK_S)
+    return Pose(odom_T_base[0, 3], odom_T_base[1, 3], math.atan2(odom_T_base[1, 0], odom_T_base[0, 0]))
+
+
 def free_place(rng, true_map, here, tries=400):
     """A Pose that a straight line without obstacles leads to, of those from NEAR_M to FAR_M away; None: no line is free."""
     for _ in range(tries):
@@ -63,11 +68,10 @@ class Tasks(threading.Thread):
     def __init__(self, robot, seed):
         super().__init__(daemon=True)
         self.robot, self.rng, self.outcomes, self.present, self.problem = robot, random.Random(f"tasks {seed}"), [], "", ""
-        self._stop_asked, self.odom = threading.Event(), None
+        self._stop_asked = threading.Event()
         info = robot.map.info
         cells = numpy.array(robot.map.data, numpy.int8).reshape(info.height, info.width)
         self.true_map = TrueMap(cells, info.resolution, info.origin.position.x, info.origin.position.y)
-        rospy.Subscriber("odom", Odometry, lambda message: setattr(self, "odom", planar(message.pose.pose)), queue_size=1)
 
     def stop(self):
         self._stop_asked.set()
@@ -94,9 +98,9 @@ class Tasks(threading.Thread):
         """"", or why it failed; None: there is nowhere to go."""
         here = self.robot.pose()
         place = free_place(self.rng, self.true_map, here)
-        if place is None or self.odom is None:
+        if place is None:
             return None
-        odom_T_world = composed(self.odom, inverted(here))
+        odom_T_world = composed(base_in_odom(), inverted(here))
         drive = self.robot.drive(composed(odom_T_world, place), DRIVE_S, 2 * DRIVE_S, frame="odom")
         if drive.state != REACHED:
             return f"{drive.text or 'no reason'} (state {drive.state})"
@@ -104,10 +108,11 @@ class Tasks(threading.Thread):
         return "" if off_m < ARRIVED_M else f"reported as reached, but {off_m:.2f} m off"
 
     def _arms(self):
-        here = self.robot.pose()
+        """Both arms to the front and back; where there is no room, a plan for it."""
+        here, arms = self.robot.pose(), extperfc.arm.Arm("both")
         if self.true_map.clearance_at(here.x, here.y) < ARMS_CLEAR_M:
-            return None
-        arms = extperfc.arm.Arm("both")
+            arms.plan("neutral", timeout=ARMS_S)
+            return ""
         try:
             arms.move_to("neutral", timeout=ARMS_S)
         finally:

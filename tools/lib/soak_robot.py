@@ -23,6 +23,7 @@ from ros_session import Stalled, run_trial
 WS = pathlib.Path(os.environ.get("EXTPERFC_WS", pathlib.Path(__file__).resolve().parents[2] / ".ws"))
 READY_S = 120.0
 AFTERWARDS_S = 20.0      # a task that began so soon after a fault may fail because of it: a map or a costmap is young
+YOUNG_MAP_S = 10.0       # until the map shows what is around the robot
 SAMPLE_S = 5.0           # of memory
 YOUNG_S = 60.0           # of a process: what it loads does not count as growth
 GROWS_MB_MIN = 6.0       # of a process that lived for OLD_S; a map grows with what is seen
@@ -81,6 +82,7 @@ class Soak:
         import rospy
         import std_msgs.msg
         from nav_robot import NavRobot
+        from extperfc.arm import robot_state
         from robot_faults import Faults
         from robot_health import Listener
         from robot_tasks import Tasks
@@ -90,6 +92,7 @@ class Soak:
         rospy.set_param("/use_sim_time", True)  # the launch may not have come to it yet, and a node asks once
         rospy.init_node("soak_robot", disable_signals=True)
         rospy.Subscriber("sim/truth/blocked", std_msgs.msg.Bool, self._on_blocked)
+        robot_state.frames()  # before Listener: the first subscription decides in which type a topic's messages come, tf_static's too
         self.listener = Listener()
         self.robot = NavRobot(session.alive)
         self.robot.wait(lambda: self.listener.complete, "a complete robot", READY_S)
@@ -105,6 +108,7 @@ class Soak:
     def run(self):
         self.begin_s = time.monotonic()
         end_s = self.begin_s + 60 * self.options.minutes
+        self._wait(min(end_s, self.begin_s + YOUNG_MAP_S))
         self.tasks.start()
         self._wait(min(end_s, self.begin_s + self.options.every))
         while time.monotonic() < end_s:
