@@ -13,7 +13,6 @@ import extperfc.arm
 from driven_contacts import TrueMap
 from extperfc.arm import robot_state
 from pose_errors import Pose
-from ros_session import Stalled
 
 from extperfc.srv import DetectOnce
 
@@ -81,8 +80,8 @@ class Tasks(threading.Thread):
             while not self._stop_asked.is_set():
                 kind = self.rng.choice(("drive", "drive", "arms", "look"))
                 self._do(kind, getattr(self, f"_{kind}"))
-        except Stalled as error:
-            self.problem = str(error)
+        except Exception as error:  # pylint: disable=broad-except
+            self.problem = f"{type(error).__name__}: {error}"  # ends the whole run
 
     def _do(self, kind, task):
         self.present, begin_s = kind, time.monotonic()

@@ -92,9 +92,10 @@ class Soak:
         rospy.set_param("/use_sim_time", True)  # the launch may not have come to it yet, and a node asks once
         rospy.init_node("soak_robot", disable_signals=True)
         rospy.Subscriber("sim/truth/blocked", std_msgs.msg.Bool, self._on_blocked)
-        robot_state.frames()  # before Listener: the first subscription decides in which type a topic's messages come, tf_static's too
-        self.listener = Listener()
+        # Before Listener, which takes any message: a topic's first subscription decides in which type its messages come.
+        robot_state.frames()
         self.robot = NavRobot(session.alive)
+        self.listener = Listener()
         self.robot.wait(lambda: self.listener.complete, "a complete robot", READY_S)
         self.robot.ready()
         self.tasks = Tasks(self.robot, options.seed)
