@@ -21,6 +21,7 @@ ARMS_CLEAR_M = 1.3           # of the base, for motions of the arms
 NEAR_M, FAR_M = 0.8, 3.0     # of a drive
 DRIVE_S, ARMS_S, LOOK_S = 60.0, 90.0, 30.0  # of real time; simulated and real time pass alike
 ARRIVED_M = 0.4              # odometry drifts meanwhile
+UNSEEN = ("goal_unknown", "goal_outside")  # refused rightly: the young map does not show what the true one does
 REACHED = 3                  # actionlib_msgs/GoalStatus.SUCCEEDED
 
 
@@ -101,6 +102,8 @@ class Tasks(threading.Thread):
             return None
         odom_T_world = composed(base_in_odom(), inverted(here))
         drive = self.robot.drive(composed(odom_T_world, place), DRIVE_S, 2 * DRIVE_S, frame="odom")
+        if drive.text.startswith(UNSEEN):
+            return None
         if drive.state != REACHED:
             return f"{drive.text or 'no reason'} (state {drive.state})"
         off_m = math.hypot(self.robot.pose().x - place.x, self.robot.pose().y - place.y)

@@ -31,8 +31,8 @@ BESIDE = (
     "ros/localizer", "system/translator_connections", "ros/mapper", "system/localization_bag", "ros/detector",
     "system/localization_restart", "ros/rosbag", "ros/zero_copy", "ros/sources", "ros/box_depth", "system/translator_rospy",
     "system/record_tool", "ros/cloud_to_scan", "ros/translator_node", "system/translator_oracle", "system/label_tool",
-    "system/cameras_launch", "system/bringup_robot", "ros/explorer", "system/detection_launch", "system/align_depth", "ros/map_server",
-    "ros/start_up", "ros/tracker", "ros/params", "ros/translator_params")
+    "system/cameras_launch", "system/bringup_robot", "system/two_robots", "ros/explorer", "system/detection_launch",
+    "system/align_depth", "ros/map_server", "ros/start_up", "ros/tracker", "ros/params", "ros/translator_params")
 
 # CPU-bound tests: they run in the background at the lowest priority, so each gets twice the usual time.
 ASIDE = ("system/training", "system/network_folders", "system/plain_workspace", "system/map_tool", "system/training_kills",

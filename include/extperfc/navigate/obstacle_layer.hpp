@@ -55,7 +55,8 @@ class ObstacleLayer : public CostLayer {
                                      const SensorParams& sensor);
   /// Errors: a stamp or position of the sensor that is not finite.
   [[nodiscard]] Result<void> observe(const PointObservation& cloud, const SensorParams& sensor);
-  /// The robot stands here: no obstacle in cells whose middle is under the footprint.
+  /// The robot stands here: no obstacle in cells whose middle is under the footprint, and with frees_unknown
+  /// no unknown cell, though no ray reaches them.
   void clear_footprint(const Footprint& footprint, const Pose2& grid_T_base);
   /// Forgets marks farther than `radius_m` from a point.
   void clear_beyond(const Eigen::Vector2d& middle_m, double radius_m);

@@ -212,10 +212,18 @@ void ObstacleLayer::clear_footprint(const Footprint& footprint, const Pose2& gri
     if (!bounds.is_finite()) return;
     visit_rows(shape_, part_m, to_cells, bounds, [&](int row, int begin, int end) {
       for (int column = begin; column < end; ++column) {
-        const std::int32_t slot = slots_[shape_.index({column, row})];
+        const std::size_t index = shape_.index({column, row});
+        const bool never_seen = slots_[index] == kNeverSeen && params_.frees_unknown;
+        if (slots_[index] < 0 && !never_seen) continue;
         const Vector2d m = shape_.middle_of({column, row});
         const Vector2d in_base(c * m.x() - s * m.y() + base_T_grid.x, s * m.x() + c * m.y() + base_T_grid.y);
-        if (slot >= 0 && contains(footprint.corners_m(), in_base)) erase(static_cast<std::size_t>(slot));
+        if (!contains(footprint.corners_m(), in_base)) continue;
+        if (!never_seen) {
+          erase(static_cast<std::size_t>(slots_[index]));
+        } else {
+          slots_[index] = kSeenFree;
+          note_change(index);
+        }
       }
       return true;
     });

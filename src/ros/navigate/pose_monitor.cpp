@@ -38,6 +38,13 @@ std::optional<std::string> lost_by(const diagnostic_msgs::DiagnosticStatus& stat
   return std::nullopt;
 }
 
+/// "first/" for what is in the namespace /first, "" in the root. Diagnostics of several robots come on one
+/// topic.
+std::string own_names(const ros::NodeHandle& handle) {
+  const std::string name = handle.resolveName("x");  // /first/x
+  return name.substr(1, name.size() - 2);
+}
+
 }  // namespace
 
 PoseMonitor::PoseMonitor(ros::NodeHandle handle, const ros_params::NavigatorNodeParams& params,
@@ -47,6 +54,7 @@ PoseMonitor::PoseMonitor(ros::NodeHandle handle, const ros_params::NavigatorNode
       base_frame_(params.base_frame),
       tf_(tf),
       topic_(handle.resolveName("odom")),
+      own_names_(own_names(handle)),
       limits_(params.limits) {
   health_.listening(true);
   odometry_subscriber_ = handle.subscribe("odom", 5, &PoseMonitor::on_odometry, this);
@@ -86,7 +94,8 @@ void PoseMonitor::on_pose(const geometry_msgs::PoseWithCovarianceStamped& messag
 
 void PoseMonitor::on_diagnostics(const diagnostic_msgs::DiagnosticArray& message) {
   for (const auto& status : message.status) {
-    if (status.name.find("localizer") == std::string::npos) continue;
+    const bool other_robot = status.name.compare(0, own_names_.size(), own_names_) != 0;
+    if (other_robot || status.name.find("localizer") == std::string::npos) continue;
     const std::lock_guard lock(mutex_);
     lost_ = lost_by(status);
   }

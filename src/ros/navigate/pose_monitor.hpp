@@ -59,6 +59,7 @@ class PoseMonitor {
   const std::string base_frame_;
   tf2_ros::Buffer& tf_;
   std::string topic_;
+  const std::string own_names_;  ///< what names in diagnostics of this robot begin with
   ros_health::InputHealth health_{"odometry"};
 
   mutable std::mutex mutex_;

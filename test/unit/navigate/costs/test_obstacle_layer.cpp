@@ -274,6 +274,19 @@ TEST_F(Obstacles, FootprintIsCleared) {
   EXPECT_LE(box.min.column, 80);
 }
 
+TEST_F(Obstacles, WhereTheRobotStandsIsFreeThoughNoRayReachesIt) {
+  use({0, 1, 10, 0.1, true});
+  (void)layer->take_changes(grid, 0);
+  layer->clear_footprint(Footprint::circle(0.5), {1, 0, 0});
+  EXPECT_EQ(cost_at(1.3, 0.01, kUnknownCost), kFreeCost);
+  EXPECT_EQ(cost_at(1.7, 0.01, kUnknownCost), kUnknownCost);
+  EXPECT_EQ(cost_at(1.3, 0.01, kLethalCost), kLethalCost) << "of the map";
+  EXPECT_LE(layer->take_changes(grid, 1).min.column, 111);
+  use({0, 1, 10, 0.1, false});
+  layer->clear_footprint(Footprint::circle(0.5), {1, 0, 0});
+  EXPECT_EQ(cost_at(1.3, 0.01, kUnknownCost), kUnknownCost);
+}
+
 TEST_F(Obstacles, DirectionsLoseNoCellThatARayPasses) {
   // Against a layer that traces every ray, since it frees unknown cells.
   Rng rng(7);
