@@ -45,7 +45,8 @@ class Arm:
     A goal is
     - the name of a state: "neutral", "tuck", "untuck";
     - joint values [rad], {"s0": 0.1, "e1": 0.75}: what is not named stays;
-    - a pose of the tool (left_gripper, right_gripper) in `frame` (none: hands.frame, a Baxter's base): (x, y, z) with its present orientation,
+    - a pose of the tool (left_gripper, right_gripper) in `frame` (none: hands.frame, a Baxter's base):
+      (x, y, z) with its present orientation,
       (x, y, z, roll, pitch, yaw), (x, y, z, qx, qy, qz, qw), a 4x4 array, a Pose, or a PoseStamped with its own frame;
     - with linear=True also a list of poses, straight from one to the next;
     - for both arms {"left": goal, "right": goal} with two poses or two of joint values, or one name of a state.

@@ -75,8 +75,15 @@ def of(namespace=""):
         grippers = rospy.get_param(join(namespace, "arm/grippers"), None)
         if not grippers:
             return BAXTER
-        _known[namespace] = from_parameters(grippers, rospy.get_param(join(namespace, "robot_description"), ""))
+        _known[namespace] = from_parameters(grippers, _description(namespace))
     return _known[namespace]
+
+
+def _description(namespace):
+    """The URDF's text in this namespace or one above it, where the arm node looks, too; "": it is nowhere."""
+    levels = rospy.resolve_name(join(namespace, "robot_description")).split("/")[1:-1]
+    names = ["/".join(["", *levels[:count], "robot_description"]) for count in range(len(levels), -1, -1)]
+    return next((rospy.get_param(name) for name in names if rospy.has_param(name)), "")
 
 
 def wait_for(which, namespace="", wait_s=WAIT_S):

@@ -25,7 +25,8 @@ def wrapped(text, letters=LINE_LETTERS):
 
 
 class ArmGoal:
-    """arms: extperfc.arm.hands.Hands; publish(MarkerArray); joints(): {joint: value} of the robot now; solve: the service arm/solve_ik. Of any thread."""
+    """arms: extperfc.arm.hands.Hands; publish(MarkerArray); joints(): {joint: value} of the robot now; solve: the service
+    arm/solve_ik. Of any thread."""
 
     def __init__(self, side, arms, robot, frame, publish, joints, rate_hz, solve=None):
         self.side, self._robot, self._frame, self._publish, self._robot_joints = side, robot, frame, publish, joints

@@ -173,6 +173,14 @@ class Names(unittest.TestCase):
         self.assertEqual(["arm_roll", "lift", "pinch"], [found.full_name(joint, "arm") for joint in ("roll", "lift", "pinch")])
         self.assertEqual((), hands.from_parameters(self.GRIPPERS, "")["arm"].joints)
 
+    def test_the_description_may_stand_in_a_namespace_above(self):
+        for there in ("/lab/first/robot_description", "/lab/robot_description", "/robot_description"):
+            parameters = {there: self.URDF, "/lab/first/arm/grippers": self.GRIPPERS}
+            with mock.patch.multiple(rospy, has_param=parameters.__contains__, resolve_name=lambda name: f"/lab/{name}",
+                                     get_param=lambda name, default=None, known=parameters: known.get(f"/lab/{name}", known.get(name, default))), \
+                    mock.patch.dict(hands._known, clear=True):
+                self.assertEqual(("lift", "arm_roll"), hands.of("first")["arm"].joints, there)
+
     def test_a_joint_that_several_arms_have_needs_its_arm(self):
         self.assertEqual("both_arms", hands.BAXTER.group("both"))
         with self.assertRaisesRegex(ValueError, "left_s0 or right_s0"):
