@@ -142,7 +142,8 @@ Result<void> ParallelHand::validate() const {
   };
   if (!(opening_min_m >= 0 && opening_max_m > opening_min_m && opening_max_m <= 0.5))
     return bad("openings must be 0 <= min < max <= 0.5 m");
-  if (parts.empty()) return bad("no shape of a finger lies on one side of the middle, y > 0, when it is closed");
+  if (parts.empty())
+    return bad("no shape of a finger lies on one side of the middle, y > 0, when it is closed");
   for (const FingerPart& part : parts)
     if (!(part.x_half_m > 0 && part.z_high_m > part.z_low_m && part.inset_m >= 0 && part.thickness_m > 0) ||
         !std::isfinite(part.x_half_m + part.z_high_m - part.z_low_m + part.inset_m + part.thickness_m))
