@@ -59,11 +59,9 @@ Result<std::unique_ptr<Grasper>> Grasper::make(const ros::NodeHandle& handle, Pl
   for (const auto& names : shared.params.grippers) {
     auto arm = arm::Manipulator::make(shared.arms, names.name, names.group, names.tip, names.finger_joint);
     if (!arm) return fail(arm.error().code, "gripper " + names.name + ": " + arm.error().message);
-    hands.push_back(
-        {std::move(*arm),
-         std::make_unique<Gripper>(handle, names.action,
-                                   Gripper::Params{grasp.effort_percent, grasp.gripper_timeout_s}),
-         {}});
+    const Gripper::Params params{grasp.effort_percent, grasp.gripper_timeout_s};
+    auto gripper = std::make_unique<Gripper>(handle, names.action, params);
+    hands.push_back({std::move(*arm), std::move(gripper), {}});
   }
   return std::unique_ptr<Grasper>(new Grasper(execution, std::move(hands)));
 }
