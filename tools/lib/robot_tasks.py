@@ -12,7 +12,7 @@ import rospy
 import extperfc.arm
 from driven_contacts import TrueMap
 from extperfc.arm import robot_state
-from pose_errors import Pose
+from pose_errors import Pose, compose, error, inverse
 
 from extperfc.srv import DetectOnce
 
@@ -33,16 +33,6 @@ class Outcome:
     end_s: float
     done: bool
     why: str
-
-
-def composed(a, b):
-    cos, sin = math.cos(a.yaw), math.sin(a.yaw)
-    return Pose(a.x + cos * b.x - sin * b.y, a.y + sin * b.x + cos * b.y, math.remainder(a.yaw + b.yaw, 2 * math.pi))
-
-
-def inverted(a):
-    cos, sin = math.cos(a.yaw), math.sin(a.yaw)
-    return Pose(-cos * a.x - sin * a.y, sin * a.x - cos * a.y, -a.yaw)
 
 
 def base_in_odom():
@@ -81,15 +71,15 @@ class Tasks(threading.Thread):
             while not self._stop_asked.is_set():
                 kind = self.rng.choice(("drive", "drive", "arms", "look"))
                 self._do(kind, getattr(self, f"_{kind}"))
-        except Exception as error:  # pylint: disable=broad-except
-            self.problem = f"{type(error).__name__}: {error}"  # ends the whole run
+        except Exception as fault:  # pylint: disable=broad-except
+            self.problem = f"{type(fault).__name__}: {fault}"  # ends the whole run
 
     def _do(self, kind, task):
         self.present, begin_s = kind, time.monotonic()
         try:
             why = task()
-        except (extperfc.arm.ArmError, rospy.ROSException, rospy.ServiceException) as error:
-            why = str(error) or type(error).__name__
+        except (extperfc.arm.ArmError, rospy.ROSException, rospy.ServiceException) as fault:
+            why = str(fault) or type(fault).__name__
         if why is not None:
             self.outcomes.append(Outcome(kind, begin_s, time.monotonic(), not why, why))
         self._stop_asked.wait(0.5)
@@ -100,13 +90,13 @@ class Tasks(threading.Thread):
         place = free_place(self.rng, self.true_map, here)
         if place is None:
             return None
-        odom_T_world = composed(base_in_odom(), inverted(here))
-        drive = self.robot.drive(composed(odom_T_world, place), DRIVE_S, 2 * DRIVE_S, frame="odom")
+        odom_T_world = compose(base_in_odom(), inverse(here))
+        drive = self.robot.drive(compose(odom_T_world, place), DRIVE_S, 2 * DRIVE_S, frame="odom")
         if drive.text.startswith(UNSEEN):
             return None
         if drive.state != REACHED:
             return f"{drive.text or 'no reason'} (state {drive.state})"
-        off_m = math.hypot(self.robot.pose().x - place.x, self.robot.pose().y - place.y)
+        off_m, _ = error(self.robot.pose(), place)
         return "" if off_m < ARRIVED_M else f"reported as reached, but {off_m:.2f} m off"
 
     def _arms(self):

@@ -87,16 +87,15 @@ def _description(namespace):
 
 
 def wait_for(which, namespace="", wait_s=WAIT_S):
-    """Those in which an arm is called so; an arm that no Baxter has waits for the node's parameters. ValueError, ArmError."""
+    """Until it is known that the robot has an arm of this name: one that no Baxter has waits for the node's parameters.
+    ValueError, ArmError."""
     deadline = time.monotonic() + wait_s
     while of(namespace) is BAXTER and which not in (*BAXTER.names, ALL):
         if time.monotonic() > deadline:
             raise ArmError(ClientCode.NOT_RUNNING, f"no parameter {rospy.resolve_name(join(namespace, 'arm/grippers'))} that"
                                                    f" has an arm {which!r}: {START}")
         time.sleep(POLL_S)
-    found = of(namespace)
-    found.named(which)
-    return found
+    of(namespace).named(which)
 
 
 def from_parameters(grippers, urdf):

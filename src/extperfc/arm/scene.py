@@ -21,9 +21,8 @@ class Scene:
 
     Poses are given as to pose_stamped: (x, y, z), (x, y, z, roll, pitch, yaw), Pose, PoseStamped, ... of the object's
     middle (box, cylinder, sphere, cone) or origin (mesh), in `frame` (none: that of the robot's arms, a Baxter's base) unless
-    they bring their own. Cylinders and cones
-    stand along z, a cone's tip upwards. An object of a known name is replaced. Raises ArmError; ValueError for
-    numbers that make no sense.
+    they bring their own. Cylinders and cones stand along z, a cone's tip upwards. An object of a known name is replaced.
+    Raises ArmError; ValueError for numbers that make no sense.
     """
 
     def __init__(self, namespace="", wait_s=connection.WAIT_S):

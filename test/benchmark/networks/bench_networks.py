@@ -13,7 +13,6 @@ measured any more; Intel's NPU is its heir.
 import argparse
 import json
 import math
-import os
 import pathlib
 import statistics
 import sys
@@ -21,8 +20,9 @@ import tempfile
 import time
 
 ROOT = pathlib.Path(__file__).resolve().parents[3]
-sys.path.insert(0, str(ROOT / "src"))
+sys.path[:0] = [str(ROOT / "src"), str(ROOT / "tools" / "lib")]
 
+from bench_machine import machine  # noqa: E402
 from extperfc.training.networks import NETWORKS  # noqa: E402
 from extperfc.training.networks.model_folder import input_tensor, read_description  # noqa: E402
 from extperfc.training.networks.network_error import NetworkError, RuntimeMissing  # noqa: E402
@@ -55,13 +55,6 @@ def parse(arguments):
         parser.error("--samples must be at least 2, --threads at least 0")
     options.samples = QUICK_SAMPLES if options.quick else options.samples
     return options
-
-
-def machine():
-    """Processor and number of hardware threads."""
-    lines = pathlib.Path("/proc/cpuinfo").read_text().splitlines()
-    models = [line.split(": ", 1)[1] for line in lines if line.startswith("model name")]
-    return f"{models[0] if models else 'unknown processor'}, {os.cpu_count()} threads"
 
 
 def make_folders(names, scratch, with_int8, note):

@@ -4,7 +4,6 @@ import argparse
 import json
 import os
 import pathlib
-import platform
 import statistics
 import sys
 import tempfile
@@ -12,6 +11,7 @@ import tempfile
 REPO = pathlib.Path(__file__).resolve().parents[3]
 sys.path[:0] = [str(REPO / "src"), str(REPO / "tools" / "lib")]
 
+from bench_machine import machine  # noqa: E402
 from part_meter import PartMeter  # noqa: E402
 from ros_session import RosSession, Stalled  # noqa: E402
 from streams import CHAINS, Streams  # noqa: E402
@@ -124,11 +124,6 @@ def print_table(rows):
     widths = [max(len(line[column]) for line in lines) for column in range(len(lines[0]))]
     for line in lines:
         print("  ".join([line[0].ljust(widths[0]), *(cell.rjust(width) for cell, width in zip(line[1:], widths[1:]))]))
-
-
-def machine():
-    model = next((line.split(":", 1)[1].strip() for line in open("/proc/cpuinfo") if line.startswith("model name")), platform.processor())
-    return f"{model}, {os.cpu_count()} cores"
 
 
 def in_child(options, cameras, speed):

@@ -23,7 +23,7 @@ import robot_tasks  # noqa: E402
 import soak_robot  # noqa: E402
 import streams  # noqa: E402
 from driven_contacts import TrueMap  # noqa: E402
-from pose_errors import Pose  # noqa: E402
+from pose_errors import Pose, compose, inverse  # noqa: E402
 from robot_faults import Fault  # noqa: E402
 from robot_tasks import Outcome  # noqa: E402
 
@@ -95,8 +95,7 @@ class Places(unittest.TestCase):
 
     def test_poses(self):
         a, b = Pose(1.0, 2.0, 0.5), Pose(-0.3, 0.7, 2.9)
-        there = robot_tasks.composed(a, b)
-        back = robot_tasks.composed(robot_tasks.inverted(a), there)
+        back = compose(inverse(a), compose(a, b))
         for name in ("x", "y", "yaw"):
             self.assertAlmostEqual(getattr(b, name), getattr(back, name))
 
