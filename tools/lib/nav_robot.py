@@ -18,8 +18,9 @@ DONE = (2, 3, 4, 5, 8)  # preempted, succeeded, aborted, rejected, recalled
 class Drive:
     """What happened on the path to one goal."""
 
-    def __init__(self, goal, state, text, samples, people, planned_m, bumps=()):
+    def __init__(self, goal, state, text, samples, people, planned_m, bumps=(), said=()):
         self.goal, self.state, self.text, self.planned_m = goal, state, text, planned_m
+        self.said = said        # (stamp, what the navigator said)
         self.bumps = bumps      # stamps at which the base began to stand against something
         self.samples = samples  # (stamp, Pose) of the truth
         self.people = people    # (stamp, [(x, y), ...])
@@ -47,6 +48,17 @@ class Drive:
         meets something stands before it is inside: the map alone would not show it."""
         touched = count_episodes([true_map.touches(pose) for _, pose in self.samples])
         return max(touched, sum(not self._at_person(stamp, BUMP_M) for stamp in self.bumps))
+
+    def contact_places(self, true_map):
+        """Where and when each contact with the true map, or each stand against something, began, and what the navigator said then."""
+        flags = [true_map.touches(pose) for _, pose in self.samples]
+        begun = [stamp for (stamp, _), before, now in zip(self.samples, [False, *flags], flags) if now and not before]
+        return [self._moment(stamp, what) for what, stamps in (("touches", begun), ("stands against", self.bumps)) for stamp in stamps]
+
+    def _moment(self, stamp, what):
+        pose = min(self.samples, key=lambda entry: abs(entry[0] - stamp))[1]
+        before = [text for said_at, text in self.said if said_at <= stamp]
+        return {"what": what, "time_s": stamp, "x": pose.x, "y": pose.y, "yaw": pose.yaw, "navigator": before[-1] if before else ""}
 
     def _at_person(self, stamp, within_m):
         """Whether a person stood within this distance of the footprint."""
@@ -88,7 +100,7 @@ class NavRobot:
 
         self.rospy, self.messages, self.alive = rospy, move_base_msgs.msg, alive
         self.lock = threading.Lock()
-        self.samples, self.people, self.paths, self.bumps = [], [], [], []
+        self.samples, self.people, self.paths, self.bumps, self.said = [], [], [], [], []
         self.status = None  # the navigator's
         self.last_twist = None
         self.states = {}    # of goals, by id
@@ -133,6 +145,10 @@ class NavRobot:
 
     def _on_status(self, message):
         self.status = message
+        text = f"{message.state}: {message.reason}" if message.reason else message.state
+        with self.lock:
+            if self.samples and (not self.said or self.said[-1][1] != text):
+                self.said.append((self.samples[-1][0], text))
 
     def _on_result(self, message):
         with self.lock:
@@ -178,7 +194,7 @@ class NavRobot:
         """Drives to a goal and returns the Drive. `limit_s`: of simulated time; cancelled afterwards. `meanwhile` is called
         with every true pose until it returns True."""
         with self.lock:
-            del self.samples[:-1], self.people[:], self.paths[:], self.bumps[:]
+            del self.samples[:-1], self.people[:], self.paths[:], self.bumps[:], self.said[:]
         begin, deadline = self.now(), time.monotonic() + real_s
         name = self.send(goal, frame)
         cancelled = False
@@ -202,8 +218,7 @@ class NavRobot:
             state = (state[0], f"not reached in {limit_s:.0f} s: {self.status.reason}")
         with self.lock:
             planned = float(numpy.linalg.norm(numpy.diff(self.paths[0], axis=0), axis=1).sum()) if self.paths else 0.0
-            samples, people, bumps = list(self.samples), list(self.people), list(self.bumps)
-        return Drive(goal, *state, samples, people, planned, bumps)
+            return Drive(goal, *state, list(self.samples), list(self.people), planned, list(self.bumps), list(self.said))
 
 
 def random_goal(rng, places, here, min_m=3.0):

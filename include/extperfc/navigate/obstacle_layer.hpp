@@ -2,6 +2,7 @@
 
 #include <cstdint>
 #include <limits>
+#include <optional>
 #include <vector>
 
 #include <Eigen/Core>
@@ -20,6 +21,7 @@ struct ObstacleParams {
   double unseen_decay_s{60};  ///< so long after its last mark every cell is cleared, > 0; infinity: never [s]
   double height_tolerance_m{0.1};  ///< a ray clears what was marked at its height, up to this, >= 0
   bool frees_unknown{false};       ///< rays make unknown cells of the layers before free
+  double blind_m{0};               ///< marks so near to the last scan's place do not age, >= 0
 };
 
 /// What the data of one sensor do.
@@ -42,7 +44,8 @@ struct PointObservation {
 
 /// What sensors see now. A return marks its cell with its height. A ray clears the cells before its return
 /// that were marked at its height; one that passes above or below says nothing. NaN, zero and too short
-/// ranges neither mark nor clear. What no sensor sees stays until unseen_decay_s after its last mark.
+/// ranges neither mark nor clear. What no sensor sees stays until unseen_decay_s after its last mark, within
+/// blind_m of the scanner for good.
 class ObstacleLayer : public CostLayer {
  public:
   /// Throws std::invalid_argument for parameters out of their range.
@@ -111,6 +114,7 @@ class ObstacleLayer : public CostLayer {
   CostGrid shape_;                   ///< geometry of the grid, without cells
   std::vector<std::int32_t> slots_;  ///< of each cell: its mark, or one of the two below
   std::vector<Mark> marks_;
+  std::optional<Eigen::Vector2d> scanner_m_;  ///< of the last scan
   CellBox changed_;
 };
 

@@ -52,6 +52,7 @@ ObstacleLayer::ObstacleLayer(const ObstacleParams& params) : params_(params) {
              params.unseen_decay_s >= params.decay_s,
          "obstacles: 0 <= keep_s <= decay_s <= unseen_decay_s must hold, the last above 0");
   demand(params.height_tolerance_m >= 0, "obstacles: height_tolerance_m must be 0 or more");
+  demand(params.blind_m >= 0, "obstacles: blind_m must be 0 or more");
 }
 
 Result<void> ObstacleLayer::observe(const LaserScan& scan, const Pose2& grid_T_sensor, double height_m,
@@ -60,6 +61,7 @@ Result<void> ObstacleLayer::observe(const LaserScan& scan, const Pose2& grid_T_s
   if (!is_finite(grid_T_sensor) || !std::isfinite(height_m))
     return fail(ErrorCode::kInvalidArgument, "the pose of a scan's sensor must be finite");
   Observation observation{scan.stamp_s, {grid_T_sensor.x, grid_T_sensor.y, height_m}, {}};
+  scanner_m_ = observation.sensor_m.head<2>();
   observation.rays.reserve(scan.ranges.size());
   for (std::size_t i = 0; i < scan.ranges.size(); ++i) {
     const Range range = range_of(scan, scan.ranges[i], sensor.inf_is_valid);
@@ -268,7 +270,10 @@ void ObstacleLayer::match(const CostGrid& grid) {
 CellBox ObstacleLayer::take_changes(const CostGrid& /*grid*/, double now_s) {
   for (std::size_t slot = marks_.size(); slot-- > 0;) {
     marks_[slot].stamp_s = std::min(marks_[slot].stamp_s, now_s);  // the clock may have been set back
-    if (now_s - marks_[slot].stamp_s > params_.unseen_decay_s) erase(slot);
+    if (now_s - marks_[slot].stamp_s <= params_.unseen_decay_s) continue;
+    const bool blind =
+        scanner_m_ && (shape_.middle_of(cell_at(marks_[slot].index)) - *scanner_m_).norm() < params_.blind_m;
+    if (!blind) erase(slot);
   }
   return std::exchange(changed_, CellBox{});
 }

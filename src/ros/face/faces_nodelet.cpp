@@ -249,6 +249,7 @@ FacesNodelet::Positions FacesNodelet::positions_of(const std_msgs::Header& heade
                                                    const std::vector<face::DescribedFace>& faces) {
   if (!locator_) return {};
   std::vector<Box2> boxes;
+  boxes.reserve(faces.size());
   for (const auto& described : faces) boxes.push_back(described.face.box);
   const auto positions = boxes.empty() ? Positions{} : locator_->locate(header, boxes);
   const std::lock_guard lock(state_mutex_);

@@ -23,6 +23,7 @@ using navigate::NavCode;
 using navigate::NavError;
 
 constexpr double kTransformWaitS = 0.1;  // of wall time
+constexpr double kBlindM = 0.1;          // beyond the robot, where a scan may leave returns out as its own
 
 }  // namespace
 
@@ -115,6 +116,7 @@ void CostMaps::build_local() {
   const int cells = static_cast<int>(std::lround(costs_.local_size_m / costs_.resolution_m));
   const double half_m = 0.5 * cells * costs_.resolution_m;
   navigate::ObstacleParams obstacles;
+  obstacles.blind_m = footprint_.circumscribed_radius_m() + kBlindM;
   if (costs_.decay_s > 0) obstacles.unseen_decay_s = std::max(costs_.decay_s, obstacles.decay_s);
   local_.obstacles = std::make_shared<navigate::ObstacleLayer>(obstacles);
   local_.inflation = std::make_shared<navigate::InflationLayer>(inflation());

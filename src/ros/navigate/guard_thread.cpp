@@ -11,8 +11,8 @@ constexpr auto kSilence = std::chrono::milliseconds(300);  // of the control cyc
 
 }  // namespace
 
-GuardThread::GuardThread(const navigate::GuardParams& params, Send send)
-    : send_(std::move(send)), guard_(params), thread_([this] { run(); }) {}
+GuardThread::GuardThread(const navigate::GuardParams& params, double memory_m, Send send)
+    : send_(std::move(send)), guard_(params), memory_(memory_m), thread_([this] { run(); }) {}
 
 GuardThread::~GuardThread() {
   bool sending = false;
@@ -26,8 +26,10 @@ GuardThread::~GuardThread() {
   if (sending) send_({});
 }
 
-void GuardThread::set_points(std::vector<Eigen::Vector2d> points_m, double stamp_s) {
+void GuardThread::set_points(std::vector<Eigen::Vector2d> points_m, double stamp_s,
+                             const navigate::Footprint& footprint, const Pose2& odom_T_base) {
   const std::lock_guard lock(mutex_);
+  memory_.complete(points_m, footprint, odom_T_base);
   guard_.set_points(std::move(points_m), stamp_s);
 }
 

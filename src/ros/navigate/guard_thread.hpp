@@ -12,6 +12,7 @@
 
 #include "extperfc/navigate/collision_guard.hpp"
 #include "extperfc/navigate/footprint.hpp"
+#include "extperfc/navigate/near_memory.hpp"
 
 namespace extperfc::ros_navigate {
 
@@ -28,13 +29,16 @@ class GuardThread {
   };
   using Send = std::function<void(const Twist2&)>;
 
-  GuardThread(const navigate::GuardParams& params, Send send);
+  /// memory_m: see NearMemory.
+  GuardThread(const navigate::GuardParams& params, double memory_m, Send send);
   /// Sends zero if it was sending.
   ~GuardThread();
   GuardThread(const GuardThread&) = delete;
   GuardThread& operator=(const GuardThread&) = delete;
 
-  void set_points(std::vector<Eigen::Vector2d> points_m, double stamp_s);
+  /// End points of a scan in the base's frame, and the base's pose then.
+  void set_points(std::vector<Eigen::Vector2d> points_m, double stamp_s, const navigate::Footprint& footprint,
+                  const Pose2& odom_T_base);
   void command(Command command);
   /// Whether the latest command was stopped though it was to move.
   [[nodiscard]] bool stopped() const;
@@ -47,6 +51,7 @@ class GuardThread {
   mutable std::mutex mutex_;  ///< guards what follows
   std::condition_variable ready_;
   navigate::CollisionGuard guard_;
+  navigate::NearMemory memory_;
   Command command_;
   bool fresh_{false};
   bool sending_{false};

@@ -133,9 +133,9 @@ Result<void> NavigatorNode::start() {
         navigator_->set_plan(std::move(answer));
       });
   velocity_publisher_ = handle_.advertise<geometry_msgs::Twist>("cmd_vel", 1);
-  guard_ = std::make_unique<GuardThread>(params_.guard, [this](const Twist2& velocity) {
-    velocity_publisher_.publish(ros_convert::to_message(velocity));
-  });
+  guard_ = std::make_unique<GuardThread>(
+      params_.guard, params_.guard_memory_m,
+      [this](const Twist2& velocity) { velocity_publisher_.publish(ros_convert::to_message(velocity)); });
   if (auto started = costs_.start(); !started) return started;
   advertise();
   spinner_.start();
@@ -144,7 +144,8 @@ Result<void> NavigatorNode::start() {
 }
 
 void NavigatorNode::on_scan(const PlacedScan& placed) {
-  guard_->set_points(navigate::surface_points(placed.scan), placed.scan.stamp_s);
+  guard_->set_points(navigate::surface_points(placed.scan), placed.scan.stamp_s, *outline_.footprint(),
+                     placed.odom_T_base);
   people_.update(placed);
   if (tracks_publisher_.getNumSubscribers() > 0)
     tracks_publisher_.publish(people_.tracks(params_.odom_frame));

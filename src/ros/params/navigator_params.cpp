@@ -127,6 +127,7 @@ void read_data(ParamReader& reader, NavigatorNodeParams& params) {
   reader.read("people_stand_s", params.people.stand_s, {0.0, 3600.0});
   reader.read("guard_time_s", params.guard.min_time_s, {0.01, 2.0});
   reader.read("guard_margin_m", params.guard.margin_m, {0.0, 0.5});
+  reader.read("guard_memory_m", params.guard_memory_m, {0.0, 0.5});
   params.guard.max_age_s = params.limits.scan_s + params.limits.odom_s;
   reader.read("timeout_s", params.timeout_s, {0.1, 3600.0});
 }

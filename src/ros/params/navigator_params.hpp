@@ -72,6 +72,7 @@ struct NavigatorNodeParams {
   ArmOutlineParams arms;
   PeopleParams people;
   navigate::GuardParams guard;
+  double guard_memory_m{0.06};     ///< see navigate::NearMemory
   double timeout_s{5.0};           ///< silence after which diagnostics warn
   std::vector<std::string> notes;  ///< parameters of move_base without effect here; one line each
   std::vector<ReadParam> read;     ///< for dynamic_reconfigure

@@ -125,6 +125,24 @@ TEST_F(Obstacles, BlindSectorKeepsWhatItDoesNotSee) {
   EXPECT_EQ(layer->marked_cells(), seen);
 }
 
+TEST_F(Obstacles, WhatIsBesideTheScannerDoesNotAge) {
+  use({0, 1, 10, 0.1, false, 1.6});
+  scan(1, {1.51F});
+  scan(1, {1.91F}, {}, {0, 0, kPi});
+  const auto look_away = [&](double stamp_s, double x) {
+    scan(stamp_s, {kNan}, {}, {x, 0, 0});
+    (void)layer->take_changes(grid, stamp_s);
+  };
+  look_away(500, 0);
+  EXPECT_EQ(cost_at(1.51, 0.01), kLethalCost);
+  EXPECT_EQ(cost_at(-1.91, -0.01), kFreeCost) << "farther away";
+  look_away(501, -0.2);
+  EXPECT_EQ(cost_at(1.51, 0.01), kFreeCost) << "left behind";
+  scan(502, {1.51F});
+  scan(503, {3.0F});
+  EXPECT_EQ(cost_at(1.51, 0.01), kFreeCost) << "a ray has passed";
+}
+
 TEST_F(Obstacles, GhostBetweenRaysDecaysWhenSeen) {
   LaserScan coarse;
   coarse.stamp_s = 1;
