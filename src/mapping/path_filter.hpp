@@ -122,7 +122,7 @@ class PathFilter {
   [[nodiscard]] std::size_t old_end() const;
   [[nodiscard]] std::optional<SubmapMatch> match_submap(std::size_t submap, const Pose2& pose, double sigma_m,
                                                         double sigma_rad);
-  void match_to_submaps(Particle& particle);
+  bool match_to_submaps(Particle& particle);
   void search_far();
   void inject(const SubmapMatch& found);
   void normalize_weights();

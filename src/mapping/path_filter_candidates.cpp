@@ -20,6 +20,8 @@ constexpr std::size_t kSubmapsPerParticle = 2;
 constexpr double kWidestSlideM = 1.2;  // along a corridor
 constexpr double kSameStartM = 0.08;   // particles nearer than this share one match
 constexpr double kSameStartRad = 0.02;
+constexpr double kBasinM = 0.2;  // around a good match, from where others lead to the same pose
+constexpr double kBasinRad = 0.08;
 // Standard deviations of how far a match may pull a particle: the first one may close the gaps between
 // particles.
 constexpr double kFirstPullM = 0.2;
@@ -106,9 +108,10 @@ std::optional<PathFilter::SubmapMatch> PathFilter::match_submap(std::size_t subm
   return found;
 }
 
-void PathFilter::match_to_submaps(Particle& particle) {
+/// Whether a submap fits.
+bool PathFilter::match_to_submaps(Particle& particle) {
   const auto submaps = old_key_frames_near(particle.pose, kSubmapRadiusM, kSubmapsPerParticle);
-  if (submaps.empty()) return;
+  if (submaps.empty()) return false;
   double best_fit = 0;
   const Pose2 predicted = particle.pose;
   const bool first = particle.candidates.empty();
@@ -124,23 +127,31 @@ void PathFilter::match_to_submaps(Particle& particle) {
   }
   keep_newest(particle.candidates);
   particle.log_weight += kWeightGain * (best_fit - 0.5) + pull_cost(predicted, particle.pose, first);
+  return best_fit >= kGoodFit;
 }
 
-/// Particles with nearly the same pose share one match.
+/// Particles with nearly the same pose share one match, and those around a pose that the scan fits well share
+/// it: their own matches would end there.
 void PathFilter::find_loop_closures() {
-  std::vector<std::pair<Pose2, std::size_t>> done;  // start of a match, and its particle
+  struct Done {
+    Pose2 start;  ///< of the match
+    std::size_t particle;
+    bool good;
+  };
+  std::vector<Done> done;
   for (std::size_t i = 0; i < particles_.size(); ++i) {
     Particle& particle = particles_[i];
-    const auto same = std::find_if(done.begin(), done.end(), [&](const auto& other) {
-      return near(other.first, particle.pose, kSameStartM, kSameStartRad);
+    const auto same = std::find_if(done.begin(), done.end(), [&](const Done& other) {
+      return near(other.start, particle.pose, kSameStartM, kSameStartRad) ||
+             (other.good && near(particles_[other.particle].pose, particle.pose, kBasinM, kBasinRad));
     });
     if (same == done.end()) {
       const Pose2 start = particle.pose;
-      match_to_submaps(particle);
-      done.emplace_back(start, i);
+      const bool good = match_to_submaps(particle);
+      done.push_back({start, i, good});
       continue;
     }
-    const Particle& example = particles_[same->second];
+    const Particle& example = particles_[same->particle];
     const std::size_t newest = frames_.size() - 1;
     double best_fit = -1;
     for (const LoopClosureCandidate& candidate : example.candidates)

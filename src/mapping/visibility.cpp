@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "extperfc/base/arc_tangent.hpp"
 #include "extperfc/base/math.hpp"
 
 namespace extperfc::mapping {
@@ -13,8 +14,10 @@ constexpr float kMarginM = 0.3F;  // a surface must stand so far in front of wha
 
 std::size_t bin_of(const Eigen::Vector2f& ray, std::size_t bins) {
   // Whole degrees, where the rays of many scanners lie, are the middles of bins.
-  const float revolutions = (std::atan2(ray.y(), ray.x()) + kPiF) / (2 * kPiF);
-  return static_cast<std::size_t>(std::lround(std::max(0.0F, revolutions) * static_cast<float>(bins))) % bins;
+  const float revolutions = (arc_tangent(ray.y(), ray.x()) + kPiF) / (2 * kPiF);
+  const auto bin =
+      static_cast<std::size_t>(std::lrint(std::max(0.0F, revolutions) * static_cast<float>(bins)));
+  return bin < bins ? bin : bin - bins;
 }
 
 struct Transform {
@@ -54,7 +57,8 @@ RangeProfile::RangeProfile(const ScanPoints& points) : scanner_(points.scanner) 
 
 bool RangeProfile::sees_through(const Eigen::Vector2f& point) const {
   const Eigen::Vector2f ray = point - scanner_;
-  return ray.norm() < free_to_m_[bin_of(ray, kBins)];
+  const float free_to_m = free_to_m_[bin_of(ray, kBins)];
+  return ray.squaredNorm() < free_to_m * free_to_m;
 }
 
 double fraction_in_free_space(const RangeProfile& other, const ScanPoints& points,

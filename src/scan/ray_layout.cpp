@@ -4,9 +4,8 @@
 #include <cmath>
 #include <limits>
 
+#include "extperfc/base/arc_tangent.hpp"
 #include "extperfc/base/math.hpp"
-
-#include "scan/arc_tangent.hpp"
 
 namespace extperfc::scan {
 

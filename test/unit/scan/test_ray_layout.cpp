@@ -5,9 +5,9 @@
 
 #include <gtest/gtest.h>
 
+#include "extperfc/base/arc_tangent.hpp"
 #include "extperfc/base/rng.hpp"
 
-#include "scan/arc_tangent.hpp"
 #include "scan/ray_layout.hpp"
 
 namespace extperfc::scan {

@@ -5,7 +5,7 @@
 
 #include "extperfc/base/math.hpp"
 
-namespace extperfc::scan {
+namespace extperfc {
 
 /// Angle of (x, y) from the x axis in [-pi, pi], within 6e-7 rad of std::atan2(y, x): a tenth of a millimetre
 /// at 100 m. Without branches and calls, so that a loop over arrays takes several points at a time. (0, 0)
@@ -28,4 +28,4 @@ inline float arc_tangent(float y, float x) {
   return std::copysign(above, y);
 }
 
-}  // namespace extperfc::scan
+}  // namespace extperfc
