@@ -33,6 +33,7 @@ struct RecoveryParams {
   double clear_beyond_m{1.0};  ///< nearer obstacles are kept, [0, 100]
   double avoid_ahead_m{0.9};   ///< from the robot to the middle of what is avoided, [0, 10]
   double avoid_radius_m{0.6};  ///< (0, 10]
+  double avoid_person_m{1.5};  ///< in its place about a person: the whole width of a corridor, (0, 10]
   double same_place_m{0.5};    ///< attempts at places nearer than this are at one place, (0, 100]
   int max_attempts{15};        ///< without coming nearer to the goal, [1, 1000]
 };
@@ -46,6 +47,7 @@ struct RecoveryView {
   const Footprint* footprint{nullptr};
   const std::deque<Pose2>* trail{nullptr};  ///< where the robot came from, in odom, oldest first
   const VelocityLimits* limits{nullptr};
+  std::optional<Eigen::Vector2d> person_m{};  ///< who may be the cause, in the frame map
 };
 
 /// A disc of the map that plans shall avoid.
@@ -61,7 +63,8 @@ struct RecoveryOutput {
   bool done{false};                        ///< plan again
 };
 
-/// The ladder of a robot that is stuck: wait, clear, back off, rotate, avoid. A step that did not help at a
+/// The ladder of a robot that is stuck: wait, clear, back off, rotate, avoid; with a person near, avoid comes
+/// after wait. A step that did not help at a
 /// place is never tried there again for this goal. One thread at a time.
 class Recovery {
  public:

@@ -405,8 +405,19 @@ Twist2 Navigator::smoothed(const Twist2& wanted) const {
 }
 
 RecoveryView Navigator::view_of(const NavigatorInput& input) const {
-  return {clock_s_,        input.map_T_base, input.odom_T_base, input.costs,
-          input.footprint, &trail_,          &params_.limits};
+  RecoveryView view{clock_s_,        input.map_T_base, input.odom_T_base, input.costs,
+                    input.footprint, &trail_,          &params_.limits};
+  constexpr double kNearM = 2.5;  // a person farther away is not the cause
+  double nearest_m = kNearM;
+  const Pose2 map_T_odom = compose(input.map_T_base, inverse(input.odom_T_base));
+  for (const MovingObstacle& person : input.people) {
+    const Pose2 place = compose(map_T_odom, {person.position_m.x(), person.position_m.y(), 0});
+    const double away_m = distance_m(place, input.map_T_base);
+    if (away_m >= nearest_m) continue;
+    nearest_m = away_m;
+    view.person_m = {place.x, place.y};
+  }
+  return view;
 }
 
 void Navigator::recover(const NavError& cause, const NavigatorInput& input, Output& output) {

@@ -19,7 +19,7 @@ constexpr double kMinMotionM = 0.1;  // shorter ways back do not help
 constexpr double kDeepestM = 0.12;   // of an overlap that a motion may start with
 constexpr double kDepthStepM = 0.02;
 
-std::vector<RecoveryStep> ladder(NavCode cause) {
+std::vector<RecoveryStep> ladder(NavCode cause, bool person) {
   using S = RecoveryStep;
   switch (cause) {
     case NavCode::kNoPath:
@@ -30,6 +30,8 @@ std::vector<RecoveryStep> ladder(NavCode cause) {
     case NavCode::kStartOutside:
       return {S::kWait, S::kClear, S::kBackOff, S::kRotate};
     default:
+      // People walk up and down a passage for longer than a robot waits: there may be another one.
+      if (person) return {S::kWait, S::kAvoid, S::kClear, S::kBackOff, S::kRotate};
       return {S::kWait, S::kClear, S::kBackOff, S::kAvoid, S::kRotate};
   }
 }
@@ -91,7 +93,8 @@ void Recovery::set_params(const RecoveryParams& params) {
              within(params.back_off_m_s, 1e-3, 1) && within(params.rotate_rad, 0, 6.3) &&
              within(params.rotate_rad_s, 1e-3, 3) && within(params.clear_beyond_m, 0, 100) &&
              within(params.avoid_ahead_m, 0, 10) && within(params.avoid_radius_m, 1e-3, 10) &&
-             within(params.same_place_m, 1e-3, 100) && within(params.max_attempts, 1, 1000),
+             within(params.avoid_person_m, 1e-3, 10) && within(params.same_place_m, 1e-3, 100) &&
+             within(params.max_attempts, 1, 1000),
          "a parameter of the recovery is out of its range");
   params_ = params;
 }
@@ -122,7 +125,7 @@ bool Recovery::possible(RecoveryStep step, const RecoveryView& view) const {
 
 std::optional<std::string> Recovery::begin(const NavError& cause, const RecoveryView& view) {
   if (attempts_ >= params_.max_attempts) return std::nullopt;
-  for (const auto step : ladder(cause.code)) {
+  for (const auto step : ladder(cause.code, view.person_m.has_value())) {
     if (tried(step, view.map_T_base) || !possible(step, view)) continue;
     step_ = step;
     began_s_ = view.now_s;
@@ -199,6 +202,7 @@ RecoveryOutput Recovery::rotate(const RecoveryView& view) {
 }
 
 AvoidedPlace Recovery::avoided(const RecoveryView& view) const {
+  if (view.person_m) return {*view.person_m, params_.avoid_person_m};
   const auto& here = view.map_T_base;
   // The robot drove the way that its trail ends with; without one it looked ahead.
   double heading_rad = here.yaw;

@@ -119,6 +119,19 @@ TEST_F(RecoveryTest, AvoidsThePlaceAhead) {
   EXPECT_GT(avoided->middle_m.x(), 0) << "in the direction in which it drove";
 }
 
+TEST_F(RecoveryTest, APassageWithAPersonIsSoonAvoidedInItsWholeWidth) {
+  auto seen = view();
+  seen.person_m = {1.0, 0.5};
+  ASSERT_TRUE(recovery_.begin(kCause, seen));
+  EXPECT_EQ(recovery_.step(), RecoveryStep::kWait) << "who walks may be gone soon";
+  ASSERT_TRUE(recovery_.begin(kCause, seen));
+  ASSERT_EQ(recovery_.step(), RecoveryStep::kAvoid);
+  const auto output = recovery_.update(seen);
+  ASSERT_TRUE(output.avoid);
+  EXPECT_EQ(output.avoid->middle_m, Eigen::Vector2d(1.0, 0.5));
+  EXPECT_EQ(output.avoid->radius_m, RecoveryParams{}.avoid_person_m);
+}
+
 TEST_F(RecoveryTest, ReasonsNameStepPlaceAndCause) {
   pose_ = {1.25, -0.5, 0};
   EXPECT_EQ(*recovery_.begin(kCause, view()),
