@@ -45,6 +45,7 @@ class CloudToScan::Impl {
   void see_through(const Eigen::Vector3f& origin, const Eigen::Vector3f& far, const Ground& ground);
   void follow_slopes(ScanStatistics& statistics);
   void fill_ray(std::size_t ray, PlanarScans& scans, ScanStatistics& statistics);
+  [[nodiscard]] float height_of(std::size_t ray, float range);
   void set(std::size_t ray, float range, std::uint32_t point, PlanarScan& scan);
 
   ScanParams params_;
@@ -53,6 +54,7 @@ class CloudToScan::Impl {
   std::vector<std::uint32_t> rays_;  ///< of every point, see RayLayout
   Columns columns_;
   std::vector<SilentBeam> silent_;
+  float lidar_height_{0};
   std::vector<char> free_;  ///< rays along which a beam went on beyond range_max
 };
 
@@ -70,11 +72,12 @@ Result<ScanStatistics> CloudToScan::Impl::convert(const CloudView& cloud, const 
   if (auto usable = check(cloud, track); !usable) return tl::unexpected(usable.error());
   ScanStatistics statistics;
   statistics.points = cloud.size();
-  const bool wants_intensity = params_.intensity != IntensityOf::kNone;
+  const bool heights = params_.intensity == IntensityOf::kHeight;
+  const bool wants_intensity = params_.intensity != IntensityOf::kNone && !heights;
   statistics.intensity_missing = wants_intensity && !cloud.intensity && statistics.points > 0;
   statistics.ground = level_ground(params_.ground);
   for (auto* scan : {&scans.supported, &scans.nearest})
-    layout_.clear(*scan, wants_intensity && cloud.intensity);
+    layout_.clear(*scan, heights || (wants_intensity && cloud.intensity));
   columns_.clear(layout_.count(), cloud.size());
   free_.assign(layout_.count(), 0);
   if (statistics.points > 0) {
@@ -82,6 +85,7 @@ Result<ScanStatistics> CloudToScan::Impl::convert(const CloudView& cloud, const 
     const Eigen::Vector3f origin = transform.map(0, Eigen::Vector3f::Zero());
     read(cloud, transform, statistics);
     choose_ground(statistics);
+    lidar_height_ = origin.z();
     sort_points(robot, origin, statistics);
     see_silent_beams(cloud, transform, origin, statistics.ground);
   }
@@ -95,7 +99,7 @@ void CloudToScan::Impl::read(const CloudView& cloud, const SweepTransform& trans
                              ScanStatistics& statistics) {
   ReadOptions options;
   options.rings = params_.rings ? &*params_.rings : nullptr;
-  options.intensity = params_.intensity != IntensityOf::kNone;
+  options.intensity = params_.intensity != IntensityOf::kNone && params_.intensity != IntensityOf::kHeight;
   options.time = transform.moves();
   options.azimuth_times = params_.azimuth_times;
   options.revolution_s = params_.scan_time;
@@ -216,9 +220,29 @@ void CloudToScan::Impl::fill_ray(std::size_t ray, PlanarScans& scans, ScanStatis
   if (surface->two_rings) ++statistics.rays_supported;
 }
 
+/// Of a wall or a person, which several rings meet, the height nearest to the lidar's: from there it is seen
+/// at any distance.
+float CloudToScan::Impl::height_of(std::size_t ray, float range) {
+  constexpr float kSameSurface = 0.1F;
+  float nearest = std::numeric_limits<float>::infinity();
+  float height = 0;
+  for (const ColumnPoint& point : columns_.column(ray)) {
+    if (point.range < range - kSameSurface || point.range > range + kSameSurface) continue;
+    const float away = std::abs(points_.z[point.index] - lidar_height_);
+    if (away >= nearest) continue;
+    nearest = away;
+    height = points_.z[point.index];
+  }
+  return height;
+}
+
 void CloudToScan::Impl::set(std::size_t ray, float range, std::uint32_t point, PlanarScan& scan) {
   scan.ranges[ray] = range;
   if (scan.intensities.empty()) return;
+  if (params_.intensity == IntensityOf::kHeight) {
+    scan.intensities[ray] = height_of(ray, range);
+    return;
+  }
   float intensity = points_.intensity[point];
   if (params_.intensity == IntensityOf::kMaximum)
     for (const ColumnPoint& other : columns_.column(ray))

@@ -16,9 +16,9 @@ constexpr std::array kGroundMethods{
 constexpr std::array kAzimuthTimes{std::pair{AzimuthTimes::kNone, "none"},
                                    std::pair{AzimuthTimes::kStampAtEnd, "end"},
                                    std::pair{AzimuthTimes::kStampAtStart, "start"}};
-constexpr std::array kIntensities{std::pair{IntensityOf::kNone, "none"},
-                                  std::pair{IntensityOf::kNearest, "nearest"},
-                                  std::pair{IntensityOf::kMaximum, "maximum"}};
+constexpr std::array kIntensities{
+    std::pair{IntensityOf::kNone, "none"}, std::pair{IntensityOf::kNearest, "nearest"},
+    std::pair{IntensityOf::kMaximum, "maximum"}, std::pair{IntensityOf::kHeight, "height"}};
 
 template <typename Table, typename Value>
 const char* name_in(const Table& table, Value value) {

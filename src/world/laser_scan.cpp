@@ -46,6 +46,9 @@ Result<void> validate(const LaserScan& scan) {
                  std::to_string(kMaxRays));
   if (std::abs(scan.angle_increment) * static_cast<double>(scan.ranges.size() - 1) > kWidestSweepRad)
     return wrong("it sweeps more than one and a half revolutions; is angle_increment in radians?");
+  if (!scan.heights_m.empty() && scan.heights_m.size() != scan.ranges.size())
+    return wrong("it has " + std::to_string(scan.heights_m.size()) + " heights for " +
+                 std::to_string(scan.ranges.size()) + " rays");
   if (!is_finite(scan.base_T_sensor)) return wrong("the pose of the scanner on the robot is not finite");
   return {};
 }

@@ -223,7 +223,7 @@ def row_of(number, drive, true_map):
             "result": drive.text, "error_m": metres, "error_deg": math.degrees(radians), "seconds": drive.seconds,
             "planned_m": drive.planned_m, "driven_m": driven, "ratio": driven / drive.planned_m if drive.planned_m else None,
             "speed_m_s": driven / drive.seconds if drive.seconds else 0.0, "contacts": drive.contacts(true_map),
-            "contact_places": drive.contact_places(true_map),
+            "contact_places": drive.contact_places(true_map), "said": [] if drive.reached else drive.said,
             "person_contacts_driving": driving, "person_contacts_standing": standing}
 
 

@@ -33,6 +33,9 @@ struct SensorParams {
   double min_obstacle_height_m{0.05};  ///< of points that mark [m]
   double max_obstacle_height_m{1.6};   ///< the same
   bool inf_is_valid{false};            ///< +infinity in a scan clears up to range_max
+  /// Of a scan with heights: rays clear what was last seen at heights within this angle about the horizontal
+  /// of the scanner [rad], [0, pi / 2).
+  double half_fov_rad{0};
 };
 
 /// Points of a cloud in the grid's frame, z from the floor.
@@ -51,9 +54,10 @@ class ObstacleLayer : public CostLayer {
   /// Throws std::invalid_argument for parameters out of their range.
   explicit ObstacleLayer(const ObstacleParams& params = {});
 
-  /// A scan whose plane is `height_m` above the floor. Errors: a scan that cannot be, a pose that is not
-  /// finite; the layer does not change then. O(marked cells + cells of rays towards cells that may be
-  /// cleared).
+  /// A scan of a scanner `height_m` above the floor. One with heights marks them, and clears marks that the
+  /// scanner could see from where it is: a table that a lidar with few rings saw from afar stays when it
+  /// comes too near to see it. Errors: a scan that cannot be, a pose that is not finite; the layer does not
+  /// change then. O(marked cells + cells of rays towards cells that may be cleared).
   [[nodiscard]] Result<void> observe(const LaserScan& scan, const Pose2& grid_T_sensor, double height_m,
                                      const SensorParams& sensor);
   /// Errors: a stamp or position of the sensor that is not finite.
@@ -92,12 +96,14 @@ class ObstacleLayer : public CostLayer {
     double stamp_s;
     Eigen::Vector3d sensor_m;
     std::vector<Ray> rays;
+    std::optional<double> rise{};  ///< rays are fans that rise and fall by this per metre; empty: lines
   };
 
   void take(const Observation& observation, const SensorParams& sensor, const Band& marked);
-  void mark(const Ray& ray, double stamp_s);
+  void mark(const Ray& ray, double stamp_s, bool fan);
   void clear_along(const Observation& observation, const Ray& ray, double raytrace_range_m);
-  void pass(std::size_t index, const Band& heights, double stamp_s);
+  void pass(std::size_t index, const Band& heights, double stamp_s, bool fan);
+  [[nodiscard]] bool is_seen(const Mark& mark, const Band& heights, bool fan) const;
   void clear_between_rays(const LaserScan& scan, const Pose2& grid_T_sensor, double height_m,
                           const SensorParams& sensor);
   /// By the angle from the sensor; empty when no cell may be cleared.

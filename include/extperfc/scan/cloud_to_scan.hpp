@@ -20,9 +20,12 @@ enum class IntensityOf {
   kNone,     ///< the scan has no intensities
   kNearest,  ///< of the point that the range belongs to
   kMaximum,  ///< the largest of all points of the ray
+  kHeight,   ///< in place of an intensity the height [m] in the target frame of the point within 0.1 m of the
+             ///< range that is nearest to the lidar's height, for cost maps
 };
 
-[[nodiscard]] Result<IntensityOf> intensity_from_name(const std::string& name);  ///< none, nearest, maximum
+[[nodiscard]] Result<IntensityOf> intensity_from_name(
+    const std::string& name);  ///< none, nearest, maximum, height
 [[nodiscard]] const char* to_string(IntensityOf intensity);
 
 /// Names and meaning follow the pointcloud_to_laserscan package, so that its configurations fit. One detail

@@ -20,6 +20,9 @@ struct LaserScan {
   double range_max{0};        ///< [m]
   Pose2 base_T_sensor;        ///< where the scanner sits on the robot
   std::vector<float> ranges;  ///< [m]
+  /// Of what each ray met [m] above the floor, as long as ranges: a scan that was made of a cloud. Empty: its
+  /// own.
+  std::vector<float> heights_m{};
 };
 
 /// Whether a range of the scan counts as that of something that the ray met.
@@ -30,7 +33,8 @@ struct LaserScan {
 
 /// An error that names the first field that cannot be: a stamp or
 /// angles that are not finite, a zero increment, a sweep of more
-/// than one and a half revolutions, range_max not above range_min, no rays or more than 100,000.
+/// than one and a half revolutions, range_max not above range_min, no rays or more than 100,000, not as many
+/// heights as rays.
 [[nodiscard]] Result<void> validate(const LaserScan& scan);
 
 }  // namespace extperfc

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <utility>
 
 #include "extperfc/base/demand.hpp"
@@ -60,18 +61,23 @@ Result<void> ObstacleLayer::observe(const LaserScan& scan, const Pose2& grid_T_s
   if (auto valid = validate(scan); !valid) return valid;
   if (!is_finite(grid_T_sensor) || !std::isfinite(height_m))
     return fail(ErrorCode::kInvalidArgument, "the pose of a scan's sensor must be finite");
+  if (!(sensor.half_fov_rad >= 0 && sensor.half_fov_rad < kPi / 2))
+    return fail(ErrorCode::kInvalidArgument, "half_fov_rad must be from 0 to below pi / 2");
+  const bool fan = !scan.heights_m.empty();
   Observation observation{scan.stamp_s, {grid_T_sensor.x, grid_T_sensor.y, height_m}, {}};
+  if (fan) observation.rise = std::tan(sensor.half_fov_rad);
   scanner_m_ = observation.sensor_m.head<2>();
   observation.rays.reserve(scan.ranges.size());
   for (std::size_t i = 0; i < scan.ranges.size(); ++i) {
     const Range range = range_of(scan, scan.ranges[i], sensor.inf_is_valid);
     if (!range.valid) continue;
     const double angle = grid_T_sensor.yaw + scan.angle_min + static_cast<double>(i) * scan.angle_increment;
-    const Vector3d end_m =
-        observation.sensor_m + range.range_m * Vector3d(std::cos(angle), std::sin(angle), 0);
+    Vector3d end_m = observation.sensor_m + range.range_m * Vector3d(std::cos(angle), std::sin(angle), 0);
+    if (fan && range.returned) end_m.z() = scan.heights_m[i];
     observation.rays.push_back({end_m, range.range_m, range.returned});
   }
-  take(observation, sensor, {height_m, height_m});
+  constexpr double kAny = std::numeric_limits<double>::infinity();
+  take(observation, sensor, fan ? Band{-kAny, kAny} : Band{height_m, height_m});
   if (sensor.clears) clear_between_rays(scan, grid_T_sensor, height_m, sensor);
   return {};
 }
@@ -95,7 +101,7 @@ void ObstacleLayer::take(const Observation& observation, const SensorParams& sen
     for (const Ray& ray : observation.rays)
       if (ray.returned && ray.range_m <= sensor.obstacle_range_m && ray.end_m.z() >= band.low_m &&
           ray.end_m.z() <= band.high_m)
-        mark(ray, observation.stamp_s);
+        mark(ray, observation.stamp_s, observation.rise.has_value());
   if (!sensor.clears) return;
   const auto wanted = directions_to_clear(observation, sensor.raytrace_range_m);
   if (wanted.empty() && !params_.frees_unknown) return;
@@ -107,13 +113,18 @@ void ObstacleLayer::take(const Observation& observation, const SensorParams& sen
   }
 }
 
-void ObstacleLayer::mark(const Ray& ray, double stamp_s) {
+/// A fan shows the nearest of several heights: the last one says from where the cell can be seen.
+void ObstacleLayer::mark(const Ray& ray, double stamp_s, bool fan) {
   const auto cell = shape_.cell_of(ray.end_m.head<2>());
   if (!cell) return;
   const std::size_t index = shape_.index(*cell);
   const auto height_m = static_cast<float>(ray.end_m.z());
   if (slots_[index] >= 0) {
-    marks_[static_cast<std::size_t>(slots_[index])].join({index, stamp_s, height_m, height_m});
+    Mark& known = marks_[static_cast<std::size_t>(slots_[index])];
+    if (fan && stamp_s > known.stamp_s)
+      known = {index, stamp_s, height_m, height_m};
+    else
+      known.join({index, stamp_s, height_m, height_m});
     return;
   }
   slots_[index] = static_cast<std::int32_t>(marks_.size());
@@ -153,15 +164,29 @@ void ObstacleLayer::clear_along(const Observation& observation, const Ray& ray, 
   const Vector2d end = in_cells(to_m);
   const Vector2d end_cell = end.array().floor();
   const bool spares_end = ray.returned && !cut;
+  const double length_m = (to_m - from_m).head<2>().norm();
   visit_ray(shape_, in_cells(from_m), end, [&](Cell cell, double enter, double leave) {
     if (spares_end && cell.column == end_cell.x() && cell.row == end_cell.y()) return;
+    if (observation.rise) {
+      const double half_m = *observation.rise * 0.5 * (enter + leave) * length_m;
+      pass(shape_.index(cell), {from_m.z() - half_m, from_m.z() + half_m}, observation.stamp_s, true);
+      return;
+    }
     const double z_enter = from_m.z() + enter * (to_m.z() - from_m.z());
     const double z_leave = from_m.z() + leave * (to_m.z() - from_m.z());
-    pass(shape_.index(cell), {std::min(z_enter, z_leave), std::max(z_enter, z_leave)}, observation.stamp_s);
+    pass(shape_.index(cell), {std::min(z_enter, z_leave), std::max(z_enter, z_leave)}, observation.stamp_s,
+         false);
   });
 }
 
-void ObstacleLayer::pass(std::size_t index, const Band& heights, double stamp_s) {
+/// A line must meet the heights of a mark, a fan must hold them.
+bool ObstacleLayer::is_seen(const Mark& mark, const Band& heights, bool fan) const {
+  if (fan) return heights.low_m <= mark.low_m && heights.high_m >= mark.high_m;
+  return heights.low_m <= mark.high_m + params_.height_tolerance_m &&
+         heights.high_m >= mark.low_m - params_.height_tolerance_m;
+}
+
+void ObstacleLayer::pass(std::size_t index, const Band& heights, double stamp_s, bool fan) {
   if (slots_[index] == kNeverSeen) {
     slots_[index] = kSeenFree;
     if (params_.frees_unknown) note_change(index);
@@ -169,13 +194,12 @@ void ObstacleLayer::pass(std::size_t index, const Band& heights, double stamp_s)
   if (slots_[index] < 0) return;
   const auto slot = static_cast<std::size_t>(slots_[index]);
   const Mark& mark = marks_[slot];
-  const bool at_its_height = heights.low_m <= mark.high_m + params_.height_tolerance_m &&
-                             heights.high_m >= mark.low_m - params_.height_tolerance_m;
-  if (at_its_height && may_clear(mark, stamp_s)) erase(slot);
+  if (is_seen(mark, heights, fan) && may_clear(mark, stamp_s)) erase(slot);
 }
 
 void ObstacleLayer::clear_between_rays(const LaserScan& scan, const Pose2& grid_T_sensor, double height_m,
                                        const SensorParams& sensor) {
+  const bool fan = !scan.heights_m.empty();
   const double around_m = kHalfDiagonal * shape_.resolution_m;
   const auto passes = [&](double index, double distance_m) {
     const Range range = range_of(scan, scan.ranges[static_cast<std::size_t>(index)], sensor.inf_is_valid);
@@ -183,13 +207,12 @@ void ObstacleLayer::clear_between_rays(const LaserScan& scan, const Pose2& grid_
   };
   for (std::size_t slot = marks_.size(); slot-- > 0;) {
     const Mark& mark = marks_[slot];
-    if (!(scan.stamp_s - mark.stamp_s > params_.decay_s) ||
-        height_m < mark.low_m - params_.height_tolerance_m ||
-        height_m > mark.high_m + params_.height_tolerance_m)
-      continue;
+    if (!(scan.stamp_s - mark.stamp_s > params_.decay_s)) continue;
     const Vector2d middle_m = shape_.middle_of(cell_at(mark.index));
     const Vector2d to_mark = middle_m - Vector2d(grid_T_sensor.x, grid_T_sensor.y);
     const double distance_m = to_mark.norm();
+    const double half_m = fan ? std::tan(sensor.half_fov_rad) * distance_m : 0;
+    if (!is_seen(mark, {height_m - half_m, height_m + half_m}, fan)) continue;
     if (distance_m + around_m > sensor.raytrace_range_m) continue;
     const double angle = std::atan2(to_mark.y(), to_mark.x()) - grid_T_sensor.yaw - scan.angle_min;
     const double index =

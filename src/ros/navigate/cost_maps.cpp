@@ -1,5 +1,6 @@
 #include "ros/navigate/cost_maps.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <exception>
 #include <utility>
@@ -24,6 +25,7 @@ using navigate::NavError;
 
 constexpr double kTransformWaitS = 0.1;  // of wall time
 constexpr double kBlindM = 0.1;          // beyond the robot, where a scan may leave returns out as its own
+constexpr float kHighestM = 10.0F;       // an intensity above is none of a height
 
 }  // namespace
 
@@ -109,6 +111,7 @@ navigate::SensorParams CostMaps::sensor() const {
   sensor.min_obstacle_height_m = costs_.min_obstacle_height_m;
   sensor.max_obstacle_height_m = costs_.max_obstacle_height_m;
   sensor.inf_is_valid = true;
+  sensor.half_fov_rad = costs_.lidar_half_fov_rad;
   return sensor;
 }
 
@@ -224,16 +227,52 @@ Result<void> CostMaps::take_scan(const sensor_msgs::LaserScan& message) {
   placed.scan = std::move(*scan);
   placed.odom_T_base = to_pose2(*odom_T_base);
   placed.height_m = base_T_scanner->translation().z();
+  take_heights(message, placed);
   const auto map_T_odom = transform_at(global_frame_, odom_frame_, ros::Time(0));
   if (map_T_odom) placed.map_T_odom = to_pose2(*map_T_odom);
   {
     const std::lock_guard lock(mutex_);
+    keep_heights_of_map(placed);
     last_stamp_ = stamp;
     last_scan_ = placed;
     if (auto seen = observe(placed); !seen) return seen;
   }
   callbacks_.on_scan(placed);
   return {};
+}
+
+/// Heights of what the rays met, where the scan has them.
+void CostMaps::take_heights(const sensor_msgs::LaserScan& message, PlacedScan& placed) {
+  const std::lock_guard lock(mutex_);
+  const std::string& lidar = costs_.lidar_frame;
+  if (lidar.empty()) return;
+  std::string problem;
+  const bool as_many = message.intensities.size() == message.ranges.size();
+  if (!as_many || std::any_of(message.intensities.begin(), message.intensities.end(),
+                              [](float height_m) { return !(std::abs(height_m) < kHighestM); }))
+    problem = "the scan's intensities are no heights: set intensity: height for cloud_to_scan";
+  else if (!tf_.canTransform(base_frame_, lidar, ros::Time(0)))
+    problem = "no transform from lidar_frame " + lidar + " to " + base_frame_;
+  if (problem != heights_problem_ && !problem.empty())
+    ROS_WARN("%s; what the lidar sees from afar only is forgotten near to it", problem.c_str());
+  heights_problem_ = problem;
+  if (!problem.empty()) return;
+  const double own_m = placed.height_m;
+  placed.height_m = tf_.lookupTransform(base_frame_, lidar, ros::Time(0)).transform.translation.z;
+  placed.scan.heights_m = message.intensities;
+  for (float& height_m : placed.scan.heights_m) height_m += static_cast<float>(own_m);
+}
+
+/// Heights count where the map shows an obstacle, too: it will not go away while the lidar is too near to see
+/// it. A person who was seen from afar would leave a ghost.
+void CostMaps::keep_heights_of_map(PlacedScan& placed) const {
+  LaserScan& scan = placed.scan;
+  if (scan.heights_m.empty()) return;
+  if (!placed.map_T_odom) return scan.heights_m.clear();
+  const Pose2 map_T_base = compose(*placed.map_T_odom, placed.odom_T_base);
+  const auto rest = explanation_.unexplained(scan, compose(map_T_base, scan.base_T_sensor));
+  for (std::size_t i = 0; i < scan.heights_m.size(); ++i)
+    if (is_return(scan, rest.ranges[i])) scan.heights_m[i] = static_cast<float>(placed.height_m);
 }
 
 Result<void> CostMaps::observe(const PlacedScan& placed) {
@@ -404,6 +443,8 @@ void CostMaps::report(diagnostic_updater::DiagnosticStatusWrapper& status, doubl
                       timeout_s);
   work_health_.report(status);
   const std::lock_guard lock(mutex_);
+  const std::string heights = costs_.lidar_frame.empty() ? "none" : "used";
+  status.add("heights of scans", heights_problem_.empty() ? heights : heights_problem_);
   status.add("obstacle cells", local_.obstacles ? local_.obstacles->marked_cells() : 0);
   if (!global_.map)
     status.mergeSummary(DiagnosticStatus::WARN, map_problem_.empty() ? "no map yet" : map_problem_);

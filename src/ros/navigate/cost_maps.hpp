@@ -88,6 +88,8 @@ class CostMaps {
   void take_map(const nav_msgs::OccupancyGrid& message);
   void take_update(const map_msgs::OccupancyGridUpdate& message);
   [[nodiscard]] Result<void> take_scan(const sensor_msgs::LaserScan& message);
+  void take_heights(const sensor_msgs::LaserScan& message, PlacedScan& placed);
+  void keep_heights_of_map(PlacedScan& placed) const;
   [[nodiscard]] Result<void> take_cloud(const sensor_msgs::PointCloud2& message);
   [[nodiscard]] Result<void> observe(const PlacedScan& placed);
   void observe_globally(const PlacedScan& placed, const Pose2& map_T_odom);
@@ -121,6 +123,7 @@ class CostMaps {
   std::optional<PlacedScan> last_scan_;
   ros::Time last_stamp_;  ///< of the newest scan
   std::string map_problem_;
+  std::string heights_problem_;  ///< why the latest scan's are not used; empty: nothing is wrong
 
   std::atomic<bool> map_changed_{false};
   std::atomic<bool> stopped_{false};

@@ -72,6 +72,7 @@ void read_behaviour(ParamReader& reader, NavigatorNodeParams& params) {
   reader.read("conservative_reset_dist", recovery.clear_beyond_m, {0.0, 100.0});
   reader.read("avoid_ahead_m", recovery.avoid_ahead_m, {0.0, 10.0});
   reader.read("avoid_radius_m", recovery.avoid_radius_m, {0.001, 10.0});
+  reader.read("avoid_person_m", recovery.avoid_person_m, {0.001, 10.0});
   reader.read("max_recoveries", recovery.max_attempts, {1, 1000});
 }
 
@@ -110,6 +111,8 @@ void read_costs(ParamReader& reader, CostMapParams& costs) {
   reader.read("min_obstacle_height", costs.min_obstacle_height_m, {-10.0, 100.0});
   reader.read("max_obstacle_height", costs.max_obstacle_height_m, {-10.0, 100.0});
   reader.read("map_margin_m", costs.map_margin_m, {0.0, 2.0});
+  reader.read("lidar_frame", costs.lidar_frame);
+  reader.read("lidar_half_fov", costs.lidar_half_fov_rad, {0.0, 1.5});
   reader.read("track_unknown_space", costs.track_unknown);
   reader.read("publish_frequency", costs.publish_hz, {0.0, 50.0});
   reader.read("zones_file", costs.zones_file);

@@ -18,6 +18,7 @@ constexpr int kScanTicks = 5;
 constexpr std::size_t kRays = 120;
 constexpr float kRangeMaxM = 8.0F;
 constexpr double kCommandTimeoutS = 0.3;
+constexpr float kTableHeightM = 0.72F;
 
 float range_of(const OccupancyGrid& map, const Pose2& from, double angle_rad) {
   constexpr double kMarchM = 0.03;
@@ -135,9 +136,11 @@ void FakeRobot::step() {
 
 void FakeRobot::publish_scan(const Pose2& map_T_base, const ros::Time& stamp) {
   OccupancyGrid world;
+  std::optional<OccupancyGrid> table;
   {
     const std::lock_guard lock(mutex_);
     world = world_;
+    table = table_;
   }
   sensor_msgs::LaserScan scan;
   scan.header.stamp = stamp;
@@ -148,10 +151,16 @@ void FakeRobot::publish_scan(const Pose2& map_T_base, const ros::Time& stamp) {
   scan.range_min = 0.05F;
   scan.range_max = kRangeMaxM;
   scan.ranges.reserve(kRays);
-  for (std::size_t i = 0; i < kRays; ++i)
-    scan.ranges.push_back(range_of(world, map_T_base,
-                                   map_T_base.yaw + static_cast<double>(scan.angle_min) +
-                                       static_cast<double>(i) * static_cast<double>(scan.angle_increment)));
+  for (std::size_t i = 0; i < kRays; ++i) {
+    const double angle = map_T_base.yaw + static_cast<double>(scan.angle_min) +
+                         static_cast<double>(i) * static_cast<double>(scan.angle_increment);
+    scan.ranges.push_back(range_of(world, map_T_base, angle));
+    if (!table) continue;
+    const float to_table_m = range_of(*table, map_T_base, angle);
+    const bool shown = to_table_m > kTableFromM && to_table_m < scan.ranges.back();
+    if (shown) scan.ranges.back() = to_table_m;
+    scan.intensities.push_back(shown ? kTableHeightM : 0.0F);
+  }
   scan_.publish(scan);
 }
 
@@ -178,6 +187,11 @@ ros::Time FakeRobot::now() const {
 void FakeRobot::set_world(const OccupancyGrid& world) {
   const std::lock_guard lock(mutex_);
   world_ = world;
+}
+
+void FakeRobot::set_table(const OccupancyGrid& table) {
+  const std::lock_guard lock(mutex_);
+  table_ = table;
 }
 
 void FakeRobot::put(const Pose2& map_T_base) {

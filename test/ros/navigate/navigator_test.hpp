@@ -47,6 +47,9 @@ class FakeRobot {
   [[nodiscard]] Twist2 velocity() const;  ///< commanded last, zero after 0.3 s of silence
   [[nodiscard]] ros::Time now() const;
   void set_world(const OccupancyGrid& world);  ///< what the scanner sees
+  /// Stands 0.72 m high, so that the scanner sees it from kTableFromM on; scans have heights then.
+  void set_table(const OccupancyGrid& table);
+  static constexpr float kTableFromM = 1.2F;
   void silence_scan(bool on) { scan_silent_ = on; }
   void silence_odometry(bool on) { odometry_silent_ = on; }
   void put(const Pose2& map_T_base);    ///< carried away: odometry does not know, the localizer does
@@ -64,6 +67,7 @@ class FakeRobot {
   ros::NodeHandle handle_;
   mutable std::mutex mutex_;  ///< guards what follows
   OccupancyGrid world_;
+  std::optional<OccupancyGrid> table_;
   ros::Time now_;
   Pose2 odom_T_base_;
   Pose2 map_T_odom_;

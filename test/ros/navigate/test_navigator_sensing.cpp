@@ -93,6 +93,50 @@ TEST_F(NavigatorClouds, ACloudWithoutPointsIsReportedAndHarmsNothing) {
   EXPECT_EQ(client_.getState(), State::SUCCEEDED) << text();
 }
 
+class NavigatorTable : public NavigatorTest {
+ protected:
+  static constexpr double kLowX = -0.5, kHighX = -0.4, kHalfY = 0.35;
+
+  NavigatorTable() {
+    OccupancyGrid table = hall();
+    std::fill(table.cells.begin(), table.cells.end(), OccupancyGrid::kFree);
+    fill(table, {kLowX, -kHalfY, 0}, {kHighX, kHalfY, 0});
+    robot_.set_table(table);
+    fill(map_, {kLowX, -kHalfY + 0.1, 0}, {kHighX, kHalfY - 0.1, 0});  // smaller than it is
+  }
+
+  /// Drives across the table; how near its middle came to the table's edges, 0 under it [m].
+  double nearest_m(const Params& more) {
+    load(more);
+    client_.sendGoal(goal(0.5, 0));
+    double nearest_m = 10;
+    const bool ended = wait_for(
+        [&] {
+          const Pose2 here = robot_.pose();
+          nearest_m = std::min(nearest_m, std::hypot(std::max({kLowX - here.x, 0.0, here.x - kHighX}),
+                                                     std::max(std::abs(here.y) - kHalfY, 0.0)));
+          return client_.getState().isDone();
+        },
+        40);
+    EXPECT_TRUE(ended) << log_.text();
+    return nearest_m;
+  }
+};
+
+TEST_F(NavigatorTable, ATableThatTheLidarSeesFromAfarOnlyIsDrivenAround) {
+  EXPECT_GT(
+      nearest_m(
+          {{"lidar_frame", std::string("base_link")}, {"lidar_half_fov", 0.53}, {"inflation_radius", 0.26}}),
+      0.24)
+      << "half of the base is 0.25 m";
+  EXPECT_EQ(client_.getState(), State::SUCCEEDED) << text();
+}
+
+TEST_F(NavigatorTable, IntensitiesThatAreNoHeightsAreSaidToBeNone) {
+  load({{"lidar_frame", std::string("no_such_frame")}});
+  EXPECT_TRUE(log_.wait("no transform from lidar_frame no_such_frame to base_link"));
+}
+
 /// A base with one arm of 0.9 m to its left, which a joint folds backwards along the base.
 constexpr const char* kRobot = R"(<robot name="one_arm">
   <link name="base_link"/>

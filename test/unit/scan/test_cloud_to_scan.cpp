@@ -185,6 +185,22 @@ TEST(CloudToScan, IntensityOfTheNearestOrTheLargest) {
   EXPECT_TRUE(run(params, points).scan.intensities.empty());
 }
 
+TEST(CloudToScan, HeightOfTheNearestInPlaceOfAnIntensity) {
+  std::vector<TestPoint> points{at(0, 5), at(0, 3), at(90, 4), at(90, 4.05F), at(90, 4.05F)};
+  points[0].z = 0.3F;
+  points[1].z = 0.8F;
+  points[2].z = 1.2F;
+  points[3].z = 0.5F;
+  points[4].z = 0.9F;
+  auto params = open_params();
+  params.intensity = IntensityOf::kHeight;
+  const auto [scan, statistics] = run(params, points);
+  EXPECT_FLOAT_EQ(scan.intensities[ray_at(scan, 0)], 0.8F);
+  EXPECT_FLOAT_EQ(scan.intensities[ray_at(scan, 90 * kDegree)], 0.5F);
+  EXPECT_EQ(scan.intensities[0], 0.0F);
+  EXPECT_FALSE(statistics.intensity_missing);
+}
+
 TEST(CloudToScan, OnlySelectedRings) {
   std::vector<TestPoint> points;
   for (std::uint16_t ring = 0; ring < 16; ++ring) {

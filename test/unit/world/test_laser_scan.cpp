@@ -70,6 +70,8 @@ TEST(LaserScan, ComplaintsNameTheField) {
             }).find("100001 rays"),
             std::string::npos);
   EXPECT_NE(with([](auto& s) { s.angle_increment = 1; }).find("in radians"), std::string::npos);
+  EXPECT_NE(with([](auto& s) { s.heights_m.assign(s.ranges.size() + 1, 0); }).find("heights"),
+            std::string::npos);
   EXPECT_NE(with([&](auto& s) { s.base_T_sensor.yaw = nan; }).find("pose of the scanner"), std::string::npos);
 }
 

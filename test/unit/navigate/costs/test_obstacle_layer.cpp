@@ -143,6 +143,47 @@ TEST_F(Obstacles, WhatIsBesideTheScannerDoesNotAge) {
   EXPECT_EQ(cost_at(1.51, 0.01), kFreeCost) << "a ray has passed";
 }
 
+/// A lidar 0.4 m above the floor that sees 0.2 rad up and down, and a table top at 0.72 m.
+class ObstaclesWithHeights : public Obstacles {
+ protected:
+  void look(double stamp_s, float range_m, float height_m, double x) {
+    LaserScan scan;
+    scan.stamp_s = stamp_s;
+    scan.angle_increment = 0.01;
+    scan.range_min = 0.1;
+    scan.range_max = 8;
+    scan.ranges = {range_m};
+    scan.heights_m = {height_m};
+    SensorParams sensor;
+    sensor.half_fov_rad = 0.2;
+    ASSERT_TRUE(layer->observe(scan, {x, 0, 0}, 0.4, sensor));
+    (void)layer->take_changes(grid, stamp_s);
+  }
+};
+
+TEST_F(ObstaclesWithHeights, ATableThatIsTooNearToBeSeenStays) {
+  look(1, 2.01F, 0.72F, 0);
+  ASSERT_EQ(cost_at(2.01, 0.01), kLethalCost);
+  for (double x = 0.5; x < 1.4; x += 0.05) look(1 + 2 * x, 3.0F, 0.4F, x);  // the wall behind it
+  EXPECT_EQ(cost_at(2.01, 0.01), kLethalCost);
+}
+
+TEST_F(ObstaclesWithHeights, WhatCouldBeSeenAndIsGoneIsCleared) {
+  look(1, 2.01F, 0.72F, 0);
+  look(2, 3.5F, 0.4F, 0);
+  EXPECT_EQ(cost_at(2.01, 0.01), kFreeCost) << "1.6 m suffice for the table's height";
+  look(3, 2.01F, 0.5F, 0);
+  look(4, 3.0F, 0.4F, 1.4);
+  EXPECT_EQ(cost_at(2.01, 0.01), kFreeCost) << "half a metre for 0.5 m";
+}
+
+TEST_F(ObstaclesWithHeights, TheLastHeightCounts) {
+  look(1, 2.01F, 1.4F, 0);
+  look(2, 1.01F, 0.5F, 1);
+  look(3, 3.0F, 0.4F, 1);
+  EXPECT_EQ(cost_at(2.01, 0.01), kFreeCost) << "a person who was seen at 0.5 m lately, and is gone";
+}
+
 TEST_F(Obstacles, GhostBetweenRaysDecaysWhenSeen) {
   LaserScan coarse;
   coarse.stamp_s = 1;
@@ -223,6 +264,14 @@ TEST_F(Obstacles, FreesUnknownCellsThatRaysPassed) {
 }
 
 TEST_F(Obstacles, RefusesWhatCannotBe) {
+  EXPECT_THROW(ObstacleLayer({0, 1, 10, 0.1, false, -1}), std::invalid_argument);
+  SensorParams wide;
+  wide.half_fov_rad = 1.6;
+  LaserScan any;
+  any.angle_increment = 0.1;
+  any.range_max = 5;
+  any.ranges = {1};
+  EXPECT_FALSE(layer->observe(any, {}, kHeight, wide));
   LaserScan scan;
   EXPECT_FALSE(layer->observe(scan, {}, kHeight, {}));
   scan.angle_increment = 0.1;
