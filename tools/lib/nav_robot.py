@@ -53,7 +53,9 @@ class Drive:
         """Where and when each contact with the true map, or each stand against something, began, and what the navigator said then."""
         flags = [true_map.touches(pose) for _, pose in self.samples]
         begun = [stamp for (stamp, _), before, now in zip(self.samples, [False, *flags], flags) if now and not before]
-        return [self._moment(stamp, what) for what, stamps in (("touches", begun), ("stands against", self.bumps)) for stamp in stamps]
+        return [*(self._moment(stamp, "touches") for stamp in begun),
+                *(self._moment(stamp, "stands before a person" if self._at_person(stamp, BUMP_M) else "stands against something")
+                  for stamp in self.bumps)]
 
     def _moment(self, stamp, what):
         pose = min(self.samples, key=lambda entry: abs(entry[0] - stamp))[1]

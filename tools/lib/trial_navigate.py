@@ -277,6 +277,7 @@ def run(options, robot, true_map, world):
         if closer:
             rows[-1]["closed_door"] = closer.closed
         show(rows[-1])
+        save(options, rows)  # a series may be ended before its last goal
         draw(true_map, drives, rows, options.out / f"paths_{options.seed}.png")
     return rows
 
@@ -294,14 +295,17 @@ def summary_of(options, rows):
             "ratio": sum(row["driven_m"] for row in reached) / planned if planned else 0.0}
 
 
+def save(options, rows):
+    if options.json:
+        options.json.write_text(json.dumps({"summary": summary_of(options, rows), "goals": rows}, indent=1) + "\n")
+
+
 def report(options, rows):
     summary = summary_of(options, rows)
     print(f"{summary['world']}, seed {summary['seed']}, {summary['base']}{', people' if options.people else ''}: reached "
           f"{summary['reached']} of {summary['goals']}, contacts {summary['contacts']}, with people "
           f"{summary['person_contacts_driving']} while driving and {summary['person_contacts_standing']} while standing, "
           f"{summary['speed_m_s']:.2f} m/s, driven over planned {summary['ratio']:.2f}")
-    if options.json:
-        options.json.write_text(json.dumps({"summary": summary, "goals": rows}, indent=1) + "\n")
     return 0 if summary["reached"] == summary["goals"] and not summary["contacts"] else 1
 
 
