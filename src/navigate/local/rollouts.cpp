@@ -203,14 +203,14 @@ float Rollouts::rate_pose(const Scene& scene, int step, int sample) {
                static_cast<float>(params_.heading_weight) * std::min(off * off, 2.0F);
   cost += obstacle_cost(scene, step, sample, at);
   if (!scene.people.empty())
-    cost += people_share(sample) * static_cast<float>(params_.people_weight) *
+    cost += people_factor(sample) * static_cast<float>(params_.people_weight) *
             scene.people.at(static_cast<std::size_t>(step), x, y);
   return cost;
 }
 
 /// Who walks towards a robot that stands will stop or pass: it need not give ground, which in a corridor
 /// never ends.
-float Rollouts::people_share(int sample) const {
+float Rollouts::people_factor(int sample) const {
   constexpr float kPasses_m_s = 0.3F;
   constexpr float kStanding = 0.2F;
   const float vx = now_[0][sample];
