@@ -19,9 +19,10 @@ class NearMemory {
   explicit NearMemory(double reach_m);
 
   /// Adds to the points of a scan (base's frame) those that scans before it had in the strip, unless the scan
-  /// has one within 4 cm of them. Forgotten for good: what is outside of the strip by now, or deeper than 5
-  /// cm inside the footprint. odom_T_base: at the scan's stamp, in a frame that does not jump. A pose that is
-  /// not finite changes nothing. O(points + points in the strip squared).
+  /// has one within 4 cm of them; 1.5 cm nearer to the base than they were seen. Forgotten for good: what is
+  /// outside of the strip by now, or deeper than 5 cm inside the footprint. odom_T_base: at the scan's stamp,
+  /// in a frame that does not jump. A pose that is not finite changes nothing. O(points + points in the strip
+  /// squared).
   void complete(std::vector<Eigen::Vector2d>& points_m, const Footprint& footprint, const Pose2& odom_T_base);
 
  private:

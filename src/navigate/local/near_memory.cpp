@@ -13,6 +13,7 @@ namespace {
 
 constexpr double kReplaced_m = 0.04;  // what a scan shows so near to a remembered point takes its place
 constexpr double kDeep_m = 0.05;      // deeper inside the footprint no obstacle can be
+constexpr double kDoubt_m = 0.015;    // noise of the last scan that showed it, and odometry since then
 constexpr double kBeside_m = 0.15;    // beyond the strip: may be in it at the next scan
 
 /// Below 0 inside.
@@ -53,7 +54,7 @@ void NearMemory::complete(std::vector<Eigen::Vector2d>& points_m, const Footprin
     if (!is_in_strip(here_m, footprint, reach_m_) || std::any_of(near_m.begin(), near_m.end(), is_same))
       continue;
     near_m.push_back(here_m);
-    points_m.push_back(here_m);
+    points_m.push_back(here_m - kDoubt_m * here_m.normalized());
   }
   kept_m_.clear();
   for (const Eigen::Vector2d& point_m : near_m) kept_m_.push_back(moved(odom_T_base, point_m));
