@@ -203,19 +203,20 @@ float Rollouts::rate_pose(const Scene& scene, int step, int sample) {
                static_cast<float>(params_.heading_weight) * std::min(off * off, 2.0F);
   cost += obstacle_cost(scene, step, sample, at);
   if (!scene.people.empty())
-    cost += people_factor(sample) * static_cast<float>(params_.people_weight) *
-            scene.people.at(static_cast<std::size_t>(step), x, y);
+    cost += static_cast<float>(params_.people_weight) * people_cost(scene, step, sample);
   return cost;
 }
 
-/// Who walks towards a robot that stands will stop or pass: it need not give ground, which in a corridor
-/// never ends.
-float Rollouts::people_factor(int sample) const {
+/// Who walks into a robot that stands will stop or pass: it need not give ground, which in a corridor never
+/// ends.
+float Rollouts::people_cost(const Scene& scene, int step, int sample) const {
   constexpr float kPasses_m_s = 0.3F;
   constexpr float kStanding = 0.2F;
+  const float cost = scene.people.at(static_cast<std::size_t>(step), x_(sample, step), y_(sample, step));
+  if (cost < PeopleCost::kTouches) return cost;
   const float vx = now_[0][sample];
   const float vy = now_[1][sample];
-  return std::clamp(std::sqrt(vx * vx + vy * vy) / kPasses_m_s, kStanding, 1.0F);
+  return cost * std::clamp(std::sqrt(vx * vx + vy * vy) / kPasses_m_s, kStanding, 1.0F);
 }
 
 float Rollouts::obstacle_cost(const Scene& scene, int step, int sample, const Station& at) {

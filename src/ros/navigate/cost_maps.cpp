@@ -25,6 +25,7 @@ using navigate::NavError;
 
 constexpr double kTransformWaitS = 0.1;  // of wall time
 constexpr double kBlindM = 0.1;          // beyond the robot, where a scan may leave returns out as its own
+constexpr double kSettledS = 60.0;       // without a change, a map counts as finished
 constexpr float kHighestM = 10.0F;       // an intensity above is none of a height
 
 }  // namespace
@@ -192,6 +193,7 @@ void CostMaps::take_map(const nav_msgs::OccupancyGrid& message) {
     return;
   }
   map_problem_.clear();
+  note_map_change();
   build_global(grid);
   (void)global_.map->update(last_stamp_.toSec());
   global_snapshot_.reset();
@@ -210,9 +212,15 @@ void CostMaps::take_update(const map_msgs::OccupancyGridUpdate& message) {
     ROS_ERROR("an update of the map is refused: %s", taken.error().message.c_str());
     return;
   }
+  note_map_change();
   (void)global_.map->update(last_stamp_.toSec());
   global_snapshot_.reset();
   map_changed_ = true;
+}
+
+void CostMaps::note_map_change() {
+  ++maps_;
+  map_changed_s_ = last_stamp_.toSec();
 }
 
 Result<void> CostMaps::take_scan(const sensor_msgs::LaserScan& message) {
@@ -263,12 +271,14 @@ void CostMaps::take_heights(const sensor_msgs::LaserScan& message, PlacedScan& p
   for (float& height_m : placed.scan.heights_m) height_m += static_cast<float>(own_m);
 }
 
-/// Heights count where the map shows an obstacle, too: it will not go away while the lidar is too near to see
-/// it. A person who was seen from afar would leave a ghost.
+/// Heights count where a finished map shows an obstacle, too: it will not go away while the lidar is too near
+/// to see it. A person who was seen from afar would leave a ghost, and a map that is made meanwhile shows
+/// people.
 void CostMaps::keep_heights_of_map(PlacedScan& placed) const {
   LaserScan& scan = placed.scan;
   if (scan.heights_m.empty()) return;
-  if (!placed.map_T_odom) return scan.heights_m.clear();
+  const bool finished = maps_ == 1 || scan.stamp_s - map_changed_s_ > kSettledS;
+  if (!placed.map_T_odom || !finished) return scan.heights_m.clear();
   const Pose2 map_T_base = compose(*placed.map_T_odom, placed.odom_T_base);
   const auto rest = explanation_.unexplained(scan, compose(map_T_base, scan.base_T_sensor));
   for (std::size_t i = 0; i < scan.heights_m.size(); ++i)

@@ -90,6 +90,7 @@ class CostMaps {
   [[nodiscard]] Result<void> take_scan(const sensor_msgs::LaserScan& message);
   void take_heights(const sensor_msgs::LaserScan& message, PlacedScan& placed);
   void keep_heights_of_map(PlacedScan& placed) const;
+  void note_map_change();
   [[nodiscard]] Result<void> take_cloud(const sensor_msgs::PointCloud2& message);
   [[nodiscard]] Result<void> observe(const PlacedScan& placed);
   void observe_globally(const PlacedScan& placed, const Pose2& map_T_odom);
@@ -123,6 +124,8 @@ class CostMaps {
   std::optional<PlacedScan> last_scan_;
   ros::Time last_stamp_;  ///< of the newest scan
   std::string map_problem_;
+  std::size_t maps_{0};          ///< and updates
+  double map_changed_s_{0};      ///< stamp of the newest scan then
   std::string heights_problem_;  ///< why the latest scan's are not used; empty: nothing is wrong
 
   std::atomic<bool> map_changed_{false};
