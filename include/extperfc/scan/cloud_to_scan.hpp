@@ -40,7 +40,7 @@ struct ScanParams {
   double range_max{30.0};   ///< farther points do not count [m]
   bool use_inf{true};       ///< a ray that is seen to be free is +infinity, as REP 117 wants it; or ...
   double inf_epsilon{1.0};  ///< ... range_max + inf_epsilon [m]
-  IntensityOf intensity{IntensityOf::kNearest};
+  IntensityOf intensity{IntensityOf::kHeight};
   std::optional<RingSet> rings;  ///< no value: all
   double support_m{0.15};        ///< points this near to each other are one surface, (0, 2]
   /// A beam without any return counts as free up to here [m], [0, 1e6]; 0: it stays unknown. Dark, wet

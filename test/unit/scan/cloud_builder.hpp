@@ -81,6 +81,7 @@ CloudView packed_view(const std::vector<T>& points) {
 /// No limits, no ground, one degree per ray over a full revolution.
 inline ScanParams open_params() {
   ScanParams params;
+  params.intensity = IntensityOf::kNearest;
   params.min_height = -100;
   params.max_height = 100;
   params.angle_min = -M_PI;
