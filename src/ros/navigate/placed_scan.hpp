@@ -12,7 +12,7 @@ struct PlacedScan {
   LaserScan scan;
   Pose2 odom_T_base;                  ///< at its stamp
   std::optional<Pose2> map_T_odom{};  ///< the latest; empty: not known yet
-  double height_m{0};                 ///< of its plane above the floor; of the lidar, where the scan has heights
+  double height_m{0};  ///< of its plane above the floor; of the lidar, where the scan has heights
 };
 
 }  // namespace extperfc::ros_navigate

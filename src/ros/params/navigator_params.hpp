@@ -39,7 +39,7 @@ struct CostMapParams {
   double min_obstacle_height_m{0.1};
   double max_obstacle_height_m{1.5};
   double map_margin_m{0.1};  ///< returns nearer to an obstacle of the map are that obstacle
-  std::string lidar_frame;             ///< of the lidar whose heights the scan has as intensities; empty: none
+  std::string lidar_frame;   ///< of the lidar whose heights the scan has as intensities; empty: none
   double lidar_half_fov_rad{0.2269};
   bool track_unknown{true};
   double publish_hz{2.0};

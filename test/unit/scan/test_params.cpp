@@ -62,7 +62,8 @@ TEST(ScanParams, NamesGoBothWays) {
   for (const auto method :
        {GroundMethod::kNone, GroundMethod::kHeight, GroundMethod::kPlane, GroundMethod::kSlope})
     EXPECT_EQ(ground_method_from_name(to_string(method)), method);
-  for (const auto intensity : {IntensityOf::kNone, IntensityOf::kNearest, IntensityOf::kMaximum, IntensityOf::kHeight})
+  for (const auto intensity :
+       {IntensityOf::kNone, IntensityOf::kNearest, IntensityOf::kMaximum, IntensityOf::kHeight})
     EXPECT_EQ(intensity_from_name(to_string(intensity)), intensity);
   for (const auto times : {AzimuthTimes::kNone, AzimuthTimes::kStampAtEnd, AzimuthTimes::kStampAtStart})
     EXPECT_EQ(azimuth_times_from_name(to_string(times)), times);
