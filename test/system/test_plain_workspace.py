@@ -59,7 +59,7 @@ class Workspace:
     def close(self):
         self._folder.cleanup()
 
-    def run(self, *command, timeout=120, **environment):
+    def run(self, *command, timeout=300, **environment):
         """Runs a command in the workspace's folder; returns its output, raises with it when the command fails."""
         done = subprocess.run(command, cwd=self.root, env=plain_environment(PWD=str(self.root), **environment),
                               stdout=subprocess.PIPE,
