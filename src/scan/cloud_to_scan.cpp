@@ -45,6 +45,9 @@ class CloudToScan::Impl {
   void see_through(const Eigen::Vector3f& origin, const Eigen::Vector3f& far, const Ground& ground);
   void follow_slopes(ScanStatistics& statistics);
   void fill_ray(std::size_t ray, PlanarScans& scans, ScanStatistics& statistics);
+  [[nodiscard]] bool reads_intensity() const {
+    return params_.intensity == IntensityOf::kNearest || params_.intensity == IntensityOf::kMaximum;
+  }
   [[nodiscard]] float height_of(std::size_t ray, float range);
   void set(std::size_t ray, float range, std::uint32_t point, PlanarScan& scan);
 
@@ -54,8 +57,8 @@ class CloudToScan::Impl {
   std::vector<std::uint32_t> rays_;  ///< of every point, see RayLayout
   Columns columns_;
   std::vector<SilentBeam> silent_;
-  float lidar_height_{0};
   std::vector<char> free_;  ///< rays along which a beam went on beyond range_max
+  float lidar_height_{0};
 };
 
 Result<void> CloudToScan::Impl::check(const CloudView& cloud, const SensorTrack& track) const {
@@ -73,11 +76,10 @@ Result<ScanStatistics> CloudToScan::Impl::convert(const CloudView& cloud, const 
   ScanStatistics statistics;
   statistics.points = cloud.size();
   const bool heights = params_.intensity == IntensityOf::kHeight;
-  const bool wants_intensity = params_.intensity != IntensityOf::kNone && !heights;
-  statistics.intensity_missing = wants_intensity && !cloud.intensity && statistics.points > 0;
+  statistics.intensity_missing = reads_intensity() && !cloud.intensity && statistics.points > 0;
   statistics.ground = level_ground(params_.ground);
   for (auto* scan : {&scans.supported, &scans.nearest})
-    layout_.clear(*scan, heights || (wants_intensity && cloud.intensity));
+    layout_.clear(*scan, heights || (reads_intensity() && cloud.intensity));
   columns_.clear(layout_.count(), cloud.size());
   free_.assign(layout_.count(), 0);
   if (statistics.points > 0) {
@@ -99,7 +101,7 @@ void CloudToScan::Impl::read(const CloudView& cloud, const SweepTransform& trans
                              ScanStatistics& statistics) {
   ReadOptions options;
   options.rings = params_.rings ? &*params_.rings : nullptr;
-  options.intensity = params_.intensity != IntensityOf::kNone && params_.intensity != IntensityOf::kHeight;
+  options.intensity = reads_intensity();
   options.time = transform.moves();
   options.azimuth_times = params_.azimuth_times;
   options.revolution_s = params_.scan_time;

@@ -63,9 +63,9 @@ struct RecoveryOutput {
   bool done{false};                        ///< plan again
 };
 
-/// The ladder of a robot that is stuck: wait, clear, back off, rotate, avoid; with a person near, avoid comes
-/// after wait. A step that did not help at a
-/// place is never tried there again for this goal. One thread at a time.
+/// The ladder of a robot that is stuck: wait, clear, back off, avoid, rotate; with a person near, avoid comes
+/// after wait. A step that did not help at a place is never tried there again for this goal. One thread at a
+/// time.
 class Recovery {
  public:
   /// Throws std::invalid_argument for parameters out of their range.

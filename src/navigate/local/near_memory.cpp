@@ -16,16 +16,10 @@ constexpr double kDeep_m = 0.05;      // deeper inside the footprint no obstacle
 constexpr double kDoubt_m = 0.015;    // noise of the last scan that showed it, and odometry since then
 constexpr double kBeside_m = 0.15;    // beyond the strip: may be in it at the next scan
 
-/// Below 0 inside.
-double signed_distance_m(const Footprint& footprint, const Eigen::Vector2d& point_m) {
-  const double to_edges_m = distance_to_edges_m(footprint.corners_m(), point_m);
-  return contains(footprint.corners_m(), point_m) ? -to_edges_m : to_edges_m;
-}
-
 bool is_in_strip(const Eigen::Vector2d& point_m, const Footprint& footprint, double outside_m) {
   if (point_m.squaredNorm() > square(footprint.circumscribed_radius_m() + outside_m)) return false;
-  const double outside = signed_distance_m(footprint, point_m);
-  return outside <= outside_m && outside >= -kDeep_m;
+  const auto& corners_m = footprint.corners_m();
+  return distance_to_edges_m(corners_m, point_m) <= (contains(corners_m, point_m) ? kDeep_m : outside_m);
 }
 
 Eigen::Vector2d moved(const Pose2& pose, const Eigen::Vector2d& point_m) {

@@ -26,7 +26,7 @@ using navigate::NavError;
 constexpr double kTransformWaitS = 0.1;  // of wall time
 constexpr double kBlindM = 0.1;          // beyond the robot, where a scan may leave returns out as its own
 constexpr double kSettledS = 60.0;       // without a change, a map counts as finished
-constexpr float kHighestM = 10.0F;       // an intensity above is none of a height
+constexpr float kHighestM = 10.0F;       // larger intensities cannot be heights
 
 }  // namespace
 
@@ -453,7 +453,7 @@ void CostMaps::report(diagnostic_updater::DiagnosticStatusWrapper& status, doubl
                       timeout_s);
   work_health_.report(status);
   const std::lock_guard lock(mutex_);
-  const std::string heights = costs_.lidar_frame.empty() ? "none" : "used";
+  const std::string heights = costs_.lidar_frame.empty() ? "none" : "where a finished map shows an obstacle";
   status.add("heights of scans", heights_problem_.empty() ? heights : heights_problem_);
   status.add("obstacle cells", local_.obstacles ? local_.obstacles->marked_cells() : 0);
   if (!global_.map)
