@@ -229,7 +229,7 @@ class Network(unittest.TestCase):
 
             def run(name, steps):
                 options = types.SimpleNamespace(folder=folder, checkpoint=Path(folder, name), device='cpu', threads=1,
-                                                bfloat16=False, save_every=1)
+                                                bfloat16=False, fused=False, save_every=1)
                 trainer = Trainer(recipe, options)
                 stop = trainer.save
 
@@ -250,6 +250,46 @@ class Network(unittest.TestCase):
             resumed = run('broken.pt', 99)
         for name, value in whole.items():
             self.assertTrue(torch.equal(value, resumed[name]), name)
+
+
+    def test_a_run_that_continues_begins_with_the_given_weights_and_is_noted_after_the_first(self):
+        import json
+
+        from extperfc.training.shapes import export
+        from extperfc.training.shapes.train import Recipe, Trainer
+        recipe = Recipe.continued(3)
+        self.assertEqual((recipe.input_size(0), recipe.mosaics(2)), ((WIDTH, HEIGHT), 0.0))
+        self.assertLess(recipe.learning_rate(2), recipe.learning_rate(1))
+        self.assertNotEqual(recipe.seed, Recipe().seed)
+        with tempfile.TemporaryDirectory() as folder:
+            draw_folder(folder, 2)
+            path = Path(folder, 'manifest.json')
+            path.write_text(json.dumps({'runs': [{'recipe': 'first'}]}))
+            options = types.SimpleNamespace(folder=folder, checkpoint=Path(folder, 'a.pt'), device='cpu', threads=1,
+                                            bfloat16=False, fused=False, save_every=1)
+            trainer = Trainer(recipe, options, MODEL / 'weights.pt')
+            trainer.save()
+            before = export.read_weights(MODEL / 'weights.pt')
+            for name, value in export.read_weights(options.checkpoint).items():
+                self.assertTrue(torch.equal(value, before[name]), name)
+            for _ in range(2):  # the second time changes nothing
+                export.write_manifest(torch.load(options.checkpoint), path, folder)
+            runs = json.loads(path.read_text())['runs']
+        self.assertEqual(len(runs), 2)
+        self.assertEqual((runs[0]['recipe'], runs[1]['recipe']['steps'], runs[1]['images']), ('first', 3, 2))
+
+    def test_the_average_follows_as_a_running_mean_would(self):
+        from extperfc.training.shapes.train import Average
+        net = torch.nn.BatchNorm1d(2)
+        average = Average(net, 0.9)
+        with torch.no_grad():
+            net.weight.fill_(3.0)
+            net.num_batches_tracked.fill_(7)
+        average.follow(0)
+        self.assertTrue(torch.allclose(average.net.weight, torch.full((2,), 1 * 0.05 + 3 * 0.95)))
+        average.follow(1000)
+        self.assertTrue(torch.allclose(average.net.weight, torch.full((2,), 2.91)))
+        self.assertEqual(int(average.net.num_batches_tracked), 7)
 
 
 class Shipped(unittest.TestCase):

@@ -54,8 +54,8 @@ def write_weights(weights, path):
     torch.save({name: value.half() if value.is_floating_point() else value for name, value in weights.items()}, path)
 
 
-def manifest(recipe, folder):
-    """What repeats the weights: the recipe, how the images were rendered, and a checksum over them."""
+def run_notes(recipe, folder):
+    """What repeats a run: the recipe, how the images were rendered, and a checksum over them."""
     folder = Path(folder)
     digest = hashlib.sha256()
     images = sorted((folder / 'JPEGImages').glob('*.jpg'))[:recipe['images']]
@@ -63,6 +63,14 @@ def manifest(recipe, folder):
         digest.update(image.read_bytes())
     return {'recipe': recipe, 'rendered': (folder / 'render.txt').read_text().splitlines(),
             'images': len(images), 'images_sha256': digest.hexdigest()}
+
+
+def write_manifest(state, path, folder):
+    """Writes the run of a checkpoint after those that it continued, if it did: {"runs": [...]}."""
+    before = json.loads(path.read_text())['runs'] if state['continued'] and path.exists() else []
+    run = json.loads(json.dumps(run_notes(state['recipe'], folder)))  # tuples as lists, to compare
+    runs = before + [run] * (run not in before)
+    path.write_text(json.dumps({'runs': runs}, indent=1) + '\n')
 
 
 def export(trained, model_folder, train_folder, val_folder):
@@ -79,9 +87,9 @@ def export(trained, model_folder, train_folder, val_folder):
     text = MODEL_YAML.format(sha256=hashlib.sha256(path.read_bytes()).hexdigest(), width=WIDTH, height=HEIGHT,
                              scale=repr(1 / 255), score=threshold['score'])
     (model_folder / 'model.yaml').write_text(text)
-    recipe = torch.load(trained, map_location='cpu').get('recipe')
-    if recipe is not None:
+    state = torch.load(trained, map_location='cpu')
+    if 'recipe' in state:
         write_weights(weights, model_folder / 'weights.pt')
-        (model_folder / 'manifest.json').write_text(json.dumps(manifest(recipe, train_folder), indent=1) + '\n')
+        write_manifest(state, model_folder / 'manifest.json', train_folder)
     print(f'{path}: {path.stat().st_size / 1e6:.2f} MB, OpenCV differs from PyTorch by {difference:.1e}, '
           f'val AP50 {table["mean"]["ap50"]:.3f}, score threshold {threshold["score"]:.2f}')

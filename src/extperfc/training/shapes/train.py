@@ -12,6 +12,7 @@ import torch
 from ..progress import Progress
 from . import HEIGHT, WIDTH, network
 from .augment import Augmenter
+from .export import read_weights
 from .loss import detection_loss
 from .store import NONE, ImageStore
 
@@ -37,6 +38,12 @@ class Recipe:
     mosaic: float = 0.3  # fraction of samples
     averaging: float = 0.9995  # of the weights, per step
 
+    @classmethod
+    def continued(cls, steps=12000):
+        """Of a run that begins with trained weights: other samples, the whole input, a rate that falls from the start."""
+        return cls(seed=2, first_images=6000, more_images=7, steps=steps, small_steps=0, decay_steps=steps, rate=2e-3,
+                   warmup_steps=min(500, steps))
+
     def pool(self, step):
         """Images that a step draws from."""
         return min(self.images, self.first_images + self.more_images * step)
@@ -60,15 +67,23 @@ class Recipe:
         return min(change for change in changes if change > step)
 
 
-def average(slow, fast, step, keep):
-    """Moves the averaged network towards the trained one."""
-    keep = min(keep, (1 + step) / (20 + step))
-    with torch.no_grad():
-        for a, b in zip(slow.state_dict().values(), fast.state_dict().values()):
-            if a.dtype.is_floating_point:
-                a.lerp_(b, 1 - keep)
-            else:
-                a.copy_(b)
+class Average:
+    """A network whose weights follow those of a trained one: a running average."""
+
+    def __init__(self, net, keep):
+        self.net, self.keep = copy.deepcopy(net).eval(), keep
+        pairs = list(zip(self.net.state_dict().values(), net.state_dict().values()))
+        self.slow, self.fast = zip(*[(a, b) for a, b in pairs if a.dtype.is_floating_point])
+        self.counters = [(a, b) for a, b in pairs if not a.dtype.is_floating_point]
+
+    @torch.no_grad()
+    def follow(self, step):
+        """Moves towards the trained network; in few calls, as hundreds would cost a GPU's step a third of its time."""
+        keep = min(self.keep, (1 + step) / (20 + step))
+        torch._foreach_mul_(self.slow, keep)
+        torch._foreach_add_(self.slow, self.fast, alpha=1 - keep)
+        for a, b in self.counters:
+            a.copy_(b)
 
 
 def optimiser(net, recipe):
@@ -80,9 +95,9 @@ def optimiser(net, recipe):
 
 
 class Trainer:
-    """One run; `options` has folder, checkpoint, device ('auto', 'cpu', 'cuda'), threads, bfloat16, save_every.
+    """One run; `options` has folder, checkpoint, device ('auto', 'cpu', 'cuda'), threads, bfloat16, fused, save_every.
 
-    `start`: weights.pt of a model folder instead of random weights.
+    `start`: weights.pt of a model folder, or a checkpoint, instead of random weights.
     """
 
     def __init__(self, recipe, options, start=None):
@@ -93,11 +108,13 @@ class Trainer:
         self.device = torch.device(name)
         torch.backends.cudnn.benchmark = True  # a run has few sizes
         self.net = network.ShapeNet()
-        if start is not None:
-            self.net.load_state_dict({name: value.float() if value.is_floating_point() else value
-                                      for name, value in torch.load(start, map_location='cpu').items()})
+        self.continued = start is not None
+        if self.continued:
+            self.net.load_state_dict(read_weights(start))
         self.net = self.net.to(self.device, memory_format=torch.channels_last)
-        self.slow = copy.deepcopy(self.net).eval()
+        self.average = Average(self.net, recipe.averaging)
+        fuse = torch.compile if options.fused else (lambda part: part)  # PyTorch 2: a minute at first, then faster
+        self.forward, self.loss = fuse(self.net), fuse(detection_loss)
         self.solver = optimiser(self.net, recipe)
         self.step = 0
         self.checkpoint = Path(options.checkpoint)
@@ -108,7 +125,7 @@ class Trainer:
         """Continues from the checkpoint."""
         state = torch.load(self.checkpoint, map_location=self.device)
         self.net.load_state_dict(state['net'])
-        self.slow.load_state_dict(state['average'])
+        self.average.net.load_state_dict(state['average'])
         self.solver.load_state_dict(state['solver'])
         self.step = state['step']
         print(f'resumed at step {self.step}', flush=True)
@@ -117,8 +134,9 @@ class Trainer:
         """Writes the checkpoint, whole or not at all."""
         self.checkpoint.parent.mkdir(parents=True, exist_ok=True)
         partial = self.checkpoint.with_suffix('.partial')
-        torch.save({'net': self.net.state_dict(), 'average': self.slow.state_dict(), 'solver': self.solver.state_dict(),
-                    'step': self.step, 'recipe': asdict(self.recipe)}, partial)
+        torch.save({'net': self.net.state_dict(), 'average': self.average.net.state_dict(),
+                    'solver': self.solver.state_dict(), 'step': self.step, 'recipe': asdict(self.recipe),
+                    'continued': self.continued}, partial)
         partial.rename(self.checkpoint)
 
     def one_step(self, images, boxes, cells):
@@ -127,14 +145,14 @@ class Trainer:
         for group in self.solver.param_groups:
             group['lr'] = self.recipe.learning_rate(self.step)
         with torch.autocast(self.device.type, torch.bfloat16, enabled=self.options.bfloat16):
-            logits, reach = self.net(images)
-        losses = torch.stack(detection_loss(logits, reach, *cells, boxes, boxes[..., 0] > NONE))
+            logits, reach = self.forward(images)
+        losses = torch.stack(self.loss(logits, reach, *cells, boxes, boxes[..., 0] > NONE))
         self.solver.zero_grad(set_to_none=True)
         losses.sum().backward()
         torch.nn.utils.clip_grad_norm_(self.net.parameters(), 10.0)
         self.solver.step()
         self.step += 1
-        average(self.slow, self.net, self.step, self.recipe.averaging)
+        self.average.follow(self.step)
         return losses.detach()
 
     def run(self):
