@@ -8,6 +8,8 @@
 #include <Eigen/Eigenvalues>
 #include <Eigen/LU>
 
+#include "mapping/near_mask.hpp"
+
 namespace extperfc::mapping {
 
 namespace {
@@ -279,6 +281,7 @@ Pose2 search_near(const SurfaceMap& map, const ScanPoints& points, const Pose2& 
   constexpr std::size_t kProbes = 70;
   constexpr double kFavourNear = 0.05;  // of the score, from the middle to the rim of the window
   const std::size_t stride = 1 + points.surface.size() / kProbes;
+  const NearMask mask(map);
   Pose2 best = centre;
   double best_score = -1;
   std::vector<Eigen::Vector2f> rotated;
@@ -295,7 +298,7 @@ Pose2 search_near(const SurfaceMap& map, const ScanPoints& points, const Pose2& 
       for (double dy = -window_m; dy <= window_m + 1e-9; dy += kStepM) {
         const Eigen::Vector2f shift(static_cast<float>(dx), static_cast<float>(dy));
         int hits = 0;
-        for (const auto& point : rotated) hits += map.occupied_near(point + shift) ? 1 : 0;
+        for (const auto& point : rotated) hits += mask.at(point + shift) ? 1 : 0;
         const double away = std::hypot(dx, dy) / window_m + std::abs(yaw_offset) / window_rad;
         const double score = hits / std::max(1.0, static_cast<double>(rotated.size())) - kFavourNear * away;
         if (score <= best_score) continue;

@@ -12,10 +12,6 @@ constexpr float kMaxWeight = 60.0F;    // limits how slowly a cell follows new s
 constexpr int kDirectoryMargin = 8;    // tiles; so that the directory is not widened for every ray
 constexpr float kMaxPointM = 5000.0F;  // points beyond are not of this robot's world
 
-int cell_index(float coordinate_m) {
-  return static_cast<int>(std::floor(coordinate_m * (1.0F / SurfaceMap::kCellM)));
-}
-
 bool goes_with(const Eigen::Vector2f& a, const Eigen::Vector2f& b) {
   const bool either_unknown = a.squaredNorm() == 0.0F || b.squaredNorm() == 0.0F;
   return either_unknown || a.dot(b) > kSameSide;
@@ -89,15 +85,6 @@ const SurfaceMap::Surface* SurfaceMap::nearest(const Eigen::Vector2f& point, con
     if (!no_upper) visit_row(column - reach_cells, column + reach_cells, row + away, consider);
   }
   return best;
-}
-
-bool SurfaceMap::occupied_near(const Eigen::Vector2f& point) const {
-  const int column = cell_index(point.x());
-  const int row = cell_index(point.y());
-  bool any = false;
-  for (int r = row - 1; r <= row + 1 && !any; ++r)
-    visit_row(column - 1, column + 1, r, [&](const Surface&) { any = true; });
-  return any;
 }
 
 SurfaceMap::Surface& SurfaceMap::make(int column, int row) {

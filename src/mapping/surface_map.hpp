@@ -1,6 +1,7 @@
 #pragma once
 
 #include <array>
+#include <cmath>
 #include <cstdint>
 #include <vector>
 
@@ -35,8 +36,33 @@ class SurfaceMap {
   /// unknown). Null when there is none.
   [[nodiscard]] const Surface* nearest(const Eigen::Vector2f& point, const Eigen::Vector2f& normal,
                                        int reach_cells) const;
-  /// True when a surface of any direction lies in the cell or next to it.
-  [[nodiscard]] bool occupied_near(const Eigen::Vector2f& point) const;
+
+  /// Column or row of the cell that a coordinate lies in.
+  static int cell_index(float coordinate_m) {
+    return static_cast<int>(std::floor(coordinate_m * (1.0F / kCellM)));
+  }
+  /// A box of cells around every surface; none when the map is empty.
+  struct Cells {
+    int first_column{0};
+    int first_row{0};
+    int columns{0};
+    int rows{0};
+  };
+  [[nodiscard]] Cells cells() const {
+    return {first_column_ * kTileCells, first_row_ * kTileCells, columns_ * kTileCells, rows_ * kTileCells};
+  }
+  /// Column and row of every surface, in unspecified order.
+  template <typename Visitor>
+  void visit_cells(const Visitor& visitor) const {
+    for (int entry = 0; entry < columns_ * rows_; ++entry) {
+      const std::int32_t tile = directory_[static_cast<std::size_t>(entry)];
+      if (tile < 0) continue;
+      const int column = (entry % columns_ + first_column_) * kTileCells;
+      const int row = (entry / columns_ + first_row_) * kTileCells;
+      for (std::uint64_t bits = seen_[static_cast<std::size_t>(tile)]; bits != 0; bits &= bits - 1)
+        visitor(column + (lowest_bit(bits) & kMask), row + (lowest_bit(bits) >> kTileBits));
+    }
+  }
 
   /// Every surface, in unspecified order.
   template <typename Visitor>

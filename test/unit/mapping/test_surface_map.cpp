@@ -1,9 +1,13 @@
+#include <algorithm>
+#include <cmath>
+#include <cstdlib>
 #include <limits>
 
 #include <gtest/gtest.h>
 
 #include "extperfc/base/rng.hpp"
 
+#include "mapping/near_mask.hpp"
 #include "mapping/surface_map.hpp"
 
 namespace extperfc::mapping {
@@ -153,14 +157,42 @@ TEST(SurfaceMap, NearestIsTheNearestWithinReach) {
   EXPECT_GT(found, 100);
 }
 
-TEST(SurfaceMap, OccupiedNear) {
+TEST(NearMask, TheCellOfASurfaceAndThoseAroundIt) {
   SurfaceMap map;
-  EXPECT_FALSE(map.occupied_near({0, 0}));
+  EXPECT_FALSE(NearMask(map).at({0, 0}));
   map.add(points_of({{{0.04F, 0.04F}, {0, 1}}}), {});
+  const NearMask mask(map);
   for (const float x : {-0.07F, 0.04F, 0.15F})
-    for (const float y : {-0.07F, 0.04F, 0.15F}) EXPECT_TRUE(map.occupied_near({x, y}));
-  EXPECT_FALSE(map.occupied_near({0.17F, 0.04F}));
-  EXPECT_FALSE(map.occupied_near({0.04F, -0.09F}));
+    for (const float y : {-0.07F, 0.04F, 0.15F}) EXPECT_TRUE(mask.at({x, y}));
+  EXPECT_FALSE(mask.at({0.17F, 0.04F}));
+  EXPECT_FALSE(mask.at({0.04F, -0.09F}));
+}
+
+TEST(NearMask, SaysWhatTheSurfacesSay) {
+  Rng rng(5);
+  std::vector<SurfacePoint> seen;
+  for (int i = 0; i < 300; ++i) {
+    const auto x = static_cast<float>(rng.uniform(-9, 14));
+    const auto y = static_cast<float>(rng.uniform(-30, 2));
+    seen.push_back({{x, y}, {0, 1}});
+  }
+  SurfaceMap map;
+  map.add(points_of(seen), {});
+  const NearMask mask(map);
+  int near_surfaces = 0;
+  for (int i = 0; i < 20000; ++i) {
+    const Eigen::Vector2f at(static_cast<float>(rng.uniform(-40, 40)),
+                             static_cast<float>(rng.uniform(-40, 40)));
+    const bool expected = std::any_of(seen.begin(), seen.end(), [&](const SurfacePoint& point) {
+      const auto away = [](float a, float b) {
+        return std::abs(SurfaceMap::cell_index(a) - SurfaceMap::cell_index(b));
+      };
+      return away(at.x(), point.position.x()) <= 1 && away(at.y(), point.position.y()) <= 1;
+    });
+    ASSERT_EQ(mask.at(at), expected);
+    if (expected) ++near_surfaces;
+  }
+  EXPECT_GT(near_surfaces, 50);
 }
 
 TEST(SurfaceMap, WideCoordinates) {
