@@ -65,11 +65,15 @@ def run_notes(recipe, folder):
             'images': len(images), 'images_sha256': digest.hexdigest()}
 
 
+def earlier_runs(weights):
+    """The runs that led to the weights of a model folder, by its manifest; none when it has no such file."""
+    notes = Path(weights).with_name('manifest.json')
+    return json.loads(notes.read_text())['runs'] if notes.exists() else []
+
+
 def write_manifest(state, path, folder):
-    """Writes the run of a checkpoint after those that it continued, if it did: {"runs": [...]}."""
-    before = json.loads(path.read_text())['runs'] if state['continued'] and path.exists() else []
-    run = json.loads(json.dumps(run_notes(state['recipe'], folder)))  # tuples as lists, to compare
-    runs = before + [run] * (run not in before)
+    """Writes the run of a checkpoint after those that it continued: {"runs": [...]}."""
+    runs = state.get('before', []) + [run_notes(state['recipe'], folder)]
     path.write_text(json.dumps({'runs': runs}, indent=1) + '\n')
 
 

@@ -12,7 +12,7 @@ import torch
 from ..progress import Progress
 from . import HEIGHT, WIDTH, network
 from .augment import Augmenter
-from .export import read_weights
+from .export import earlier_runs, read_weights
 from .loss import detection_loss
 from .store import NONE, ImageStore
 
@@ -39,10 +39,10 @@ class Recipe:
     averaging: float = 0.9995  # of the weights, per step
 
     @classmethod
-    def continued(cls, steps=12000):
+    def continued(cls, steps=3500):
         """Of a run that begins with trained weights: other samples, the whole input, a rate that falls from the start."""
-        return cls(seed=2, first_images=6000, more_images=7, steps=steps, small_steps=0, decay_steps=steps, rate=2e-3,
-                   warmup_steps=min(500, steps))
+        return cls(seed=2, images=54000, first_images=12000, more_images=12, steps=steps, small_steps=0, decay_steps=steps,
+                   rate=2e-3, warmup_steps=min(500, steps))
 
     def pool(self, step):
         """Images that a step draws from."""
@@ -78,7 +78,7 @@ class Average:
 
     @torch.no_grad()
     def follow(self, step):
-        """Moves towards the trained network; in few calls, as hundreds would cost a GPU's step a third of its time."""
+        """Moves towards the trained network. In few calls: a GPU would wait for hundreds of them."""
         keep = min(self.keep, (1 + step) / (20 + step))
         torch._foreach_mul_(self.slow, keep)
         torch._foreach_add_(self.slow, self.fast, alpha=1 - keep)
@@ -95,7 +95,7 @@ def optimiser(net, recipe):
 
 
 class Trainer:
-    """One run; `options` has folder, checkpoint, device ('auto', 'cpu', 'cuda'), threads, bfloat16, fused, save_every.
+    """One run; `options` has folder, checkpoint, device ('auto', 'cpu', 'cuda'), threads, bfloat16, save_every.
 
     `start`: weights.pt of a model folder, or a checkpoint, instead of random weights.
     """
@@ -108,13 +108,12 @@ class Trainer:
         self.device = torch.device(name)
         torch.backends.cudnn.benchmark = True  # a run has few sizes
         self.net = network.ShapeNet()
-        self.continued = start is not None
-        if self.continued:
+        self.before = []  # runs that led to the weights of the start
+        if start is not None:
             self.net.load_state_dict(read_weights(start))
+            self.before = earlier_runs(start)
         self.net = self.net.to(self.device, memory_format=torch.channels_last)
         self.average = Average(self.net, recipe.averaging)
-        fuse = torch.compile if options.fused else (lambda part: part)  # PyTorch 2: a minute at first, then faster
-        self.forward, self.loss = fuse(self.net), fuse(detection_loss)
         self.solver = optimiser(self.net, recipe)
         self.step = 0
         self.checkpoint = Path(options.checkpoint)
@@ -127,7 +126,7 @@ class Trainer:
         self.net.load_state_dict(state['net'])
         self.average.net.load_state_dict(state['average'])
         self.solver.load_state_dict(state['solver'])
-        self.step = state['step']
+        self.step, self.before = state['step'], state.get('before', [])
         print(f'resumed at step {self.step}', flush=True)
 
     def save(self):
@@ -136,7 +135,7 @@ class Trainer:
         partial = self.checkpoint.with_suffix('.partial')
         torch.save({'net': self.net.state_dict(), 'average': self.average.net.state_dict(),
                     'solver': self.solver.state_dict(), 'step': self.step, 'recipe': asdict(self.recipe),
-                    'continued': self.continued}, partial)
+                    'before': self.before}, partial)
         partial.rename(self.checkpoint)
 
     def one_step(self, images, boxes, cells):
@@ -145,8 +144,8 @@ class Trainer:
         for group in self.solver.param_groups:
             group['lr'] = self.recipe.learning_rate(self.step)
         with torch.autocast(self.device.type, torch.bfloat16, enabled=self.options.bfloat16):
-            logits, reach = self.forward(images)
-        losses = torch.stack(self.loss(logits, reach, *cells, boxes, boxes[..., 0] > NONE))
+            logits, reach = self.net(images)
+        losses = torch.stack(detection_loss(logits, reach, *cells, boxes, boxes[..., 0] > NONE))
         self.solver.zero_grad(set_to_none=True)
         losses.sum().backward()
         torch.nn.utils.clip_grad_norm_(self.net.parameters(), 10.0)
