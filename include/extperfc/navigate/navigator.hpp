@@ -32,7 +32,9 @@ struct NavigatorParams {
   double blocked_margin_m{0.05};       ///< by which the footprint is smaller for that, [0, 1]
   double deviation_m{0.6};             ///< from the path, at which it is planned again, (0, 100]
   double shorter_ratio{0.9};           ///< of lengths, at which another path is preferred, (0, 1]
-  double tolerance_m{0.0};             ///< a goal that is blocked may be moved this far, [0, 10]
+  double detour_memory_s{
+      60.0};                ///< a place that made the robot take a much longer path is avoided, [0, 3600]
+  double tolerance_m{0.0};  ///< a goal that is blocked may be moved this far, [0, 10]
   bool recovery_enabled{true};
   GoalTolerance goal;
   VelocityLimits limits;
@@ -65,9 +67,9 @@ struct PlanWish {
 };
 
 struct PlanAnswer {
-  std::uint64_t id{0};          ///< of the wish
-  NavResult<Path> path{};       ///< in the frame map
-  bool current_blocked{false};  ///< the wish's current path touches an obstacle
+  std::uint64_t id{0};                ///< of the wish
+  NavResult<Path> path{};             ///< in the frame map
+  std::optional<Pose2> blocked_at{};  ///< where the wish's current path first touches an obstacle
 };
 
 /// What the navigator knows in a cycle. Pointers are valid during the call.
@@ -151,13 +153,15 @@ class Navigator {
   void ask_for_plan(const NavigatorInput& input, Output& output);
   void take_answer(const NavigatorInput& input, Output& output);
   [[nodiscard]] bool prefers(const Path& path, bool current_blocked) const;
+  void note_detour(const Path& path, const std::optional<Pose2>& blocked_at);
+  [[nodiscard]] std::vector<AvoidedPlace> avoided_now() const;
   void take_path(const Path& path, Output& output);
   void plan_failed(const NavError& error, bool current_blocked, const NavigatorInput& input, Output& output);
   void wait_for_plan(const NavigatorInput& input, Output& output);
   void coast(const NavigatorInput& input, NavigatorOutput& output);
   void control(const NavigatorInput& input, Output& output);
-  [[nodiscard]] bool is_blocked(const PathTracker& path, const NavigatorInput& input,
-                                const Pose2& odom_T_map) const;
+  [[nodiscard]] std::optional<Pose2> block_of(const PathTracker& path, const NavigatorInput& input,
+                                              const Pose2& odom_T_map) const;
   void give_path(const Pose2& odom_T_map);
   void no_velocity(const NavError& error, const NavigatorInput& input, Output& output);
   void watch_progress(const NavigatorInput& input, Output& output);
@@ -188,6 +192,11 @@ class Navigator {
   Recovery recovery_;
   ProgressMonitor progress_;
   std::vector<AvoidedPlace> avoided_;
+  struct Detour {
+    AvoidedPlace around;
+    double until_s;
+  };
+  std::deque<Detour> detours_;
   std::deque<Pose2> trail_;  ///< in odom
   Twist2 last_command_;
   std::string reason_;
@@ -197,9 +206,9 @@ class Navigator {
   std::optional<PlanAnswer> answer_;
   double asked_s_{0};
   bool plan_now_{false};
-  bool blocked_ahead_{false};
-  bool map_changed_{false};  ///< no plan since
-  bool recovered_{false};    ///< and not come nearer since
+  std::optional<Pose2> blocked_ahead_;  ///< where the path is blocked near the robot, in the frame map
+  bool map_changed_{false};             ///< no plan since
+  bool recovered_{false};               ///< and not come nearer since
   std::optional<double> no_plan_since_s_;
   std::optional<double> no_velocity_since_s_;
   std::optional<double> fault_since_s_;

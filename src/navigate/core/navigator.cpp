@@ -20,7 +20,10 @@ constexpr double kTrailStepM = 0.1;
 constexpr std::size_t kTrailPoses = 60;
 constexpr double kMovedM = 0.01;  // of map -> odom: the local planner gets the path anew
 constexpr double kMovedRad = 0.005;
-constexpr double kNearGoalM = 1.0;  // where the yaw counts as a part of what is left
+constexpr double kDetourRatio = 1.25;  // of lengths; a path that is longer and by kDetourM is a detour
+constexpr double kDetourM = 1.0;
+constexpr std::size_t kMaxDetours = 8;  // that are remembered
+constexpr double kNearGoalM = 1.0;      // where the yaw counts as a part of what is left
 constexpr double kMetresPerRad = 0.3;
 
 bool all_finite(const std::vector<Pose2>& poses) {
@@ -70,6 +73,7 @@ Result<void> validate(const NavigatorParams& params) {
       {within(params.blocked_margin_m, 0, 1), "blocked_margin"},
       {within(params.deviation_m, 1e-3, 100), "path_deviation"},
       {within(params.shorter_ratio, 1e-3, 1), "shorter_ratio"},
+      {within(params.detour_memory_s, 0, 3600), "detour_memory"},
       {within(params.tolerance_m, 0, 10), "default_tolerance"},
       {within(params.goal.xy_m, 1e-3, 10), "xy_goal_tolerance"},
       {within(params.goal.yaw_rad, 1e-3, 3.2), "yaw_goal_tolerance"}};
@@ -138,11 +142,12 @@ void Navigator::begin_goal() {
   progress_.reset();
   progress_.restart(clock_s_);
   avoided_.clear();
+  detours_.clear();
   planner_->reset();
   asked_plan_.reset();
   answer_.reset();
   plan_now_ = true;
-  blocked_ahead_ = false;
+  blocked_ahead_.reset();
   recovered_ = false;
   no_plan_since_s_ = clock_s_;
   no_velocity_since_s_.reset();
@@ -205,7 +210,7 @@ void Navigator::coast(const NavigatorInput& input, Output& output) {
   if (coast_.empty()) return;
   coast_.update(input.map_T_base);
   const Pose2 odom_T_map = compose(input.odom_T_base, inverse(input.map_T_base));
-  if (clock_s_ > coast_until_s_ || input.guard_stopped || is_blocked(coast_, input, odom_T_map))
+  if (clock_s_ > coast_until_s_ || input.guard_stopped || block_of(coast_, input, odom_T_map))
     return coast_.clear();
   planner_->set_path(coast_.rest_in(odom_T_map), params_.goal);
   const LocalState local{input.odom_T_base, input.velocity, input.people, input.speed_factor};
@@ -281,7 +286,7 @@ void Navigator::ask_for_plan(const NavigatorInput& input, Output& output) {
   wish.request.start = input.map_T_base;
   wish.request.goal = *goal();
   wish.request.tolerance_m = params_.tolerance_m;
-  wish.avoid = avoided_;
+  wish.avoid = avoided_now();
   if (!tracker_.empty()) wish.current = tracker_.rest_in(Pose2{});
   output.plan = std::move(wish);
 }
@@ -290,12 +295,13 @@ void Navigator::take_answer(const NavigatorInput& input, Output& output) {
   const auto answer = std::move(*answer_);
   answer_.reset();
   asked_plan_.reset();
-  if (!answer.path) return plan_failed(answer.path.error(), answer.current_blocked, input, output);
+  if (!answer.path) return plan_failed(answer.path.error(), answer.blocked_at.has_value(), input, output);
   if (answer.path->poses.empty() || !all_finite(answer.path->poses))
     return plan_failed({NavCode::kNoPath, "the planner's path is empty or not finite"},
-                       answer.current_blocked, input, output);
+                       answer.blocked_at.has_value(), input, output);
   no_plan_since_s_.reset();
-  if (!prefers(*answer.path, answer.current_blocked)) return;
+  if (!prefers(*answer.path, answer.blocked_at.has_value())) return;
+  note_detour(*answer.path, blocked_ahead_ ? blocked_ahead_ : answer.blocked_at);
   take_path(*answer.path, output);
 }
 
@@ -306,12 +312,29 @@ bool Navigator::prefers(const Path& path, bool current_blocked) const {
   return length_m(path) < params_.shorter_ratio * tracker_.rest_m() - kTrailStepM;
 }
 
+/// Who stands in a passage and walks on a moment later made the robot turn round; it shall not turn round
+/// again as soon as it does not see them any more.
+void Navigator::note_detour(const Path& path, const std::optional<Pose2>& blocked_at) {
+  if (tracker_.empty() || !blocked_at || params_.detour_memory_s <= 0) return;
+  if (length_m(path) <= kDetourRatio * tracker_.rest_m() + kDetourM) return;
+  if (detours_.size() >= kMaxDetours) detours_.pop_front();
+  detours_.push_back({{{blocked_at->x, blocked_at->y}, params_.recovery.avoid_person_m},
+                      clock_s_ + params_.detour_memory_s});
+}
+
+std::vector<AvoidedPlace> Navigator::avoided_now() const {
+  std::vector<AvoidedPlace> places = avoided_;
+  for (const Detour& detour : detours_)
+    if (clock_s_ < detour.until_s) places.push_back(detour.around);
+  return places;
+}
+
 void Navigator::take_path(const Path& path, Output& output) {
   coast_.clear();
   tracker_.set(path);
   path_is_new_ = true;
   map_changed_ = false;
-  blocked_ahead_ = false;
+  blocked_ahead_.reset();
   state_ = NavState::kControlling;
   progress_.path_changed(tracker_.rest_m(), clock_s_);
   output.new_path = path;
@@ -345,7 +368,7 @@ void Navigator::wait_for_plan(const NavigatorInput& input, Output& output) {
 void Navigator::control(const NavigatorInput& input, Output& output) {
   tracker_.update(input.map_T_base);
   const Pose2 odom_T_map = compose(input.odom_T_base, inverse(input.map_T_base));
-  blocked_ahead_ = is_blocked(tracker_, input, odom_T_map);
+  blocked_ahead_ = block_of(tracker_, input, odom_T_map);
   if (tracker_.deviation_m() > params_.deviation_m) plan_now_ = true;
   give_path(odom_T_map);
   LocalState local{input.odom_T_base, input.velocity, input.people, input.speed_factor};
@@ -364,10 +387,10 @@ void Navigator::control(const NavigatorInput& input, Output& output) {
 }
 
 /// By a smaller footprint: cells and localization are a little wrong, and the local planner knows better.
-bool Navigator::is_blocked(const PathTracker& path, const NavigatorInput& input,
-                           const Pose2& odom_T_map) const {
+std::optional<Pose2> Navigator::block_of(const PathTracker& path, const NavigatorInput& input,
+                                         const Pose2& odom_T_map) const {
   const auto inner = input.footprint->padded(-params_.blocked_margin_m);
-  return path.blocked(*input.costs, inner, odom_T_map, params_.blocked_ahead_m).has_value();
+  return path.blocked(*input.costs, inner, odom_T_map, params_.blocked_ahead_m);
 }
 
 void Navigator::give_path(const Pose2& odom_T_map) {

@@ -43,13 +43,16 @@ std::shared_ptr<const CostGrid> with_avoided(const std::shared_ptr<const CostGri
   return changed;
 }
 
-bool touches(const CostGrid& costs, const navigate::Footprint& footprint, const navigate::Path& path) {
-  if (path.poses.empty()) return false;
+std::optional<Pose2> first_touch(const CostGrid& costs, const navigate::Footprint& footprint,
+                                 const navigate::Path& path) {
+  if (path.poses.empty()) return std::nullopt;
   const auto& here = path.poses.front();
-  return std::any_of(path.poses.begin(), path.poses.end(), [&](const Pose2& pose) {
+  const auto touch = std::find_if(path.poses.begin(), path.poses.end(), [&](const Pose2& pose) {
     return std::hypot(pose.x - here.x, pose.y - here.y) > kNearM &&
            contact(costs, footprint, pose) == Contact::kObstacle;
   });
+  if (touch == path.poses.end()) return std::nullopt;
+  return *touch;
 }
 
 }  // namespace
@@ -87,7 +90,7 @@ navigate::PlanAnswer PlanWorker::answer(const navigate::PlanWish& wish) {
     made.path = navigate::nav_fail(NavCode::kNoMap, "no map to plan in");
     return made;
   }
-  made.current_blocked = touches(*scene.costs, scene.footprint->padded(-kMarginM), wish.current);
+  made.blocked_at = first_touch(*scene.costs, scene.footprint->padded(-kMarginM), wish.current);
   auto request = wish.request;
   request.cancel = &cancel_;
   made.path = plan({with_avoided(scene.costs, wish.avoid), scene.footprint}, request);

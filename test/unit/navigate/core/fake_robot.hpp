@@ -88,11 +88,15 @@ class FakeRobot {
   PlanAnswer answer(const PlanWish& wish) const {
     PlanAnswer made;
     made.id = wish.id;
-    made.current_blocked = current_blocked;
+    if (current_blocked) made.blocked_at = wish.request.goal;
     if (plan_error)
       made.path = tl::unexpected(*plan_error);
     else
-      made.path = straight(wish.request.start, wish.request.goal);
+      made.path = straight(wish.request.start, via ? *via : wish.request.goal);
+    if (via && made.path) {
+      const Path rest = straight(*via, wish.request.goal);
+      made.path->poses.insert(made.path->poses.end(), rest.poses.begin() + 1, rest.poses.end());
+    }
     return made;
   }
   /// Until the task ends, `limit_s` at most. False: it did not.
@@ -125,6 +129,7 @@ class FakeRobot {
   double now_s{100};
   bool answers{true};
   std::optional<NavError> plan_error;
+  std::optional<Pose2> via;  ///< of plans
   bool current_blocked{false};
   std::uint64_t tasks{0};
   std::vector<PlanWish> wishes;

@@ -182,6 +182,45 @@ TEST(Navigator, WhilePeopleAreInSightItWaitsLongerForAPath) {
   EXPECT_EQ(robot.ends[1].error.code, NavCode::kGoalBlocked);
 }
 
+TEST(Navigator, APlaceThatMadeItTakeADetourIsAvoidedForAWhile) {
+  NavigatorParams params;
+  params.planner_frequency_hz = 5;
+  params.detour_memory_s = 4;
+  params.oscillation_timeout_s = 0;
+  FakeRobot robot(params);
+  robot.drive_to({3.5, 0, 0});
+  robot.run_for(0.5);
+  robot.control->velocity = Twist2{};  // stands, so that lengths stay
+  robot.via = Pose2{1.75, 0.8, 0};
+  robot.current_blocked = true;
+  robot.run_for(0.5);
+  EXPECT_TRUE(robot.wishes.back().avoid.empty()) << "a path of about the same length is no detour";
+  robot.via = Pose2{1.75, 2.8, 0};
+  robot.run_for(0.5);
+  robot.current_blocked = false;
+  robot.run_for(1.0);
+  ASSERT_EQ(robot.wishes.back().avoid.size(), 1U);
+  EXPECT_EQ(robot.wishes.back().avoid[0].middle_m, Eigen::Vector2d(3.5, 0));
+  EXPECT_EQ(robot.wishes.back().avoid[0].radius_m, params.recovery.avoid_person_m);
+  robot.run_for(params.detour_memory_s);
+  EXPECT_TRUE(robot.wishes.back().avoid.empty());
+}
+
+TEST(Navigator, WhatBlocksThePathNearTheRobotIsWhereTheDetourLeadsAround) {
+  NavigatorParams params;
+  params.oscillation_timeout_s = 0;
+  FakeRobot robot(params);
+  robot.drive_to({3.5, 0, 0});
+  robot.run_for(0.5);
+  robot.control->velocity = Twist2{};
+  robot.via = Pose2{1.75, 2.8, 0};
+  robot.block({2.0, 0}, 0.1);
+  robot.run_for(2.5);
+  ASSERT_FALSE(robot.wishes.back().avoid.empty());
+  EXPECT_NEAR(robot.wishes.back().avoid[0].middle_m.x(), 2.0 - 0.1 - 0.4, 0.15)
+      << "where the base would touch";
+}
+
 TEST(Navigator, AFailedPlanKeepsAnOldPathThatIsFree) {
   FakeRobot robot;
   robot.drive_to({2, 0, 0});

@@ -137,7 +137,7 @@ TEST(NavigatorFaults, AnEmptyOrWildPathIsNoPath) {
     double until_s = robot.now_s + 100;
     while (robot.ends.empty() && robot.now_s < until_s)
       if (const auto output = robot.cycle(); output.plan)
-        robot.navigator.set_plan({output.plan->id, path, false});
+        robot.navigator.set_plan({output.plan->id, path, {}});
     ASSERT_FALSE(robot.ends.empty());
     EXPECT_EQ(robot.ends[0].error.code, NavCode::kNoPath);
   }
