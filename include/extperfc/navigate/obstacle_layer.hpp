@@ -46,9 +46,9 @@ struct PointObservation {
 };
 
 /// What sensors see now. A return marks its cell with its height. A ray clears the cells before its return
-/// that were marked at its height; one that passes above or below says nothing. NaN, zero and too short
-/// ranges neither mark nor clear. What no sensor sees stays until unseen_decay_s after its last mark, within
-/// blind_m of the scanner for good.
+/// that were marked at its height; one that passes above or below says nothing, but where a fan of heights
+/// showed something for a moment only. NaN, zero and too short ranges neither mark nor clear. What no sensor
+/// sees stays until unseen_decay_s after its last mark, within blind_m of the scanner for good.
 class ObstacleLayer : public CostLayer {
  public:
   /// Throws std::invalid_argument for parameters out of their range.
@@ -80,6 +80,7 @@ class ObstacleLayer : public CostLayer {
     double stamp_s;     ///< of the last return
     float low_m;        ///< heights of returns
     float high_m;
+    double first_s;  ///< of the first return
 
     void join(const Mark& other);
   };

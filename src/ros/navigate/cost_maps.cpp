@@ -271,9 +271,9 @@ void CostMaps::take_heights(const sensor_msgs::LaserScan& message, PlacedScan& p
   for (float& height_m : placed.scan.heights_m) height_m += static_cast<float>(own_m);
 }
 
-/// Heights count where a finished map shows an obstacle, too: it will not go away while the lidar is too near
-/// to see it. A person who was seen from afar would leave a ghost, and a map that is made meanwhile shows
-/// people.
+/// Heights count where a finished map shows an obstacle, too, and nobody stands before it: it will not go
+/// away while the lidar is too near to see it. A person who was seen from afar would leave a ghost, and a map
+/// that is made meanwhile shows people.
 void CostMaps::keep_heights_of_map(PlacedScan& placed) const {
   LaserScan& scan = placed.scan;
   if (scan.heights_m.empty()) return;
@@ -281,8 +281,11 @@ void CostMaps::keep_heights_of_map(PlacedScan& placed) const {
   if (!placed.map_T_odom || !finished) return scan.heights_m.clear();
   const Pose2 map_T_base = compose(*placed.map_T_odom, placed.odom_T_base);
   const auto rest = explanation_.unexplained(scan, compose(map_T_base, scan.base_T_sensor));
+  const auto things = navigate::without(scan, callbacks_.people(scan.stamp_s),
+                                        compose(placed.odom_T_base, scan.base_T_sensor));
   for (std::size_t i = 0; i < scan.heights_m.size(); ++i)
-    if (is_return(scan, rest.ranges[i])) scan.heights_m[i] = static_cast<float>(placed.height_m);
+    if (is_return(scan, rest.ranges[i]) || !is_return(scan, things.ranges[i]))
+      scan.heights_m[i] = static_cast<float>(placed.height_m);
 }
 
 Result<void> CostMaps::observe(const PlacedScan& placed) {

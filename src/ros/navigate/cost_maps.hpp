@@ -39,6 +39,7 @@ class CostMaps {
   struct Callbacks {
     std::function<void(const PlacedScan&)> on_scan;
     std::function<void(const OccupancyGrid&)> on_map;
+    std::function<std::vector<navigate::MovingObstacle>(double now_s)> people;   ///< in odom
     std::function<std::vector<navigate::MovingObstacle>(double now_s)> passers;  ///< in odom
   };
 

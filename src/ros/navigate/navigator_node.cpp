@@ -92,6 +92,7 @@ NavigatorNode::NavigatorNode(const ros::NodeHandle& handle, const ros::NodeHandl
       costs_(handle_, params_, tf_buffer_,
              {[this](const PlacedScan& placed) { on_scan(placed); },
               [this](const OccupancyGrid& map) { people_.set_map(map); },
+              [this](double now_s) { return people_.people(now_s); },
               [this](double now_s) { return people_.passers(now_s); }}),
       display_(server_handle_, params_.global_frame, params_.odom_frame),
       global_publisher_(server_handle_, "global_costmap/costmap", params_.global_frame),
