@@ -46,9 +46,9 @@ struct PointObservation {
 };
 
 /// What sensors see now. A return marks its cell with its height. A ray clears the cells before its return
-/// that were marked at its height; one that passes above or below says nothing, but where a fan of heights
-/// showed something for a moment only. NaN, zero and too short ranges neither mark nor clear. What no sensor
-/// sees stays until unseen_decay_s after its last mark, within blind_m of the scanner for good.
+/// that were marked at its height; one that passes above or below says nothing. NaN, zero and too short
+/// ranges neither mark nor clear. What no sensor sees stays until unseen_decay_s after its last mark, within
+/// blind_m of the scanner for good.
 class ObstacleLayer : public CostLayer {
  public:
   /// Throws std::invalid_argument for parameters out of their range.
@@ -65,6 +65,9 @@ class ObstacleLayer : public CostLayer {
   /// The robot stands here: no obstacle in cells whose middle is under the footprint, and with frees_unknown
   /// no unknown cell, though no ray reaches them.
   void clear_footprint(const Footprint& footprint, const Pose2& grid_T_base);
+  /// Somebody stands or walks here: marks within `radius_m` count as seen at `height_m`, so that they are
+  /// cleared when the place is free. O(marked cells).
+  void level(const Eigen::Vector2d& middle_m, double radius_m, double height_m);
   /// Forgets marks farther than `radius_m` from a point.
   void clear_beyond(const Eigen::Vector2d& middle_m, double radius_m);
   [[nodiscard]] std::size_t marked_cells() const { return marks_.size(); }
@@ -80,7 +83,6 @@ class ObstacleLayer : public CostLayer {
     double stamp_s;     ///< of the last return
     float low_m;        ///< heights of returns
     float high_m;
-    double first_s;  ///< of the first return
 
     void join(const Mark& other);
   };

@@ -22,7 +22,6 @@ using Eigen::Vector3d;
 constexpr std::int32_t kNeverSeen = -2;
 constexpr std::int32_t kSeenFree = -1;
 constexpr std::size_t kDirections = 720;
-constexpr double kLasting_s = 1.0;                    // who walks past covers a cell for a shorter time
 constexpr double kHalfDiagonal = 0.7071067811865476;  // of a cell [cells]
 
 /// What a range of a scan says.
@@ -123,13 +122,13 @@ void ObstacleLayer::mark(const Ray& ray, double stamp_s, bool fan) {
   if (slots_[index] >= 0) {
     Mark& known = marks_[static_cast<std::size_t>(slots_[index])];
     if (fan && stamp_s > known.stamp_s)
-      known = {index, stamp_s, height_m, height_m, known.first_s};
+      known = {index, stamp_s, height_m, height_m};
     else
-      known.join({index, stamp_s, height_m, height_m, stamp_s});
+      known.join({index, stamp_s, height_m, height_m});
     return;
   }
   slots_[index] = static_cast<std::int32_t>(marks_.size());
-  marks_.push_back({index, stamp_s, height_m, height_m, stamp_s});
+  marks_.push_back({index, stamp_s, height_m, height_m});
   note_change(index);
 }
 
@@ -180,12 +179,9 @@ void ObstacleLayer::clear_along(const Observation& observation, const Ray& ray, 
   });
 }
 
-/// A line must meet the heights of a mark, a fan must hold them. Furniture that is too near to be seen stays;
-/// who walked past beside it does not.
+/// A line must meet the heights of a mark, a fan must hold them.
 bool ObstacleLayer::is_seen(const Mark& mark, const Band& heights, bool fan) const {
-  if (fan)
-    return mark.stamp_s - mark.first_s < kLasting_s ||
-           (heights.low_m <= mark.low_m && heights.high_m >= mark.high_m);
+  if (fan) return heights.low_m <= mark.low_m && heights.high_m >= mark.high_m;
   return heights.low_m <= mark.high_m + params_.height_tolerance_m &&
          heights.high_m >= mark.low_m - params_.height_tolerance_m;
 }
@@ -259,6 +255,13 @@ void ObstacleLayer::clear_footprint(const Footprint& footprint, const Pose2& gri
   }
 }
 
+void ObstacleLayer::level(const Vector2d& middle_m, double radius_m, double height_m) {
+  const auto height = static_cast<float>(height_m);
+  for (Mark& mark : marks_)
+    if ((shape_.middle_of(cell_at(mark.index)) - middle_m).squaredNorm() <= square(radius_m))
+      mark.low_m = mark.high_m = height;
+}
+
 void ObstacleLayer::clear_beyond(const Vector2d& middle_m, double radius_m) {
   for (std::size_t slot = marks_.size(); slot-- > 0;)
     if ((shape_.middle_of(cell_at(marks_[slot].index)) - middle_m).norm() > radius_m) erase(slot);
@@ -326,7 +329,6 @@ void ObstacleLayer::Mark::join(const Mark& other) {
   stamp_s = std::max(stamp_s, other.stamp_s);
   low_m = std::min(low_m, other.low_m);
   high_m = std::max(high_m, other.high_m);
-  first_s = std::min(first_s, other.first_s);
 }
 
 Cell ObstacleLayer::cell_at(std::size_t index) const {

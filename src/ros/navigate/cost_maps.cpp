@@ -271,9 +271,9 @@ void CostMaps::take_heights(const sensor_msgs::LaserScan& message, PlacedScan& p
   for (float& height_m : placed.scan.heights_m) height_m += static_cast<float>(own_m);
 }
 
-/// Heights count where a finished map shows an obstacle, too, and nobody stands before it: it will not go
-/// away while the lidar is too near to see it. A person who was seen from afar would leave a ghost, and a map
-/// that is made meanwhile shows people.
+/// Heights count where a finished map shows an obstacle, too: it will not go away while the lidar is too near
+/// to see it. A person who was seen from afar would leave a ghost, and a map that is made meanwhile shows
+/// people.
 void CostMaps::keep_heights_of_map(PlacedScan& placed) const {
   LaserScan& scan = placed.scan;
   if (scan.heights_m.empty()) return;
@@ -281,11 +281,16 @@ void CostMaps::keep_heights_of_map(PlacedScan& placed) const {
   if (!placed.map_T_odom || !finished) return scan.heights_m.clear();
   const Pose2 map_T_base = compose(*placed.map_T_odom, placed.odom_T_base);
   const auto rest = explanation_.unexplained(scan, compose(map_T_base, scan.base_T_sensor));
-  const auto things = navigate::without(scan, callbacks_.people(scan.stamp_s),
-                                        compose(placed.odom_T_base, scan.base_T_sensor));
   for (std::size_t i = 0; i < scan.heights_m.size(); ++i)
-    if (is_return(scan, rest.ranges[i]) || !is_return(scan, things.ranges[i]))
-      scan.heights_m[i] = static_cast<float>(placed.height_m);
+    if (is_return(scan, rest.ranges[i])) scan.heights_m[i] = static_cast<float>(placed.height_m);
+}
+
+/// Who walks through a door is so near to its frame that the map explains them: their marks shall go with
+/// them, those from before they were known, too.
+void CostMaps::level_people(const PlacedScan& placed) {
+  constexpr double kAroundM = 0.25;
+  for (const auto& person : callbacks_.people(placed.scan.stamp_s))
+    local_.obstacles->level(person.position_m, person.radius_m + kAroundM, placed.height_m);
 }
 
 Result<void> CostMaps::observe(const PlacedScan& placed) {
@@ -293,6 +298,7 @@ Result<void> CostMaps::observe(const PlacedScan& placed) {
   local_.map->centre_on({placed.odom_T_base.x, placed.odom_T_base.y});
   if (auto seen = local_.obstacles->observe(placed.scan, odom_T_sensor, placed.height_m, sensor()); !seen)
     return seen;
+  level_people(placed);
   local_.obstacles->clear_footprint(footprint_, placed.odom_T_base);
   if (placed.map_T_odom) local_.zones->set_pose(inverse(*placed.map_T_odom));
   (void)local_.map->update(placed.scan.stamp_s);

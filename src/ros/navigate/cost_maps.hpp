@@ -91,6 +91,7 @@ class CostMaps {
   [[nodiscard]] Result<void> take_scan(const sensor_msgs::LaserScan& message);
   void take_heights(const sensor_msgs::LaserScan& message, PlacedScan& placed);
   void keep_heights_of_map(PlacedScan& placed) const;
+  void level_people(const PlacedScan& placed);
   void note_map_change();
   [[nodiscard]] Result<void> take_cloud(const sensor_msgs::PointCloud2& message);
   [[nodiscard]] Result<void> observe(const PlacedScan& placed);
