@@ -9,12 +9,12 @@ NearMask::NearMask(const SurfaceMap& map) {
   first_row_ = cells.first_row - 1;
   columns_ = cells.columns + 2;
   rows_ = cells.rows + 2;
-  words_per_row_ = static_cast<std::size_t>(columns_ + 63) / 64;
-  words_.assign(words_per_row_ * static_cast<std::size_t>(rows_), 0);
+  blocks_per_row_ = static_cast<std::size_t>(columns_ + 63) / 64;
+  blocks_.assign(blocks_per_row_ * static_cast<std::size_t>(rows_), 0);
   map.visit_cells([this](int column, int row) {
     for (int r = row - first_row_ - 1; r <= row - first_row_ + 1; ++r)
       for (int c = column - first_column_ - 1; c <= column - first_column_ + 1; ++c)
-        words_[word(c, r)] |= std::uint64_t{1} << (c & 63);
+        blocks_[block(c, r)] |= std::uint64_t{1} << (c & 63);
   });
 }
 

@@ -20,20 +20,20 @@ class NearMask {
     const int column = SurfaceMap::cell_index(point.x()) - first_column_;
     const int row = SurfaceMap::cell_index(point.y()) - first_row_;
     if (column < 0 || row < 0 || column >= columns_ || row >= rows_) return false;
-    return (words_[word(column, row)] >> (column & 63) & 1U) != 0;
+    return (blocks_[block(column, row)] >> (column & 63) & 1U) != 0;
   }
 
  private:
-  [[nodiscard]] std::size_t word(int column, int row) const {
-    return static_cast<std::size_t>(row) * words_per_row_ + static_cast<std::size_t>(column >> 6);
+  [[nodiscard]] std::size_t block(int column, int row) const {
+    return static_cast<std::size_t>(row) * blocks_per_row_ + static_cast<std::size_t>(column >> 6);
   }
 
   int first_column_{0};
   int first_row_{0};
   int columns_{0};
   int rows_{0};
-  std::size_t words_per_row_{0};
-  std::vector<std::uint64_t> words_;
+  std::size_t blocks_per_row_{0};
+  std::vector<std::uint64_t> blocks_;
 };
 
 }  // namespace extperfc::mapping
