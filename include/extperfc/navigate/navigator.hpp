@@ -32,9 +32,8 @@ struct NavigatorParams {
   double blocked_margin_m{0.05};       ///< by which the footprint is smaller for that, [0, 1]
   double deviation_m{0.6};             ///< from the path, at which it is planned again, (0, 100]
   double shorter_ratio{0.9};           ///< of lengths, at which another path is preferred, (0, 1]
-  double detour_memory_s{
-      60.0};                ///< a place that made the robot take a much longer path is avoided, [0, 3600]
-  double tolerance_m{0.0};  ///< a goal that is blocked may be moved this far, [0, 10]
+  double detour_memory_s{60.0};        ///< where a much longer path was taken is avoided, [0, 3600]
+  double tolerance_m{0.0};             ///< a goal that is blocked may be moved this far, [0, 10]
   bool recovery_enabled{true};
   GoalTolerance goal;
   VelocityLimits limits;

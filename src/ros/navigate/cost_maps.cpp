@@ -289,6 +289,7 @@ void CostMaps::keep_heights_of_map(PlacedScan& placed) const {
 /// them, those from before they were known, too.
 void CostMaps::level_people(const PlacedScan& placed) {
   constexpr double kAroundM = 0.25;
+  if (placed.scan.heights_m.empty()) return;
   for (const auto& person : callbacks_.people(placed.scan.stamp_s))
     local_.obstacles->level(person.position_m, person.radius_m + kAroundM, placed.height_m);
 }
