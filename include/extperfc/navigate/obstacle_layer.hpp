@@ -65,7 +65,7 @@ class ObstacleLayer : public CostLayer {
   /// The robot stands here: no obstacle in cells whose middle is under the footprint, and with frees_unknown
   /// no unknown cell, though no ray reaches them.
   void clear_footprint(const Footprint& footprint, const Pose2& grid_T_base);
-  /// Somebody stands or walks here: marks within `radius_m` count as seen at `height_m`, so that they are
+  /// A person stands or walks here: marks within `radius_m` count as seen at `height_m`, so that they are
   /// cleared when the place is free. O(marked cells).
   void level(const Eigen::Vector2d& middle_m, double radius_m, double height_m);
   /// Forgets marks farther than `radius_m` from a point.

@@ -2,6 +2,7 @@
 """Tests of the default detector's samples, recipe, figures of merit and network."""
 import contextlib
 import hashlib
+import json
 import os
 import re
 import sys
@@ -251,10 +252,7 @@ class Network(unittest.TestCase):
         for name, value in whole.items():
             self.assertTrue(torch.equal(value, resumed[name]), name)
 
-
     def test_a_run_that_continues_begins_with_the_given_weights_and_is_noted_after_the_first(self):
-        import json
-
         from extperfc.training.shapes import export
         from extperfc.training.shapes.train import Recipe, Trainer
         recipe = Recipe.continued(3)

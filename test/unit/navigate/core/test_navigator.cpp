@@ -182,15 +182,20 @@ TEST(Navigator, WhilePeopleAreInSightItWaitsLongerForAPath) {
   EXPECT_EQ(robot.ends[1].error.code, NavCode::kGoalBlocked);
 }
 
+/// Has a path of 3.5 m and stands, so that lengths stay.
+void stand_on_a_path(FakeRobot& robot) {
+  robot.drive_to({3.5, 0, 0});
+  robot.run_for(0.5);
+  robot.control->velocity = Twist2{};
+}
+
 TEST(Navigator, APlaceThatMadeItTakeADetourIsAvoidedForAWhile) {
   NavigatorParams params;
   params.planner_frequency_hz = 5;
   params.detour_memory_s = 4;
   params.oscillation_timeout_s = 0;
   FakeRobot robot(params);
-  robot.drive_to({3.5, 0, 0});
-  robot.run_for(0.5);
-  robot.control->velocity = Twist2{};  // stands, so that lengths stay
+  stand_on_a_path(robot);
   robot.via = Pose2{1.75, 0.8, 0};
   robot.current_blocked = true;
   robot.run_for(0.5);
@@ -210,9 +215,7 @@ TEST(Navigator, WhatBlocksThePathNearTheRobotIsWhereTheDetourLeadsAround) {
   NavigatorParams params;
   params.oscillation_timeout_s = 0;
   FakeRobot robot(params);
-  robot.drive_to({3.5, 0, 0});
-  robot.run_for(0.5);
-  robot.control->velocity = Twist2{};
+  stand_on_a_path(robot);
   robot.via = Pose2{1.75, 2.8, 0};
   robot.block({2.0, 0}, 0.1);
   robot.run_for(2.5);
