@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <string>
 
 #include "extperfc/base/math.hpp"
@@ -28,6 +29,22 @@ bool is_return(const LaserScan& scan, float range_m) {
 std::size_t count_returns(const LaserScan& scan) {
   return static_cast<std::size_t>(std::count_if(scan.ranges.begin(), scan.ranges.end(),
                                                 [&](float range_m) { return is_return(scan, range_m); }));
+}
+
+LaserScan without(LaserScan scan, const std::vector<Disc>& discs, const Pose2& frame_T_sensor) {
+  if (discs.empty()) return scan;
+  for (std::size_t i = 0; i < scan.ranges.size(); ++i) {
+    const float range_m = scan.ranges[i];
+    if (!is_return(scan, range_m)) continue;
+    const double angle = frame_T_sensor.yaw + scan.angle_min + static_cast<double>(i) * scan.angle_increment;
+    const Eigen::Vector2d end_m(frame_T_sensor.x + range_m * std::cos(angle),
+                                frame_T_sensor.y + range_m * std::sin(angle));
+    const bool on_disc = std::any_of(discs.begin(), discs.end(), [&end_m](const Disc& disc) {
+      return (end_m - disc.middle_m).squaredNorm() <= square(disc.radius_m);
+    });
+    if (on_disc) scan.ranges[i] = std::numeric_limits<float>::quiet_NaN();
+  }
+  return scan;
 }
 
 Result<void> validate(const LaserScan& scan) {

@@ -2,6 +2,8 @@
 
 #include <vector>
 
+#include <Eigen/Core>
+
 #include "extperfc/base/error.hpp"
 #include "extperfc/world/pose.hpp"
 
@@ -30,6 +32,16 @@ struct LaserScan {
 
 /// Rays that met something.
 [[nodiscard]] std::size_t count_returns(const LaserScan& scan);
+
+/// A round place on the floor.
+struct Disc {
+  Eigen::Vector2d middle_m{Eigen::Vector2d::Zero()};
+  double radius_m{0};
+};
+
+/// The scan without its returns on the discs, which say nothing then (NaN). Discs are in the frame of the
+/// sensor's pose. O(rays * discs).
+[[nodiscard]] LaserScan without(LaserScan scan, const std::vector<Disc>& discs, const Pose2& frame_T_sensor);
 
 /// An error that names the first field that cannot be: a stamp or
 /// angles that are not finite, a zero increment, a sweep of more

@@ -136,7 +136,7 @@ class Follow(Leaf):
         seek = lost and not self.leader.stands
         ahead_m = AHEAD_S * math.hypot(*self.leader.velocity)  # who walks is not there any more when the base arrives
         distance_m = LAST_SEEN_M if seek else max(CLOSEST_M, self.distance_m - ahead_m)
-        goal = self.leader.behind(robot[:2], distance_m + self._farther_m)
+        goal = self.leader.behind(robot[:2], distance_m + self._farther_m, in_sight=not lost)
         failed = self._failed(robot)
         if now >= self._next and (is_other_goal(goal, self.goal) or failed):
             self._farther_m = min(MAX_FARTHER_M, self._farther_m + FARTHER_M) if failed else 0.0

@@ -156,12 +156,17 @@ class Leader:
             while len(self.trail) > TRAIL_M / TRAIL_STEP_M:
                 del self.trail[0]
 
-    def behind(self, robot, distance_m):
+    def behind(self, robot, distance_m, in_sight=False):
         """(x, y, yaw): where to stand to follow at a distance, for a robot at (x, y): a place where the leader has walked, so
-        that it is free, or between the robot and there; where the robot is when it is near enough. It looks at the leader."""
+        that it is free, or between the robot and there; where the robot is when it is near enough. It looks at the leader.
+
+        in_sight: the leader is seen now. Then it is no place beyond a leader who came towards the robot, but one before."""
         place = tuple(robot)
-        if math.dist(robot, self.position) > distance_m:
+        away_m = math.dist(robot, self.position)
+        if away_m > distance_m:
             place = self._on_trail(place, distance_m)
+            if in_sight and math.dist(robot, place) > away_m:
+                place = tuple(p + distance_m / away_m * (r - p) for p, r in zip(self.position, robot))
         return (*place, math.atan2(self.position[1] - place[1], self.position[0] - place[0]))
 
     def _on_trail(self, robot, distance_m):

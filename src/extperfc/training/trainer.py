@@ -194,6 +194,8 @@ class Trainer:
             os.environ.setdefault("CUBLAS_WORKSPACE_CONFIG", ":4096:8")
             torch.use_deterministic_algorithms(True, warn_only=True)
             torch.backends.cudnn.benchmark = False
+            if hasattr(torch.utils, "deterministic"):  # since PyTorch 2.1, which else writes NaN into every new tensor
+                torch.utils.deterministic.fill_uninitialized_memory = False
 
     def _build(self, build, transfer):
         device = self.processes.device

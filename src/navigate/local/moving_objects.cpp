@@ -168,13 +168,11 @@ std::vector<MovingCandidate> MovingObjectDetector::detect(
 }
 
 LaserScan without(LaserScan scan, const std::vector<MovingObstacle>& people, const Pose2& map_T_sensor) {
-  if (people.empty()) return scan;
-  for (std::size_t i = 0; i < scan.ranges.size(); ++i) {
-    if (!is_return(scan, scan.ranges[i])) continue;
-    if (is_person(point_of(scan, i, map_T_sensor), people))
-      scan.ranges[i] = std::numeric_limits<float>::quiet_NaN();
-  }
-  return scan;
+  std::vector<Disc> discs;
+  discs.reserve(people.size());
+  for (const MovingObstacle& person : people)
+    discs.push_back({person.position_m, person.radius_m + kPersonMarginM});
+  return extperfc::without(std::move(scan), discs, map_T_sensor);
 }
 
 std::vector<Eigen::Vector3f> without(std::vector<Eigen::Vector3f> points_m,

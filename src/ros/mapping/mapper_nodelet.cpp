@@ -29,6 +29,7 @@ MapperNodelet::~MapperNodelet() {
   diagnostics_timer_.stop();
   scan_subscriber_.shutdown();
   imu_subscriber_.shutdown();
+  people_subscriber_.shutdown();
   if (services_) services_->stop();
   if (queue_) queue_->close();
   if (frames_) frames_->close();
@@ -71,6 +72,7 @@ void MapperNodelet::make_parts() {
   queue_ = std::make_unique<ScanQueue<Waiting>>(static_cast<std::size_t>(params_.queue_size));
   chain_.emplace(OdometryChain::Limits{params_.odometry_max_speed_m_s, params_.odometry_max_yaw_rate_rad_s});
   frames_ = std::make_unique<RobotFrames>(params_.base_frame, params_.odom_frame);
+  people_ = std::make_unique<PeopleFilter>(params_.odom_frame);
   frame_publisher_ = std::make_unique<FramePublisher>(
       FramePublisher::Options{params_.map_frame, params_.transform_publish_period, params_.tf_delay});
   maps_ = std::make_unique<MapPublisher>(
@@ -98,6 +100,8 @@ void MapperNodelet::subscribe() {
   if (params_.use_imu)
     imu_subscriber_ = getNodeHandle().subscribe<sensor_msgs::Imu>(
         kImuTopic, 200, [this](const sensor_msgs::ImuConstPtr& message) { imu_.add(*message); });
+  people_subscriber_ = getNodeHandle().subscribe<TrackArray>(
+      "people_tracks", 1, [this](const TrackArrayConstPtr& message) { people_->add(*message); });
   scan_health_.listening(true);
   scan_subscriber_ = params_.multi_echo
                          ? getNodeHandle().subscribe(kScanTopic, depth, &MapperNodelet::on_echoes, this)
@@ -176,7 +180,7 @@ Result<void> MapperNodelet::add(const sensor_msgs::LaserScan& message, double ti
                 "the scan has no stamp or no frame_id: its driver must set both");
   const auto base_T_scanner = frames_->base_T(message.header.frame_id, stamp, timeout_s);
   if (!base_T_scanner) return tl::unexpected(base_T_scanner.error());
-  const auto scan = ros_convert::to_laser_scan(message, *base_T_scanner, params_.max_tilt_rad);
+  auto scan = ros_convert::to_laser_scan(message, *base_T_scanner, params_.max_tilt_rad);
   if (!scan) return tl::unexpected(scan.error());
   const auto odometry = odometry_at(stamp, timeout_s);
   if (!odometry) return tl::unexpected(odometry.error());
@@ -186,6 +190,7 @@ Result<void> MapperNodelet::add(const sensor_msgs::LaserScan& message, double ti
     NODELET_WARN("odometry jumped before %.3f: the motion since the previous scan comes from scan matching",
                  stamp.toSec());
   }
+  if (*odometry) *scan = people_->without_people(std::move(*scan), **odometry);
   const Stopwatch watch;
   mapping::MapperStatistics statistics;
   auto mode = mapping::MapperMode::kMapping;
@@ -282,6 +287,7 @@ void MapperNodelet::report(diagnostic_updater::DiagnosticStatusWrapper& status) 
   health_->report(status);
   report_map(status);
   if (params_.use_imu) status.add("imu received", imu_.received());
+  status.add("returns of people left out", people_->left_out());
 }
 
 void MapperNodelet::report_map(diagnostic_updater::DiagnosticStatusWrapper& status) const {

@@ -21,6 +21,7 @@
 #include "ros/mapping/mapper_services.hpp"
 #include "ros/mapping/mapping_health.hpp"
 #include "ros/mapping/odometry_chain.hpp"
+#include "ros/mapping/people_filter.hpp"
 #include "ros/mapping/pose_publisher.hpp"
 #include "ros/mapping/robot_frames.hpp"
 #include "ros/mapping/scan_queue.hpp"
@@ -38,6 +39,8 @@ namespace extperfc::ros_mapping {
 ///   imu              sensor_msgs/Imu, with use_imu
 ///   initialpose      geometry_msgs/PoseWithCovarianceStamped in map_frame: the robot stands about here (within
 ///                    1.2 m and 0.6 rad), in a session that is resumed or after it was carried
+///   people_tracks    extperfc/TrackArray in odom_frame, by the navigator: who was seen to walk (score 1) is left
+///                    out of the map
 ///   /tf, /tf_static  tf2_msgs/TFMessage
 /// Publishes:
 ///   map            nav_msgs/OccupancyGrid, latched, when changed, at most every map_update_interval
@@ -113,6 +116,7 @@ class MapperNodelet : public nodelet::Nodelet {
   ros_params::MapperNodeletParams params_;
   std::unique_ptr<SharedMapper> mapper_;
   std::unique_ptr<RobotFrames> frames_;
+  std::unique_ptr<PeopleFilter> people_;
   std::unique_ptr<FramePublisher> frame_publisher_;
   std::unique_ptr<MapPublisher> maps_;
   std::unique_ptr<PosePublisher> poses_;
@@ -143,6 +147,7 @@ class MapperNodelet : public nodelet::Nodelet {
 
   ros::Subscriber scan_subscriber_;
   ros::Subscriber imu_subscriber_;
+  ros::Subscriber people_subscriber_;
   std::thread worker_;
 };
 

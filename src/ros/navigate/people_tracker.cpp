@@ -134,8 +134,12 @@ TrackArray PeopleTracker::tracks(const std::string& odom_frame) const {
   body.orientation.w = 1;
   body.size.x = body.size.y = 2 * kRadiusM;
   body.size.z = kHeightM;
-  for (const auto& track : tracker_.tracks())
-    if (track.confirmed) message.tracks.push_back(ros_convert::to_message(track, body));
+  for (const auto& track : tracker_.tracks()) {
+    if (!track.confirmed) continue;
+    message.tracks.push_back(ros_convert::to_message(track, body));
+    const auto walk = walks_.find(track.id);
+    message.tracks.back().score = walk != walks_.end() && walk->second.far ? 1 : 0;
+  }
   return message;
 }
 

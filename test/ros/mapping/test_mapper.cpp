@@ -3,6 +3,7 @@
 #include <cmath>
 #include <set>
 
+#include <extperfc/TrackArray.h>
 #include <geometry_msgs/PoseArray.h>
 #include <nav_msgs/GetMap.h>
 #include <nav_msgs/MapMetaData.h>
@@ -48,6 +49,28 @@ TEST_F(MapperTest, DriftingOdometryIsCorrected) {
     EXPECT_LT(error_m(*found, pose), 0.08);
   }
   expect_map_of_the_room(map_now());
+}
+
+TEST_F(MapperTest, PeopleAreLeftOutOfTheMap) {
+  mount_lidar();
+  load();
+  Track box;  // the one of the room, as if it were a person
+  box.score = 1;
+  box.size.x = 1.4;
+  const Pose2 middle = compose(odom_T_room_, {1.7, 2.65, 0});
+  box.pose.pose.position.x = middle.x;
+  box.pose.pose.position.y = middle.y;
+  TrackArray people;
+  people.header.frame_id = "odom";
+  people.header.stamp = now_;
+  people.tracks.push_back(box);
+  auto publisher = handle_.advertise<TrackArray>("people_tracks", 1, true);
+  publisher.publish(people);
+  ASSERT_TRUE(wait_for([&] { return publisher.getNumSubscribers() > 0; }));
+  ASSERT_TRUE(drive(straight_path({0, 0, 0}, {0.3, 0, 0}, 6)));
+  EXPECT_TRUE(diagnostics_.wait_latest([](const Report& r) {
+    return r.number("returns of people left out") > 50;
+  })) << diagnostics_.latest().message();
 }
 
 TEST_F(MapperTest, TheMapFrameJoinsMapAndOdometry) {

@@ -65,6 +65,13 @@ class TheLeader(unittest.TestCase):
         self.assertAlmostEqual(1.8, x)
         self.assertEqual((0.0, 0.0), (y, yaw))
 
+    def test_who_comes_to_the_robot_is_not_passed(self):
+        walk(self.leader, [(8, 0), (2.5, 0)])
+        x, y, yaw = self.leader.behind((0.0, 0.0), 1.2, in_sight=True)
+        self.assertAlmostEqual(self.leader.position[0] - 1.2, x)
+        self.assertEqual((0.0, 0.0), (y, yaw))
+        self.assertGreater(self.leader.behind((0.0, 0.0), 1.2)[0], 3.0)  # out of sight: where they came from
+
     def test_the_trail_is_bounded(self):
         walk(self.leader, [(0, 0), (40, 0)])
         self.assertLess(len(self.leader.trail), 160)

@@ -75,5 +75,22 @@ TEST(LaserScan, ComplaintsNameTheField) {
   EXPECT_NE(with([&](auto& s) { s.base_T_sensor.yaw = nan; }).find("pose of the scanner"), std::string::npos);
 }
 
+TEST(LaserScan, ReturnsOnDiscsAreLeftOut) {
+  LaserScan scan = good_scan();
+  scan.base_T_sensor = {};
+  scan.angle_min = 0;
+  scan.angle_increment = M_PI / 2;
+  scan.range_min = 0.1;
+  scan.range_max = 10;
+  scan.ranges = {2.0F, 2.0F, 2.0F, std::numeric_limits<float>::infinity()};
+  const Pose2 frame_T_sensor{1, 0, M_PI / 2};  // rays end at (1, 2), (-1, 0), (1, -2)
+  const LaserScan rest = without(scan, {{{1, 2.2}, 0.3}, {{-1, 0.4}, 0.3}, {{3, 0}, 0.3}}, frame_T_sensor);
+  EXPECT_TRUE(std::isnan(rest.ranges[0]));
+  EXPECT_EQ(rest.ranges[1], 2.0F);
+  EXPECT_EQ(rest.ranges[2], 2.0F);
+  EXPECT_TRUE(std::isinf(rest.ranges[3])) << "what met nothing met no person";
+  EXPECT_EQ(without(scan, {}, frame_T_sensor).ranges, scan.ranges);
+}
+
 }  // namespace
 }  // namespace extperfc
