@@ -140,12 +140,19 @@ class Leader:
     def _near(self, people, now):
         """Who may be the leader, by where and how they walk."""
         unseen = max(self.unseen_s(now), now - self._walked_at)
-        ahead = min(self.unseen_s(now), PREDICT_S)
-        expected = (self.position[0] + ahead * self.velocity[0], self.position[1] + ahead * self.velocity[1])
         gate = STARTS_M if unseen > SWAPPED_S and self.stands else min(MAX_GATE_M, GATE_M + GATE_GROWS_M_S * unseen)
-        near = [one for one in people if math.dist(one.position, expected) < gate and not self._is_another(one, now)
+        near = [one for one in people if self._astray_m(one, now) < gate and not self._is_another(one, now)
                 and (self._walks(one) or self.is_lost(now) and self.stands and math.dist(one.position, self.position) < GATE_M)]
-        return min(near, key=lambda one: math.dist(one.position, expected), default=None)
+        return min(near, key=lambda one: self._astray_m(one, now), default=None)
+
+    def _astray_m(self, person, now):
+        """How far a person is from where the leader may be by walking straight on: for PREDICT_S surely, then less far or on."""
+        unseen, speed = self.unseen_s(now), math.hypot(*self.velocity)
+        low_m, high_m = speed * min(unseen, PREDICT_S), speed * unseen
+        offset = numpy.subtract(person.position, self.position)
+        ahead = numpy.array(self.velocity) / speed if speed > 0 else numpy.zeros(2)
+        along_m = min(high_m, max(low_m, float(offset @ ahead)))
+        return float(numpy.linalg.norm(offset - along_m * ahead))
 
     def _take(self, person, now):
         self.position, self.velocity, self._seen_at = person.position, person.velocity, now

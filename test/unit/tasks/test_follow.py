@@ -72,6 +72,13 @@ class TheLeader(unittest.TestCase):
         self.assertEqual((0.0, 0.0), (y, yaw))
         self.assertGreater(self.leader.behind((0.0, 0.0), 1.2)[0], 3.0)  # out of sight: where they came from
 
+    def test_who_walked_straight_on_out_of_sight_is_found_far_away(self):
+        now = walk(self.leader, [(0, 0), (4, 0)])
+        self.leader.update([], now + 9.0)
+        for step in range(12):  # has walked 5 m meanwhile
+            self.leader.update([Person(70, (9.0 + 0.05 * step, 0.3), (SPEED, 0.0)), Person(8, (4.0, 5.0 + 0.05 * step))], now + 9.1 + 0.1 * step)
+        self.assertEqual(70, self.leader.track)
+
     def test_the_trail_is_bounded(self):
         walk(self.leader, [(0, 0), (40, 0)])
         self.assertLess(len(self.leader.trail), 160)

@@ -131,5 +131,54 @@ TEST(Drive, LetsPeopleCross) {
   }
 }
 
+/// The office's corridor, the robot in its middle and somebody at its wall: they fit beside each other, closely.
+struct Corridor {
+  Building building;
+  Path path;
+
+  Corridor() {
+    building.size_m = {12, 2.2};
+    building.add(0, 0, 12, 0.1);
+    building.add(0, 2.1, 12, 2.2);
+    path.poses.reserve(161);
+    for (int i = 0; i <= 160; ++i) path.poses.push_back({1.5 + 0.05 * i, 1.0, 0});
+  }
+};
+
+DriveResult drive_along(const Corridor& corridor, const Pedestrian& person, std::uint64_t seed) {
+  DriveOptions options;
+  options.max_time_s = 60;
+  DriveSimulation simulation(corridor.building, chassis(), options, seed);
+  simulation.people = {person};
+  const auto planner = make_mppi_planner({});
+  return simulation.drive(*planner, corridor.path, {}, corridor.path.poses.front());
+}
+
+TEST(Drive, PassesWhoStandsInACorridor) {
+  for (std::uint64_t seed = 1; seed <= 3; ++seed) {
+    Pedestrian person;
+    person.route_m = {{5.5, 1.6}, {5.6, 1.6}};
+    person.speed_m_s = 1e-6;
+    const DriveResult result = drive_along({}, person, seed);
+    EXPECT_TRUE(result.reached) << seed;
+    EXPECT_LT(result.time_s, 25) << seed;
+    EXPECT_EQ(result.person_contacts, 0) << seed;
+    EXPECT_EQ(result.contacts, 0) << seed;
+  }
+}
+
+TEST(Drive, PassesWhoComesAlongACorridor) {
+  for (std::uint64_t seed = 1; seed <= 3; ++seed) {
+    Pedestrian person;
+    person.route_m = {{10.5, 1.6}, {1.0, 1.6}};
+    person.speed_m_s = 0.7;
+    const DriveResult result = drive_along({}, person, seed);
+    EXPECT_TRUE(result.reached) << seed;
+    EXPECT_LT(result.time_s, 25) << seed;
+    EXPECT_EQ(result.person_contacts, 0) << seed;
+    EXPECT_EQ(result.contacts, 0) << seed;
+  }
+}
+
 }  // namespace
 }  // namespace extperfc::navigate
