@@ -68,6 +68,7 @@ bool Run::step() {
 }
 
 void Run::add(sources::ScanRecord record) {
+  if (passed_.empty()) result_.base_T_scanner = record.scan.base_T_sensor;
   note_odometry(record.odom_T_base);
   const double start_s = process_cpu_seconds();
   const auto update = mapper_.add(record.scan, record.odom_T_base);

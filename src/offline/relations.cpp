@@ -97,7 +97,8 @@ Result<std::vector<Relation>> read_relations(const std::filesystem::path& file) 
 }
 
 RelationsScore score_relations(const std::vector<Relation>& relations,
-                               const std::vector<std::optional<Pose2>>& poses, std::size_t loop_span) {
+                               const std::vector<std::optional<Pose2>>& poses, const ScoreOptions& options) {
+  const auto scanner_at = [&](std::size_t scan) { return compose(*poses[scan], options.base_T_scanner); };
   RelationsScore score;
   for (std::size_t i = 0; i < relations.size(); ++i) {
     const auto& relation = relations[i];
@@ -107,11 +108,11 @@ RelationsScore score_relations(const std::vector<Relation>& relations,
       ++score.unmatched;
       continue;
     }
-    const Pose2 estimated = between(*poses[relation.from], *poses[relation.to]);
+    const Pose2 estimated = between(scanner_at(relation.from), scanner_at(relation.to));
     const Pose2 error = between(relation.from_T_to, estimated);
     score.errors.push_back({i, std::hypot(error.x, error.y), std::abs(error.yaw) / kDegree});
   }
-  const auto is_loop = [&](std::size_t i) { return span(relations[i]) > loop_span; };
+  const auto is_loop = [&](std::size_t i) { return span(relations[i]) > options.loop_span; };
   score.all = group_of(score, [](std::size_t) { return true; });
   score.neighbours = group_of(score, [&](std::size_t i) { return !is_loop(i); });
   score.loops = group_of(score, is_loop);

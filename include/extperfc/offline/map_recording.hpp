@@ -49,6 +49,7 @@ struct MappingResult {
   /// before.
   Trajectory trajectory;
   std::vector<std::size_t> scan_index;  ///< of each pose: ScanRecord::index
+  Pose2 base_T_scanner;                 ///< of the first scan
 };
 
 /// Feeds a recording to the mapper until it ends, and finishes the mapper.

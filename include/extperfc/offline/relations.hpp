@@ -58,10 +58,15 @@ struct RelationsScore {
 /// Relations that span more than this many scans close a loop.
 constexpr std::size_t kLoopSpan = 100;
 
-/// `poses` by the scan's number; no value where the trajectory has none.
+struct ScoreOptions {
+  Pose2 base_T_scanner;  ///< relations are between scanners, poses those of the robot
+  std::size_t loop_span{kLoopSpan};
+};
+
+/// `poses` of the robot by the scan's number; no value where the trajectory has none.
 [[nodiscard]] RelationsScore score_relations(const std::vector<Relation>& relations,
                                              const std::vector<std::optional<Pose2>>& poses,
-                                             std::size_t loop_span = kLoopSpan);
+                                             const ScoreOptions& options = {});
 
 /// The `count` relations with the largest translational errors, worst first.
 [[nodiscard]] std::vector<RelationError> worst_relations(const RelationsScore& score, std::size_t count);

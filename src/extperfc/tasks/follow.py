@@ -24,16 +24,19 @@ RETRY_S = 2.0        # of ROS time, between attempts at one that was not reached
 ARRIVED_M = 0.4
 FARTHER_M, MAX_FARTHER_M = 0.4, 2.0  # from the leader, after each goal that was not reached
 AHEAD_S, CLOSEST_M = 1.2, 0.7  # a goal is so much nearer to who walks, but never nearer than this
+DETOUR_M = 6.0       # who is in sight is not followed on a path that is so much longer than the straight line:
+DETOUR_WAIT_S = 8.0  # what stands between, mostly a person, goes away within this time of ROS
 LAST_SEEN_M = 0.3    # who is lost is sought from so near to where they were seen last
 
 
 class _People:
-    """The newest `move_base/people_tracks`, and the faces with names of the newest `faces`."""
+    """The newest `move_base/people_tracks`, the faces with names of the newest `faces`, and how far the robot drives."""
 
     def __init__(self):
-        self._lock, self._tracks, self._faces = threading.Lock(), None, None
+        self._lock, self._tracks, self._faces, self._navigator = threading.Lock(), None, None, None
         rospy.Subscriber("move_base/people_tracks", extperfc.msg.TrackArray, self._on_tracks, queue_size=1)
         rospy.Subscriber("faces", extperfc.msg.FaceArray, self._on_faces, queue_size=1)
+        rospy.Subscriber("navigation_status", extperfc.msg.NavigationStatus, self._on_navigator, queue_size=1)
 
     def _on_tracks(self, message):
         with self._lock:
@@ -42,6 +45,15 @@ class _People:
     def _on_faces(self, message):
         with self._lock:
             self._faces = message
+
+    def _on_navigator(self, message):
+        with self._lock:
+            self._navigator = message
+
+    def left_m(self):
+        """Of the path that the robot is on; None: it is on none."""
+        with self._lock:
+            return self._navigator.distance_left if self._navigator and self._navigator.state == "controlling" else None
 
     def tracks(self, now):
         """[Person] in FRAME; empty without a scan."""
@@ -90,6 +102,7 @@ class Follow(Leaf):
     def begin(self):
         self.setup()
         self.leader, self._motion, self.goal, self._farther_m = Leader(self.person), None, None, 0.0
+        self._detour_since = None
         self.people = []
         self._begin = self._next = rospy.Time.now()
         write(self.key, self.leader)
@@ -138,11 +151,25 @@ class Follow(Leaf):
         distance_m = LAST_SEEN_M if seek else max(CLOSEST_M, self.distance_m - ahead_m)
         goal = self.leader.behind(robot[:2], distance_m + self._farther_m, in_sight=not lost)
         failed = self._failed(robot)
+        if not lost and self._would_leave(robot, now):
+            self._motion.cancel()
+            self._motion, self.goal, self._next = None, None, now + rospy.Duration(RETRY_S)
         if now >= self._next and (is_other_goal(goal, self.goal) or failed):
             self._farther_m = min(MAX_FARTHER_M, self._farther_m + FARTHER_M) if failed else 0.0
             self._next = now + rospy.Duration(RETRY_S if failed else SEND_S)
             self.goal = goal
             self._motion = GoTo(goal, FRAME).motion()
+
+    def _would_leave(self, robot, now):
+        """The robot has begun a long detour to who is in sight, and has not yet waited for the direct path."""
+        left_m = self._people.left_m()
+        if self._motion is None or self._motion.done or left_m is None:
+            return False
+        if left_m < math.dist(robot[:2], self.goal[:2]) + DETOUR_M:
+            self._detour_since = None
+            return False
+        self._detour_since = self._detour_since or now
+        return (now - self._detour_since).to_sec() < DETOUR_WAIT_S
 
     def _failed(self, robot):
         """The last goal ended elsewhere."""

@@ -158,7 +158,8 @@ Result<int> map(const MapOptions& options) {
   report.map_width = grid->width;
   report.map_height = grid->height;
   report.peak_memory_mb = peak_memory_mb();
-  if (options.relations) report.score = score_relations(report.relations, by_index(report.result));
+  if (options.relations)
+    report.score = score_relations(report.relations, by_index(report.result), {report.result.base_T_scanner});
   if (auto written = write_files(options, report.result, *mapper, *grid); !written)
     return tl::unexpected(written.error());
   return write_reports(report);

@@ -66,13 +66,6 @@ Examples:
 Exit status: 0 done, 1 failed (reason on standard error), 2 wrong usage.
 )";
 
-Result<void> read_pose(const Arguments& arguments, const std::string& option, std::optional<Pose2>& pose) {
-  const auto numbers = arguments.numbers(option, 3);
-  if (!numbers) return tl::unexpected(numbers.error());
-  if (*numbers) pose = Pose2{(**numbers)[0], (**numbers)[1], (**numbers)[2]};
-  return {};
-}
-
 /// What fits together.
 Result<void> check(const MapOptions& options) {
   if (options.start_pose && !options.session)

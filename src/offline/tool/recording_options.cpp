@@ -17,4 +17,11 @@ RecordingOptions recording_options(const Arguments& arguments) {
   return reading;
 }
 
+Result<void> read_pose(const Arguments& arguments, const std::string& option, std::optional<Pose2>& pose) {
+  const auto numbers = arguments.numbers(option, 3);
+  if (!numbers) return tl::unexpected(numbers.error());
+  if (*numbers) pose = Pose2{(**numbers)[0], (**numbers)[1], (**numbers)[2]};
+  return {};
+}
+
 }  // namespace extperfc::offline

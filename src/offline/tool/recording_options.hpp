@@ -1,10 +1,13 @@
 #pragma once
 
+#include <optional>
 #include <set>
 #include <string>
 
 #include "extperfc/base/arguments.hpp"
+#include "extperfc/base/error.hpp"
 #include "extperfc/offline/recording.hpp"
+#include "extperfc/world/pose.hpp"
 
 namespace extperfc::offline {
 
@@ -13,5 +16,9 @@ namespace extperfc::offline {
 
 /// What those say.
 [[nodiscard]] RecordingOptions recording_options(const Arguments& arguments);
+
+/// Sets `pose` to `option X,Y,YAW`, where it is given. Errors: not three numbers.
+[[nodiscard]] Result<void> read_pose(const Arguments& arguments, const std::string& option,
+                                     std::optional<Pose2>& pose);
 
 }  // namespace extperfc::offline

@@ -25,17 +25,19 @@ constexpr const char* kHelp = R"(Scores a trajectory against known relations bet
   extperfc-relations TRAJECTORY RELATIONS [OPTION ...]
 
 TRAJECTORY: TUM format, a line `stamp x y z qx qy qz qw` a pose.
-RELATIONS:  a line `i j x y z roll pitch yaw` a relation: pose of scan j in the frame of scan i [m, rad]. Scans are
-            numbered from 0 in the order of their recording.
+RELATIONS:  a line `i j x y z roll pitch yaw` a relation: pose of the scanner at scan j in its frame at scan i [m, rad].
+            Scans are numbered from 0 in the order of their recording.
 
 Prints the metric of Kuemmerle et al. 2009: mean and standard deviation of the translational and the rotational error,
 absolute and squared, for all relations, for neighbours, and for loops (scans that are more than 100 apart).
 
 A trajectory that holds every scan needs no more. One that holds only some of them (as most mappers write) needs the
-recording: poses and scans are then matched by their stamps, and odometry fills the gaps between two poses.
+recording: poses and scans are then matched by their stamps, and odometry fills the gaps between two poses. Poses are
+those of the robot; where the scanner sits on it says the recording, or --laser-pose.
 
 Options:
   --odometry RECORDING   the recording: CARMEN log, ROS bag or MRPT rawlog, as extperfc-map reads them
+  --laser-pose X,Y,YAW   pose of the scanner on the robot [m, m, rad]; overrides the recording, 0,0,0 without one
   --loop-span N          minimum number of scans that a loop spans, 101 by default
   --worst N              relations to list, 10 by default
   --image FILE.png       draws the trajectory, and each relation from green over yellow to red (0.15 m off or more)
@@ -52,17 +54,29 @@ Exit status: 0 done, 1 failed (reason on standard error), 2 wrong usage.
 
 constexpr double kMaxCount = 1e8;
 
-Result<std::vector<ScanMoment>> read_moments(const std::string& file, RecordingOptions reading) {
-  reading.log.base_T_sensor = Pose2{};  // of no account here
+/// A trajectory's poses by the scans' numbers.
+struct ScanPoses {
+  std::vector<std::optional<Pose2>> poses;
+  Pose2 base_T_scanner;
+};
+
+Result<ScanPoses> poses_by_recording(const std::string& file, const RecordingOptions& reading,
+                                     const Trajectory& trajectory) {
   auto log = open_recording(file, reading);
   if (!log) return tl::unexpected(log.error());
   std::vector<ScanMoment> moments;
+  ScanPoses found;
   while (true) {
     const auto record = (*log)->next();
     if (!record) return tl::unexpected(record.error());
-    if (!*record) return moments;
+    if (!*record) break;
+    if (moments.empty()) found.base_T_scanner = (*record)->scan.base_T_sensor;
     moments.push_back({(*record)->index, (*record)->scan.stamp_s, (*record)->odom_T_base});
   }
+  auto poses = poses_of_scans(trajectory, moments);
+  if (!poses) return tl::unexpected(poses.error());
+  found.poses = *std::move(poses);
+  return found;
 }
 
 /// Without a recording the trajectory must hold every scan.
@@ -82,13 +96,17 @@ Result<std::vector<std::optional<Pose2>>> poses_one_by_one(const Trajectory& tra
   return poses;
 }
 
-Result<std::vector<std::optional<Pose2>>> find_poses(const Arguments& arguments, const Trajectory& trajectory,
-                                                     const std::vector<Relation>& relations) {
-  const auto recording = arguments.last("--odometry");
-  if (!recording) return poses_one_by_one(trajectory, relations);
-  const auto moments = read_moments(*recording, recording_options(arguments));
-  if (!moments) return tl::unexpected(moments.error());
-  return poses_of_scans(trajectory, *moments);
+Result<ScanPoses> find_poses(const Arguments& arguments, const Trajectory& trajectory,
+                             const std::vector<Relation>& relations) {
+  auto reading = recording_options(arguments);
+  auto& base_T_scanner = reading.log.base_T_sensor;
+  if (auto read = read_pose(arguments, "--laser-pose", base_T_scanner); !read)
+    return tl::unexpected(read.error());
+  if (const auto recording = arguments.last("--odometry"))
+    return poses_by_recording(*recording, reading, trajectory);
+  auto poses = poses_one_by_one(trajectory, relations);
+  if (!poses) return tl::unexpected(poses.error());
+  return ScanPoses{*std::move(poses), base_T_scanner.value_or(Pose2{})};
 }
 
 Result<void> draw(const Arguments& arguments, const std::vector<std::optional<Pose2>>& poses,
@@ -125,13 +143,13 @@ Result<void> score(const Arguments& arguments, const Limits& limits) {
   if (!trajectory) return tl::unexpected(trajectory.error());
   const auto relations = read_relations(arguments.operands()[1]);
   if (!relations) return tl::unexpected(relations.error());
-  const auto poses = find_poses(arguments, *trajectory, *relations);
-  if (!poses) return tl::unexpected(poses.error());
-  const auto score = score_relations(*relations, *poses, limits.loop_span);
+  const auto found = find_poses(arguments, *trajectory, *relations);
+  if (!found) return tl::unexpected(found.error());
+  const auto score = score_relations(*relations, found->poses, {found->base_T_scanner, limits.loop_span});
   if (score.errors.empty())
     return fail(ErrorCode::kInvalidArgument, "the trajectory has no pose for any of the " +
                                                  std::to_string(relations->size()) + " relations");
-  if (auto drawn = draw(arguments, *poses, *relations, score); !drawn) return drawn;
+  if (auto drawn = draw(arguments, found->poses, *relations, score); !drawn) return drawn;
   if (!arguments.has("--json")) {
     print_score(std::cout, *relations, score, limits.worst);
     return {};
@@ -144,10 +162,11 @@ Result<void> score(const Arguments& arguments, const Limits& limits) {
 
 int run_tool(const std::vector<std::string>& tokens) {
   const auto arguments = Arguments::read(
-      tokens, {2,
-               2,
-               with_recording_options({"--odometry", "--loop-span", "--worst", "--image", "--map"}),
-               {"--json", "--help"}});
+      tokens,
+      {2,
+       2,
+       with_recording_options({"--odometry", "--laser-pose", "--loop-span", "--worst", "--image", "--map"}),
+       {"--json", "--help"}});
   const auto limits = arguments ? read_limits(*arguments) : Result<Limits>(tl::unexpected(arguments.error()));
   if (!limits) return complain(kProgram, limits.error().message, kUsage);
   if (arguments->has("--help")) {

@@ -39,7 +39,7 @@ namespace extperfc::ros_mapping {
 ///   imu              sensor_msgs/Imu, with use_imu
 ///   initialpose      geometry_msgs/PoseWithCovarianceStamped in map_frame: the robot stands about here (within
 ///                    1.2 m and 0.6 rad), in a session that is resumed or after it was carried
-///   people_tracks    extperfc/TrackArray in odom_frame, by the navigator: who was seen to walk (score 1) is left
+///   people_tracks    extperfc/TrackArray in odom_frame, by the navigator: who walks (score 1) is left
 ///                    out of the map
 ///   /tf, /tf_static  tf2_msgs/TFMessage
 /// Publishes:

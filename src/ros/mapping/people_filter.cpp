@@ -9,7 +9,7 @@ namespace {
 
 constexpr double kOldS = 1.0;
 constexpr double kMarginM = 0.2;  // about a person: arms, and a step
-constexpr double kWalked = 0.5;   // score of who was seen to walk, at least
+constexpr double kWalks = 0.5;    // score of who walks, at least
 
 }  // namespace
 
@@ -21,7 +21,7 @@ void PeopleFilter::add(const TrackArray& message) {
       const Person person{
           {position.x, position.y}, {track.velocity.x, track.velocity.y}, 0.5 * track.size.x + kMarginM};
       const bool finite = person.position_m.allFinite() && person.velocity_m_s.allFinite();
-      if (track.score >= kWalked && finite) people.push_back(person);
+      if (track.score >= kWalks && finite) people.push_back(person);
     }
   const std::lock_guard lock(mutex_);
   stamp_s_ = message.header.stamp.toSec();

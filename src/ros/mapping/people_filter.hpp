@@ -14,8 +14,8 @@
 
 namespace extperfc::ros_mapping {
 
-/// Leaves people out of scans, so that the map shows none of them: those whom the navigator has seen walk
-/// (`people_tracks`, score 1). Thread-safe.
+/// Leaves people out of scans, so that the map shows none of them: those whom the navigator sees walk
+/// (`people_tracks`, score 1). Who stands for long is an obstacle as others. Thread-safe.
 class PeopleFilter {
  public:
   explicit PeopleFilter(std::string odom_frame) : odom_frame_(std::move(odom_frame)) {}

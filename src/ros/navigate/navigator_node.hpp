@@ -60,7 +60,7 @@ namespace extperfc::ros_navigate {
 ///   move_base/people                    visualization_msgs/MarkerArray: who walks
 ///   move_base/people_tracks             extperfc/TrackArray, one for each scan: what the map does not explain and
 ///                                       has a person's size, walking or standing, in odom_frame; score 1 for
-///                                       who was seen to walk a metre, else 0
+///                                       who has walked a metre and not stood for people_stand_s, else 0
 ///   move_base/global_costmap/costmap    nav_msgs/OccupancyGrid, latched, and ..._updates
 ///   move_base/local_costmap/costmap     nav_msgs/OccupancyGrid, latched, and ..._updates
 ///   move_base/local_costmap/footprint   geometry_msgs/PolygonStamped

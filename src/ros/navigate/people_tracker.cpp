@@ -93,13 +93,17 @@ void PeopleTracker::note_people(const std::vector<navigate::MovingCandidate>& ca
     if (walks) walk.last_s = stamp_s_;
     walk.far = walk.far || (person.state.position_m - walk.begin_m).norm() >= kFarM;
     if (walks) person.state.velocity_m_s = velocity_m_s;
-    person.passes = walk.far && stamp_s_ - walk.last_s < params_.stand_s;
+    person.passes = passes(walk);
     person.state.radius_m = kRadiusM;
     if (track.observation)
       person.state.radius_m = std::max(kRadiusM, candidates[*track.observation].radius_m);
     people_.push_back(person);
   }
   walks_ = std::move(walking);
+}
+
+bool PeopleTracker::passes(const Walk& walk) const {
+  return walk.far && stamp_s_ - walk.last_s < params_.stand_s;
 }
 
 std::vector<navigate::MovingObstacle> PeopleTracker::people(double now_s) const {
@@ -138,7 +142,7 @@ TrackArray PeopleTracker::tracks(const std::string& odom_frame) const {
     if (!track.confirmed) continue;
     message.tracks.push_back(ros_convert::to_message(track, body));
     const auto walk = walks_.find(track.id);
-    message.tracks.back().score = walk != walks_.end() && walk->second.far ? 1 : 0;
+    message.tracks.back().score = walk != walks_.end() && passes(walk->second) ? 1 : 0;
   }
   return message;
 }

@@ -49,6 +49,8 @@ class PeopleTracker {
         false};  ///< it came so far that it is no furniture, of which another part is seen from elsewhere
   };
 
+  /// Will be elsewhere soon.
+  [[nodiscard]] bool passes(const Walk& walk) const;
   void note_people(const std::vector<navigate::MovingCandidate>& candidates);
   /// Of people or of passers only. The mutex is held.
   [[nodiscard]] std::vector<navigate::MovingObstacle> at(double now_s, bool all) const;

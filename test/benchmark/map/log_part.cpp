@@ -171,8 +171,7 @@ Result<Figures> watch(const LogRun& run) {
   if (run.recording.relations.empty()) return figures;
   std::vector<std::optional<Pose2>> poses;
   for (const auto& stamped : watched.trajectory()) poses.emplace_back(stamped.pose);
-  if (auto scored = add_score(run.recording.relations, poses, figures); !scored)
-    return tl::unexpected(scored.error());
+  if (auto scored = add_score(run.recording, poses, figures); !scored) return tl::unexpected(scored.error());
   return figures;
 }
 

@@ -157,8 +157,7 @@ Result<Figures> Attempt::score(const ChildRun& run) const {
   if (path->empty()) return fail(ErrorCode::kFailed, std::string(peer.program) + " wrote no path");
   const auto poses = offline::poses_of_scans(*path, *moments);
   if (!poses) return tl::unexpected(poses.error());
-  if (auto scored = add_score(recording.relations, *poses, figures); !scored)
-    return tl::unexpected(scored.error());
+  if (auto scored = add_score(recording, *poses, figures); !scored) return tl::unexpected(scored.error());
   return figures;
 }
 
@@ -198,8 +197,7 @@ Result<Figures> run_odometry(const Recording& recording, std::size_t scans) {
   std::vector<std::optional<Pose2>> poses;
   for (const auto& moment : *moments) poses.push_back(moment.odom_T_base);
   Figures figures;
-  if (auto scored = add_score(recording.relations, poses, figures); !scored)
-    return tl::unexpected(scored.error());
+  if (auto scored = add_score(recording, poses, figures); !scored) return tl::unexpected(scored.error());
   return figures;
 }
 

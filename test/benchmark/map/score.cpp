@@ -1,16 +1,22 @@
 #include "test/benchmark/map/score.hpp"
 
 #include "extperfc/offline/relations.hpp"
+#include "extperfc/sources/scan_log.hpp"
 
 #include "test/benchmark/report.hpp"
 
 namespace extperfc::benchmark {
 
-Result<void> add_score(const std::filesystem::path& relations_file,
-                       const std::vector<std::optional<Pose2>>& poses, Figures& figures) {
-  const auto relations = offline::read_relations(relations_file);
+Result<void> add_score(const Recording& recording, const std::vector<std::optional<Pose2>>& poses,
+                       Figures& figures) {
+  const auto relations = offline::read_relations(recording.relations);
   if (!relations) return tl::unexpected(relations.error());
-  const auto score = offline::score_relations(*relations, poses);
+  auto log = sources::open_carmen_log(recording.log);
+  if (!log) return tl::unexpected(log.error());
+  const auto first = (*log)->next();
+  if (!first) return tl::unexpected(first.error());
+  if (!*first) return fail(ErrorCode::kCorrupt, recording.log.string() + " holds no scans");
+  const auto score = offline::score_relations(*relations, poses, {(*first)->scan.base_T_sensor});
   figures["relations"] = static_cast<double>(score.all.relations);
   if (score.all.relations == 0) return {};
   figures["translation_m"] = score.all.translation_m.mean;

@@ -231,7 +231,7 @@ TEST_F(NavigatorTest, FollowsPeopleFromScanToScan) {
   EXPECT_NEAR(std::hypot(last.tracks[0].velocity.x, last.tracks[0].velocity.y), WalkingPerson::kSpeedMS, 0.2);
   EXPECT_EQ(all.front()->tracks.empty() ? 0 : all.front()->tracks[0].score, 0)
       << "has not walked a metre yet";
-  EXPECT_EQ(last.tracks[0].score, 1) << "was seen to walk";
+  EXPECT_EQ(last.tracks[0].score, 1) << "walks";
   for (const auto& message : all)
     for (const auto& track : message->tracks) EXPECT_EQ(track.id, last.tracks[0].id) << "one person, one id";
 

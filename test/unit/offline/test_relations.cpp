@@ -24,7 +24,7 @@ TEST(Relations, TheMetricByHand) {
   const ScanPoses poses = {Pose2{0, 0, 0}, Pose2{1, 0, 0}, Pose2{2, 0, 0}, Pose2{3, 0, 0}};
   const std::vector<Relation> relations = {
       {0, 1, {0.9, 0, 0}}, {0, 3, {3.3, 0.4, 2 * kDegree}}, {2, 1, {-1, 0, -4 * kDegree}}};
-  const auto score = score_relations(relations, poses, 2);
+  const auto score = score_relations(relations, poses, {{}, 2});
   EXPECT_EQ(score.unmatched, 0U);
   ASSERT_EQ(score.errors.size(), 3U);
   EXPECT_NEAR(score.errors[0].translation_m, 0.1, 1e-12);
@@ -72,6 +72,19 @@ TEST(Relations, TrueRelationsScoreZeroWhereverTheTrajectoryStands) {
     EXPECT_LT(score.all.translation_m.worst, 1e-9) << "trial " << trial;
     EXPECT_LT(score.all.rotation_deg.worst, 1e-6) << "trial " << trial;
   }
+}
+
+TEST(Relations, AreBetweenScanners) {
+  Rng rng(7);
+  const Pose2 base_T_scanner{-0.04, 0.01, 0.3};
+  ScanPoses poses;
+  for (int i = 0; i < 20; ++i) poses.emplace_back(random_pose(rng));
+  std::vector<Relation> relations;
+  for (std::size_t i = 1; i < poses.size(); ++i)
+    relations.push_back(
+        {0, i, between(compose(*poses[0], base_T_scanner), compose(*poses[i], base_T_scanner))});
+  EXPECT_LT(score_relations(relations, poses, {base_T_scanner}).all.translation_m.worst, 1e-9);
+  EXPECT_GT(score_relations(relations, poses).all.translation_m.worst, 0.05);
 }
 
 TEST(Relations, ErrorsTakeTheShorterRotation) {

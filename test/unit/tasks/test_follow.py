@@ -211,7 +211,8 @@ class TheLeaf(unittest.TestCase):
 
     def setUp(self):
         self.seconds, self.robot, self.goals, self.people, self.faces, self.motions = 100.0, (0.0, 0.0, 0.0), [], [], [], []
-        source = types.SimpleNamespace(tracks=lambda now: self.people, faces=lambda now: self.faces)
+        self.left_m = None
+        source = types.SimpleNamespace(tracks=lambda now: self.people, faces=lambda now: self.faces, left_m=lambda: self.left_m)
         for patched in (mock.patch.object(rospy.Time, "now", lambda: rospy.Time.from_sec(self.seconds)),
                         mock.patch.object(follow, "base_pose", lambda frame: self.robot),
                         mock.patch.object(follow, "_People", lambda: source), mock.patch.object(rospy, "loginfo"),
@@ -229,7 +230,7 @@ class TheLeaf(unittest.TestCase):
     def tick(self, leaf):
         leaf.tick_once()
         self.seconds += 0.1
-        if self.goals and not self.motions[-1].done:
+        if self.goals and not self.motions[-1].done and not self.motions[-1].cancelled:
             (x, y, _), (gx, gy, yaw) = self.robot, self.goals[-1][1]
             far = math.dist((x, y), (gx, gy))
             part = 1.0 if far < 0.08 else 0.08 / far
@@ -286,6 +287,22 @@ class TheLeaf(unittest.TestCase):
         self.faces = []
         self.lead(leaf, [(2.2, 0.1), (6.0, 0.0)], track=9)
         self.assertEqual(9, leaf.leader.track)
+
+    def test_a_long_detour_to_who_is_in_sight_is_taken_late(self):
+        leaf = tasks.Follow()
+        self.lead(leaf, [(1.5, 0.0), (3.0, 0.0)])
+        here, self.left_m, begun = self.robot, 25.0, self.seconds
+        self.lead(leaf, [(3.0, 0.0), (6.6, 0.0)])
+        self.assertLess(math.dist(here[:2], self.robot[:2]), 0.5)
+        self.assertTrue(any(motion.cancelled for motion in self.motions))
+        while self.seconds < begun + follow.DETOUR_WAIT_S:
+            self.tick(leaf)
+        self.lead(leaf, [(6.6, 0.0), (8.0, 0.0)])
+        self.assertFalse(self.motions[-1].cancelled)
+        self.assertGreater(math.dist(here[:2], self.robot[:2]), 0.5)
+        self.left_m = 1.0
+        self.lead(leaf, [(8.0, 0.0), (9.0, 0.0)])
+        self.assertIsNone(leaf._detour_since)
 
     def test_who_is_lost_is_sought_where_they_were_last(self):
         leaf = tasks.Follow()
