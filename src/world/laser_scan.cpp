@@ -31,7 +31,7 @@ std::size_t count_returns(const LaserScan& scan) {
                                                 [&](float range_m) { return is_return(scan, range_m); }));
 }
 
-LaserScan without(LaserScan scan, const std::vector<Disc>& discs, const Pose2& frame_T_sensor) {
+LaserScan without_discs(LaserScan scan, const std::vector<Disc>& discs, const Pose2& frame_T_sensor) {
   if (discs.empty()) return scan;
   for (std::size_t i = 0; i < scan.ranges.size(); ++i) {
     const float range_m = scan.ranges[i];

@@ -41,7 +41,8 @@ struct Disc {
 
 /// The scan without its returns on the discs, which say nothing then (NaN). Discs are in the frame of the
 /// sensor's pose. O(rays * discs).
-[[nodiscard]] LaserScan without(LaserScan scan, const std::vector<Disc>& discs, const Pose2& frame_T_sensor);
+[[nodiscard]] LaserScan without_discs(LaserScan scan, const std::vector<Disc>& discs,
+                                      const Pose2& frame_T_sensor);
 
 /// An error that names the first field that cannot be: a stamp or
 /// angles that are not finite, a zero increment, a sweep of more

@@ -172,7 +172,7 @@ LaserScan without(LaserScan scan, const std::vector<MovingObstacle>& people, con
   discs.reserve(people.size());
   for (const MovingObstacle& person : people)
     discs.push_back({person.position_m, person.radius_m + kPersonMarginM});
-  return extperfc::without(std::move(scan), discs, map_T_sensor);
+  return without_discs(std::move(scan), discs, map_T_sensor);
 }
 
 std::vector<Eigen::Vector3f> without(std::vector<Eigen::Vector3f> points_m,

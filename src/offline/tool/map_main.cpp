@@ -146,6 +146,7 @@ Result<int> map(const MapOptions& options) {
   if (error)
     return fail(ErrorCode::kFailed,
                 "cannot make the folder " + options.out.string() + ": " + error.message());
+  report.result.base_T_scanner = options.reading.log.base_T_sensor.value_or(Pose2{});  // of sessions alone
   if (!options.recording.empty()) {
     auto result = map_log(options, *mapper);
     if (!result) return tl::unexpected(result.error());

@@ -45,7 +45,8 @@ Options:
   --simplemap FILE       poses and scans as MRPT's CSimpleMap, too; a scan for every key frame's distance
   --scans N              only the first N scans
   --no-odometry          by scan matching alone
-  --laser-pose X,Y,YAW   pose of the scanner on the robot [m, m, rad]; overrides the recording
+  --laser-pose X,Y,YAW   pose of the scanner on the robot [m, m, rad]; overrides the recording. The score of sessions
+                         that are merged without a recording needs it
   --sensor-max M         ranges from here on are no return [m]; default: of the recording, 81.8 for FLASER
   --sensor LABEL         rawlogs: the scanner, when there are several; the first one seen by default
   --scan-topic TOPIC     bags: the only topic with laser scans by default

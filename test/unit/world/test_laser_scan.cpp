@@ -84,12 +84,13 @@ TEST(LaserScan, ReturnsOnDiscsAreLeftOut) {
   scan.range_max = 10;
   scan.ranges = {2.0F, 2.0F, 2.0F, std::numeric_limits<float>::infinity()};
   const Pose2 frame_T_sensor{1, 0, M_PI / 2};  // rays end at (1, 2), (-1, 0), (1, -2)
-  const LaserScan rest = without(scan, {{{1, 2.2}, 0.3}, {{-1, 0.4}, 0.3}, {{3, 0}, 0.3}}, frame_T_sensor);
+  const LaserScan rest =
+      without_discs(scan, {{{1, 2.2}, 0.3}, {{-1, 0.4}, 0.3}, {{3, 0}, 0.3}}, frame_T_sensor);
   EXPECT_TRUE(std::isnan(rest.ranges[0]));
   EXPECT_EQ(rest.ranges[1], 2.0F);
   EXPECT_EQ(rest.ranges[2], 2.0F);
   EXPECT_TRUE(std::isinf(rest.ranges[3])) << "what met nothing met no person";
-  EXPECT_EQ(without(scan, {}, frame_T_sensor).ranges, scan.ranges);
+  EXPECT_EQ(without_discs(scan, {}, frame_T_sensor).ranges, scan.ranges);
 }
 
 }  // namespace

@@ -131,7 +131,8 @@ TEST(Drive, LetsPeopleCross) {
   }
 }
 
-/// The office's corridor, the robot in its middle and somebody at its wall: they fit beside each other, closely.
+/// The office's corridor, the robot in its middle and somebody at its wall: they fit beside each other,
+/// closely.
 struct Corridor {
   Building building;
   Path path;
