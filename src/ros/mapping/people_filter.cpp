@@ -38,7 +38,8 @@ LaserScan PeopleFilter::without_people(LaserScan scan, const Pose2& odom_T_base)
       discs.push_back({person.position_m + later_s * person.velocity_m_s, person.radius_m});
   }
   const std::size_t all = count_returns(scan);
-  scan = without_discs(std::move(scan), discs, compose(odom_T_base, scan.base_T_sensor));
+  const Pose2 odom_T_scanner = compose(odom_T_base, scan.base_T_sensor);
+  scan = without_discs(std::move(scan), discs, odom_T_scanner);
   left_out_ += all - count_returns(scan);
   return scan;
 }
