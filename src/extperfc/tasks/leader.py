@@ -146,7 +146,7 @@ class Leader:
         return min(near, key=lambda one: self._astray_m(one, now), default=None)
 
     def _astray_m(self, person, now):
-        """How far a person is from where the leader may be by walking straight on: for PREDICT_S surely, then less far or on."""
+        """How far a person is from where the leader may be by walking straight on: surely for PREDICT_S, later perhaps."""
         unseen, speed = self.unseen_s(now), math.hypot(*self.velocity)
         low_m, high_m = speed * min(unseen, PREDICT_S), speed * unseen
         offset = numpy.subtract(person.position, self.position)
