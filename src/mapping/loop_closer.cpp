@@ -157,6 +157,25 @@ bool LoopCloser::match_near(std::size_t reference, std::size_t query, const Rela
   return true;
 }
 
+/// The peak as seen from the key frame nearest to it. Where parts of a building look alike, the support of
+/// two places can be compared only if their submaps show as much of them.
+LoopCloser::Peak LoopCloser::from_nearest(const Peak& peak, std::size_t query,
+                                          const std::vector<RelativeUncertainty>& known,
+                                          const std::vector<KeyFrame>& frames, const PoseGraph& graph) {
+  constexpr std::size_t kStep = kStride / 2;
+  constexpr std::size_t kFarthest = 6 * kStep;
+  if (known[peak.reference].is_unknown()) return peak;
+  const Pose2 place = compose(graph.poses()[peak.reference], peak.pose);
+  std::size_t nearest = peak.reference;
+  const std::size_t first = peak.reference - std::min(peak.reference / kStep * kStep, kFarthest);
+  for (std::size_t i = first; i <= peak.reference + kFarthest && i + kMinLoopFrames < query; i += kStep) {
+    if (frames[query].travelled_m - frames[i].travelled_m < kMinLoopM) break;
+    if (frames[i].is_thinned() || known[i].is_unknown()) continue;
+    if (distance(graph.poses()[i], place) < distance(graph.poses()[nearest], place)) nearest = i;
+  }
+  return {nearest, between(graph.poses()[nearest], place), peak.score};
+}
+
 /// Poses of the query in the references, as searched. Of one that may stand anywhere those that fit best.
 std::vector<LoopCloser::Peak> LoopCloser::find_peaks(const std::vector<std::size_t>& references,
                                                      std::size_t query,
@@ -164,7 +183,15 @@ std::vector<LoopCloser::Peak> LoopCloser::find_peaks(const std::vector<std::size
                                                      const std::vector<KeyFrame>& frames,
                                                      const PoseGraph& graph) {
   constexpr std::size_t kMaxAnywhere = 16;
+  constexpr double kSameM = 0.3;
+  constexpr double kSameRad = 0.1;
   std::vector<Peak> peaks;
+  const auto add = [&](const Peak& peak) {  // several references may have led to it
+    const bool is_known = std::any_of(peaks.begin(), peaks.end(), [&](const Peak& other) {
+      return other.reference == peak.reference && near(other.pose, peak.pose, kSameM, kSameRad);
+    });
+    if (!is_known) peaks.push_back(peak);
+  };
   for (const std::size_t reference : references) {
     const Pose2 expected = between(graph.poses()[reference], graph.poses()[query]);
     const auto window = window_of(expected, known[reference]);
@@ -174,7 +201,7 @@ std::vector<LoopCloser::Peak> LoopCloser::find_peaks(const std::vector<std::size
     const Submap& seen = submaps_.at(query, frames.size(), frames, graph.poses());
     for (const FoundPose& found : search_peaks(*old.pyramid, seen.points, *window, kMinScore, kMaxNodes,
                                                {kPeaks, kPeakApartM, kPeakApartRad, 0.2}))
-      peaks.push_back({reference, found.pose, found.score});
+      add(from_nearest({reference, found.pose, found.score}, query, known, frames, graph));
   }
   if (references.empty() || !known[references.front()].is_unknown()) return peaks;
   std::stable_sort(peaks.begin(), peaks.end(),

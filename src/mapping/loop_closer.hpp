@@ -68,6 +68,9 @@ class LoopCloser {
     Pose2 pose;  ///< of the query in it
     double score{0};
   };
+  [[nodiscard]] static Peak from_nearest(const Peak& peak, std::size_t query,
+                                         const std::vector<RelativeUncertainty>& known,
+                                         const std::vector<KeyFrame>& frames, const PoseGraph& graph);
   [[nodiscard]] std::vector<Peak> find_peaks(const std::vector<std::size_t>& references, std::size_t query,
                                              const std::vector<RelativeUncertainty>& known,
                                              const std::vector<KeyFrame>& frames, const PoseGraph& graph);

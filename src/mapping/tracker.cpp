@@ -95,6 +95,7 @@ Tracked Tracker::add(const ScanPoints& points, const std::optional<Pose2>& odom_
   if (!has_odometry) slide_ = {};
   if (has_odometry && !resuming_) tracked.doubt = doubt(tracked, step, before);
   if (!has_odometry && tracked.matched) tracked.doubt = unmeasured(tracked);
+  if (!tracked.matched) tracked.doubt += reckoned(step, has_odometry);
   constexpr double kFollow = 0.1;
   if (!tracked.lost) usual_fit_ += kFollow * (tracked.fit - usual_fit_);
   const double per_m2 = 1 / (before.sigma_m * before.sigma_m);
@@ -232,6 +233,21 @@ Eigen::Matrix3d Tracker::doubt(const Tracked& tracked, const Pose2& step, const 
     doubt.topLeftCorner<2, 2>() = off.head<2>() * off.head<2>().transpose();
   if (std::abs(off.z()) > trust * usual.rad) doubt(2, 2) = off.z() * off.z();
   return doubt;
+}
+
+/// What a motion is uncertain by that no scan measures: it follows the wheels, whose errors grow with the
+/// root of the distance, or nothing at all.
+Eigen::Matrix3d Tracker::reckoned(const Pose2& step, bool has_odometry) const {
+  const auto square = [](double value) { return value * value; };
+  double position_m2 = square(kUnknownStepM);
+  double rotation_rad2 = square(kUnknownStepRad);
+  if (has_odometry) {
+    const double distance_m = std::hypot(step.x, step.y);
+    const double rotation_rad = std::abs(step.yaw);
+    position_m2 = square(noise_.srr) * distance_m + square(0.2 * noise_.str) * rotation_rad;
+    rotation_rad2 = square(noise_.stt) * rotation_rad + square(noise_.srt) * distance_m;
+  }
+  return Eigen::Vector3d(position_m2, position_m2, rotation_rad2).asDiagonal();
 }
 
 /// Without odometry neither scan nor wheels measure the motion along a corridor: it may be what it was

@@ -33,7 +33,7 @@ struct Tracked {
   bool lost{false};
   /// So did all of the latest scans: the robot was carried, and tracking begins anew with this scan.
   bool carried{false};
-  /// What the scan and the wheels disagree by, or what neither measures, as a covariance of x, y, yaw in that
+  /// What the scan and the wheels disagree by, or what no scan measures, as a covariance of x, y, yaw in that
   /// frame; zero when they agree.
   Eigen::Matrix3d doubt{Eigen::Matrix3d::Zero()};
 };
@@ -99,6 +99,7 @@ class Tracker {
   [[nodiscard]] bool disagrees(const Pose2& matched, const Pose2& step, const Pose2& by_wheels) const;
   [[nodiscard]] Eigen::Matrix3d doubt(const Tracked& tracked, const Pose2& step,
                                       const PosePrior& prior) const;
+  [[nodiscard]] Eigen::Matrix3d reckoned(const Pose2& step, bool has_odometry) const;
   [[nodiscard]] Eigen::Matrix3d unmeasured(const Tracked& tracked) const;
   [[nodiscard]] ScanMatch look_wider(const ScanPoints& points, const PosePrior& prior,
                                      const ScanMatch& first) const;

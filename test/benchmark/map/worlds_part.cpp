@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdlib>
+#include <fstream>
 #include <iostream>
 #include <numeric>
 #include <optional>
@@ -25,6 +26,7 @@ constexpr double kBadM = 0.5;
 
 /// A place on the drive.
 struct Sample {
+  std::size_t scan{0};
   double path_m{0};
   Pose2 truth;
   Pose2 mapped;
@@ -76,10 +78,11 @@ class WorldRun {
   }
 
   Result<Figures> run();
+  /// Every half metre of the drive, as the map has it now.
+  [[nodiscard]] std::vector<Sample> samples() const;
 
  private:
   Result<void> add(const WorldRecorder::Step& step);
-  [[nodiscard]] std::vector<Sample> samples() const;
 
   struct Passed {
     std::size_t scan;
@@ -116,7 +119,7 @@ std::vector<Sample> WorldRun::samples() const {
   const Trajectory trajectory = mapper_.trajectory();
   std::vector<Sample> samples;
   for (const auto& [scan, path_m, truth] : passed_)
-    samples.push_back({path_m, truth, trajectory.at(scan).pose});
+    samples.push_back({scan, path_m, truth, trajectory.at(scan).pose});
   return samples;
 }
 
@@ -146,15 +149,30 @@ Result<Figures> WorldRun::run() {
   figures["bad_pairs"] = static_cast<double>(
       std::count_if(errors.begin(), errors.end(), [](double error_m) { return error_m > kBadM; }));
   if (!errors.empty()) figures["pair_error_m"] = mean_of(errors);
+  const auto end = samples();
+  figures["end_error_m"] = pair_error(end.front(), end.back());
+  figures["end_sigma_m"] = mapper_.statistics().position_sigma_m;
   return figures;
 }
 
-Result<Figures> run_world(const std::string& kind, std::uint64_t seed, bool carried) {
+/// A table of the drive for a plot: scan, path, true pose, pose in the map [m, rad].
+void write(const std::vector<Sample>& samples, const std::string& file) {
+  std::ofstream out(file);
+  for (const auto& [scan, path_m, truth, mapped] : samples)
+    out << scan << ' ' << path_m << ' ' << truth.x << ' ' << truth.y << ' ' << truth.yaw << ' ' << mapped.x
+        << ' ' << mapped.y << ' ' << mapped.yaw << '\n';
+}
+
+Result<Figures> run_world(const std::string& kind, std::uint64_t seed, bool carried,
+                          const std::optional<std::string>& table) {
   const auto world = make_world(kind, seed);
   if (!world) return tl::unexpected(world.error());
   auto mapper = mapping::Mapper::make({});
   if (!mapper) return tl::unexpected(mapper.error());
-  return WorldRun(*world, seed, *std::move(mapper), carried).run();
+  WorldRun run(*world, seed, *std::move(mapper), carried);
+  auto figures = run.run();
+  if (figures && table) write(run.samples(), *table);
+  return figures;
 }
 
 void say(const std::string& kind, int seed, const Figures& run) {
@@ -222,9 +240,11 @@ Result<std::vector<Row>> world_rows(const MapOptions& options) {
 }
 
 int run_world_part(const std::vector<std::string>& tokens) {
-  const bool carried = tokens.size() == 3 && tokens[2] == "carried";
-  if (tokens.size() != (carried ? 3 : 2)) return 2;
-  const auto figures = run_world(tokens[0], std::strtoull(tokens[1].c_str(), nullptr, 10), carried);
+  const bool carried = tokens.size() >= 3 && tokens[2] == "carried";
+  const std::size_t named = carried ? 3 : 2;
+  if (tokens.size() < named || tokens.size() > named + 1) return 2;
+  const auto table = tokens.size() > named ? std::optional(tokens.back()) : std::nullopt;
+  const auto figures = run_world(tokens[0], std::strtoull(tokens[1].c_str(), nullptr, 10), carried, table);
   if (!figures) {
     std::cerr << figures.error().message << "\n";
     return EXIT_FAILURE;

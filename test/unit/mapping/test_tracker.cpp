@@ -353,6 +353,22 @@ TEST(Tracker, EmptyScansCoastOnOdometry) {
   }
 }
 
+/// What no scan measured is as uncertain as the wheels are: a loop closure after a hall that is wider than
+/// the scanner sees is looked for as far off as they may be.
+TEST(Tracker, WhatWheelsAloneMeasureIsDoubted) {
+  Drive drive(12);
+  const OdometryNoise noise;
+  Tracker tracker(noise, kMinimumFit);
+  for (int i = 0; i < 20; ++i) (void)tracker.add(drive.points(0), Pose2{});
+  constexpr double kStepM = 0.1;
+  constexpr int kSteps = 100;
+  Eigen::Matrix3d doubt = Eigen::Matrix3d::Zero();
+  for (int i = 1; i <= kSteps; ++i) doubt += tracker.add({}, Pose2{kStepM * i, 0, 0}).doubt;
+  const double root_m = std::sqrt(kStepM * kSteps);
+  EXPECT_NEAR(std::sqrt(doubt(0, 0)), noise.srr * root_m, 1e-9);
+  EXPECT_NEAR(std::sqrt(doubt(2, 2)), noise.srt * root_m, 1e-9);
+}
+
 TEST(Tracker, InformationIsSymmetricAndPositive) {
   Drive drive(12);
   PlanarOdometry odometry;
