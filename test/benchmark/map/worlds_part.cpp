@@ -136,7 +136,8 @@ Result<Figures> WorldRun::run() {
     if (mapper_.wants_search()) mapper_.optimize();
   }
   mapper_.finish();
-  const auto errors = pair_errors(samples());
+  const auto passed = samples();
+  const auto errors = pair_errors(passed);
   Figures figures;
   figures["scans"] = static_cast<double>(scan_ms_.size());
   figures["path_m"] = path_m_;
@@ -149,18 +150,20 @@ Result<Figures> WorldRun::run() {
   figures["bad_pairs"] = static_cast<double>(
       std::count_if(errors.begin(), errors.end(), [](double error_m) { return error_m > kBadM; }));
   if (!errors.empty()) figures["pair_error_m"] = mean_of(errors);
-  const auto end = samples();
-  figures["end_error_m"] = pair_error(end.front(), end.back());
+  figures["end_error_m"] = pair_error(passed.front(), passed.back());
   figures["end_sigma_m"] = mapper_.statistics().position_sigma_m;
   return figures;
 }
 
 /// A table of the drive for a plot: scan, path, true pose, pose in the map [m, rad].
-void write(const std::vector<Sample>& samples, const std::string& file) {
+/// Errors: the file cannot be written.
+Result<void> write(const std::vector<Sample>& samples, const std::string& file) {
   std::ofstream out(file);
   for (const auto& [scan, path_m, truth, mapped] : samples)
     out << scan << ' ' << path_m << ' ' << truth.x << ' ' << truth.y << ' ' << truth.yaw << ' ' << mapped.x
         << ' ' << mapped.y << ' ' << mapped.yaw << '\n';
+  if (!out.flush()) return fail(ErrorCode::kFailed, "cannot write the drive to " + file);
+  return {};
 }
 
 Result<Figures> run_world(const std::string& kind, std::uint64_t seed, bool carried,
@@ -171,7 +174,8 @@ Result<Figures> run_world(const std::string& kind, std::uint64_t seed, bool carr
   if (!mapper) return tl::unexpected(mapper.error());
   WorldRun run(*world, seed, *std::move(mapper), carried);
   auto figures = run.run();
-  if (figures && table) write(run.samples(), *table);
+  if (!figures || !table) return figures;
+  if (auto written = write(run.samples(), *table); !written) return tl::unexpected(written.error());
   return figures;
 }
 

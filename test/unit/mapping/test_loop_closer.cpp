@@ -87,6 +87,8 @@ TEST_P(LoopCloserSeeds, ClosesALoopOfCorridors) {
   EXPECT_LT(std::hypot(off.x, off.y), 0.1);
 }
 
+INSTANTIATE_TEST_SUITE_P(Seeds, LoopCloserSeeds, testing::Values(1, 2, 3));
+
 /// A corridor around a block, 50 m x 30 m, with recesses of one size at equal distances on both sides.
 PlanarWorld alike_loop(double spacing_m) {
   PlanarWorld world;
@@ -102,8 +104,6 @@ PlanarWorld alike_loop(double spacing_m) {
   }
   return world;
 }
-
-INSTANTIATE_TEST_SUITE_P(Seeds, LoopCloserSeeds, testing::Values(1, 2, 3));
 
 /// The second lap is not closed some recesses off, because a submap that happens to be drawn there shows more
 /// of the place than the one at the right place does.
