@@ -9,6 +9,7 @@
 
 #include "navigate/global/path_shape.hpp"
 #include "navigate/global/pose_search.hpp"
+#include "navigate/global/steered_path.hpp"
 
 namespace extperfc::navigate {
 
@@ -29,6 +30,11 @@ constexpr double kMaxStep_m = 0.05;
 
 constexpr double kMaxAcross_m = 1.0;  // of a line across the path
 
+constexpr std::array<double, 3> kPaddings_m{0.05, 0.03, 0};  // of a differential base, the first that passes
+constexpr double kMostAcross_rad = 1.2;  // of a differential base, from the path's direction
+constexpr double kCentred_m = 1.6;       // longest narrow place that is passed straight
+constexpr double kBeside_m = 0.5;        // of the path beyond a narrow place, which goes with it
+
 /// First index and length of the longest run of true in a circle.
 template <std::size_t kCount>
 std::pair<int, int> longest_run(const std::array<bool, kCount>& values) {
@@ -43,38 +49,56 @@ std::pair<int, int> longest_run(const std::array<bool, kCount>& values) {
 
 }  // namespace
 
+FootprintRefiner::FootprintRefiner(const CostGrid& costs, const Footprint& footprint,
+                                   const Traversal& traversal, BaseKind base, const PlanClock& clock)
+    : costs_(costs), footprint_(footprint), traversal_(traversal), base_(base), clock_(clock) {
+  if (base_ == BaseKind::kDifferential)
+    for (const double padding_m : kPaddings_m)
+      padded_.push_back(padding_m > 0 ? footprint.padded(padding_m) : footprint);
+}
+
 bool FootprintRefiner::is_free(const Pose2& pose) const {
-  const Contact touched = contact(costs_, footprint_, pose);
-  return touched == Contact::kFree || (touched == Contact::kUnknown && traversal_.admits(kUnknownCost));
+  return is_free(footprint_, pose);
 }
 
 bool FootprintRefiner::is_free_along(const Pose2& from, const Pose2& to) const {
-  if (!traversal_.admits(kUnknownCost)) return contact_along(costs_, footprint_, from, to) == Contact::kFree;
+  return is_free_along(footprint_, from, to);
+}
+
+bool FootprintRefiner::is_free(const Footprint& footprint, const Pose2& pose) const {
+  const Contact touched = contact(costs_, footprint, pose);
+  return touched == Contact::kFree || (touched == Contact::kUnknown && traversal_.admits(kUnknownCost));
+}
+
+bool FootprintRefiner::is_free_along(const Footprint& footprint, const Pose2& from, const Pose2& to) const {
+  if (!traversal_.admits(kUnknownCost)) return contact_along(costs_, footprint, from, to) == Contact::kFree;
   const double yaw = wrap_angle(to.yaw - from.yaw);
-  const double motion_m = distance_m(from, to) + std::abs(yaw) * footprint_.circumscribed_radius_m();
+  const double motion_m = distance_m(from, to) + std::abs(yaw) * footprint.circumscribed_radius_m();
   const double steps = std::max(1.0, std::ceil(motion_m / (0.5 * costs_.resolution_m)));
   for (double k = 0; k <= steps; ++k) {
     const double part = k / steps;
-    if (!is_free({from.x + part * (to.x - from.x), from.y + part * (to.y - from.y), from.yaw + part * yaw}))
+    if (!is_free(footprint,
+                 {from.x + part * (to.x - from.x), from.y + part * (to.y - from.y), from.yaw + part * yaw}))
       return false;
   }
   return true;
 }
 
-bool FootprintRefiner::passes(const Pose2& from, const Pose2& to) const {
+bool FootprintRefiner::passes(const Footprint& footprint, const Pose2& from, const Pose2& to) const {
   const std::vector<Pose2> poses = densify({from, to});
   for (std::size_t i = 1; i < poses.size(); ++i)
-    if (!is_free_along(poses[i - 1], poses[i])) return false;
+    if (!is_free_along(footprint, poses[i - 1], poses[i])) return false;
   return true;
 }
 
 /// The last poses, before `end`, on or between which the footprint touches.
-std::optional<FootprintRefiner::Span> FootprintRefiner::last_contact(const std::vector<Pose2>& poses,
+std::optional<FootprintRefiner::Span> FootprintRefiner::last_contact(const Footprint& footprint,
+                                                                     const std::vector<Pose2>& poses,
                                                                      std::size_t end) const {
   std::optional<Span> span;
   for (std::size_t i = end; i-- > 1;) {
     if (span && distance_m(poses[i], poses[span->first]) > kApart_m) break;
-    if (is_free_along(poses[i - 1], poses[i])) continue;
+    if (is_free_along(footprint, poses[i - 1], poses[i])) continue;
     span = Span{i - 1, span ? span->last : i};
   }
   return span;
@@ -109,8 +133,13 @@ std::optional<Pose2> FootprintRefiner::freest_across(const Pose2& pose, double d
         continue;  // the pose may lie on the edge of such a cell
       }
       std::array<bool, kYaws> free{};
-      for (int yaw = 0; yaw < kYaws; ++yaw)
-        free[static_cast<std::size_t>(yaw)] = is_free({at.x(), at.y(), pose.yaw + kTwoPi * yaw / kYaws});
+      for (int k_yaw = 0; k_yaw < kYaws; ++k_yaw) {
+        const double yaw = pose.yaw + kTwoPi * k_yaw / kYaws;
+        // A differential base passes with its front ahead.
+        if (base_ == BaseKind::kDifferential && std::abs(wrap_angle(yaw - direction)) > kMostAcross_rad)
+          continue;
+        free[static_cast<std::size_t>(k_yaw)] = is_free({at.x(), at.y(), yaw});
+      }
       const auto [first, run] = longest_run(free);
       if (run <= best_run) continue;
       best_run = run;
@@ -135,38 +164,109 @@ FootprintRefiner::Section FootprintRefiner::narrowest(const std::vector<Pose2>& 
   return section;
 }
 
-FootprintRefiner::Status FootprintRefiner::replace(std::vector<Pose2>& poses, const Span& span,
-                                                   Pose2& where) const {
+bool FootprintRefiner::is_small() const {
+  return footprint_.inscribed_radius_m() < 2 * costs_.resolution_m;
+}
+
+void FootprintRefiner::put(std::vector<Pose2>& poses, const Span& span, const std::vector<Pose2>& passage) {
+  const auto first = poses.begin() + static_cast<std::ptrdiff_t>(span.first);
+  const auto after = poses.erase(first, poses.begin() + static_cast<std::ptrdiff_t>(span.last) + 1);
+  poses.insert(after, passage.begin(), passage.end());
+}
+
+FootprintRefiner::Status FootprintRefiner::search(const std::vector<Pose2>& along, const PoseLattice& lattice,
+                                                  std::vector<Pose2>& passage, Pose2& where) const {
   const FootprintCheck check{[this](const Pose2& pose) { return is_free(pose); },
                              [this](const Pose2& from, const Pose2& to) { return passes(from, to); },
                              footprint_.circumscribed_radius_m()};
-  const Section section = narrowest(poses, span);
+  PoseSearch search(costs_, traversal_, base_, lattice, check);
+  const PoseSearch::Status status = search.find(along, clock_);
+  if (status == PoseSearch::Status::kInterrupted) return Status::kInterrupted;
+  if (status == PoseSearch::Status::kNoPath) {
+    where = along[std::min(search.progress() + 1, along.size() - 1)];
+    return Status::kBlocked;
+  }
+  passage = densify(straightened(search.poses()));
+  return Status::kFree;
+}
+
+FootprintRefiner::Status FootprintRefiner::search_steered(const std::vector<Pose2>& along,
+                                                          PoseLattice lattice, const Section& section,
+                                                          std::vector<Pose2>& passage, Pose2& where) const {
+  if (const auto straight = straight_through(along.front(), section.pose, along.back())) {
+    passage = densify(*straight);
+    return Status::kFree;
+  }
+  const auto from = [&](const Pose2& first, double yaw) { lattice.anchor = {first.x, first.y, yaw}; };
+  from(along.front(), is_small() ? 0.0 : section.pose.yaw);
+  Status status = search(along, lattice, passage, where);
+  if (status != Status::kBlocked) return status;
+  // Where the footprint cannot rotate, it leaves or reaches an end only with its own heading: the lattice
+  // lies along it, and the search begins there.
+  from(along.front(), along.front().yaw);
+  status = search(along, lattice, passage, where);
+  if (status != Status::kBlocked) return status;
+  from(along.back(), along.back().yaw);
+  lattice.backwards = true;
+  Pose2 farthest;  // from the other end
+  status = search({along.rbegin(), along.rend()}, lattice, passage, farthest);
+  std::reverse(passage.begin(), passage.end());
+  return status;
+}
+
+FootprintRefiner::Status FootprintRefiner::replace(std::vector<Pose2>& poses, const Span& span,
+                                                   Pose2& where) const {
+  Section section = narrowest(poses, span);
   where = section.pose;
-  // A footprint as small as a cell may pass beside the line, and fits the cells' own lattice.
-  const bool small = footprint_.inscribed_radius_m() < 2 * costs_.resolution_m;
-  if (section.closed && !small) return Status::kBlocked;
+  if (section.closed && !is_small()) return Status::kBlocked;
   for (const SearchExtent& reach : kReaches) {
     const Span wide = widened(poses, span, reach.margin_m);
     const std::vector<Pose2> along(poses.begin() + static_cast<std::ptrdiff_t>(wide.first),
                                    poses.begin() + static_cast<std::ptrdiff_t>(wide.last) + 1);
-    const double step_m = std::min(costs_.resolution_m, kMaxStep_m) / reach.steps_per_cell;
-    const bool from_first = reach.from_first || small || base_ == BaseKind::kDifferential;
-    const PoseLattice lattice{reach.half_width_m, step_m, reach.yaws,
-                              from_first ? along.front() : section.pose};
-    PoseSearch search(costs_, traversal_, base_, lattice, check);
-    const PoseSearch::Status status = search.find(along, clock_);
-    if (status == PoseSearch::Status::kInterrupted) return Status::kInterrupted;
-    if (status == PoseSearch::Status::kNoPath) {
-      where = along[std::min(search.progress() + 1, along.size() - 1)];
-      continue;
-    }
-    const std::vector<Pose2> passage = densify(straightened(search.poses()));
-    poses.erase(poses.begin() + static_cast<std::ptrdiff_t>(wide.first),
-                poses.begin() + static_cast<std::ptrdiff_t>(wide.last) + 1);
-    poses.insert(poses.begin() + static_cast<std::ptrdiff_t>(wide.first), passage.begin(), passage.end());
+    PoseLattice lattice;
+    lattice.half_width_m = reach.half_width_m;
+    lattice.step_m = std::min(costs_.resolution_m, kMaxStep_m) / reach.steps_per_cell;
+    lattice.yaws = reach.yaws;
+    lattice.anchor = reach.from_first || is_small() ? along.front() : section.pose;
+    std::vector<Pose2> passage;
+    Status status = Status::kBlocked;
+    if (base_ != BaseKind::kDifferential)
+      status = search(along, lattice, passage, where);
+    else if (!reach.from_first)  // such a base's lattice always does
+      status = search_steered(along, lattice, section, passage, where);
+    if (status == Status::kInterrupted) return status;
+    if (status == Status::kBlocked) continue;
+    put(poses, wide, passage);
     return Status::kFree;
   }
   return Status::kBlocked;
+}
+
+std::optional<std::vector<Pose2>> FootprintRefiner::straight_through(const Pose2& first, const Pose2& middle,
+                                                                     const Pose2& last) const {
+  for (const Footprint& narrow : padded_) {
+    auto passage = straight_passage(
+        first, middle, last, [&](const Pose2& from, const Pose2& to) { return passes(from, to); },
+        [&](const Pose2& from, const Pose2& to) { return passes(narrow, from, to); });
+    if (passage) return passage;
+  }
+  return std::nullopt;
+}
+
+std::vector<Pose2> FootprintRefiner::centred(std::vector<Pose2> poses) const {
+  for (auto span = last_contact(padded_.front(), poses, poses.size()); span && !clock_.ended();
+       span = last_contact(padded_.front(), poses, std::max<std::size_t>(1, span->first))) {
+    const Pose2 middle = poses[(span->first + span->last) / 2];
+    if (distance_m(poses[span->first], poses[span->last]) > kCentred_m) continue;
+    const Span wide = widened(poses, *span, kBeside_m);
+    const double direction =
+        std::atan2(poses[span->last].y - poses[span->first].y, poses[span->last].x - poses[span->first].x);
+    const auto freest = freest_across(middle, direction);
+    if (!freest) continue;
+    if (const auto passage = straight_through(poses[wide.first], *freest, poses[wide.last]))
+      put(poses, wide, densify(*passage));
+  }
+  return poses;
 }
 
 /// Straight motions instead of the lattice's steps, over at most 0.4 m.
@@ -188,11 +288,17 @@ FootprintRefiner::Refined FootprintRefiner::refine(std::vector<Pose2> poses) con
   // A passage may begin before contacts that were found earlier, so all is checked again until nothing
   // touches.
   constexpr int kMaxPassages = 200;
+  const bool steered = base_ == BaseKind::kDifferential;
+  if (steered) poses = centred(std::move(poses));
   std::size_t end = poses.size();
   for (int passages = 0; passages < kMaxPassages; ++passages) {
     if (clock_.ended()) return {Status::kInterrupted, {}};
-    const auto span = last_contact(poses, end);
-    if (!span && end == poses.size()) return {Status::kFree, std::move(poses)};
+    const auto span = last_contact(footprint_, poses, end);
+    if (!span && end == poses.size() && !steered) return {Status::kFree, std::move(poses)};
+    if (!span && end == poses.size())
+      return {Status::kFree, densify(round_corners(poses, [this](const Pose2& from, const Pose2& to) {
+                return passes(padded_.front(), from, to);
+              }))};
     if (!span) {
       end = poses.size();
       continue;

@@ -66,28 +66,33 @@ void PoseSearch::lay_out(const std::vector<Pose2>& along) {
   const auto place = [&](double value, double origin) {
     return static_cast<int>(std::lround((value - origin) / step));
   };
+  if (base_ == BaseKind::kDifferential) frame_ = {start_.x, start_.y, lattice_.anchor.yaw};
+  const Pose2 start = between(frame_, start_);
+  const Pose2 anchor = between(frame_, lattice_.anchor);
   int left = 0;
   int right = 0;
   int bottom = 0;
   int top = 0;
   for (const Pose2& pose : along) {
-    left = std::min(left, place(pose.x, start_.x));
-    right = std::max(right, place(pose.x, start_.x));
-    bottom = std::min(bottom, place(pose.y, start_.y));
-    top = std::max(top, place(pose.y, start_.y));
+    const Pose2 at = between(frame_, pose);
+    left = std::min(left, place(at.x, start.x));
+    right = std::max(right, place(at.x, start.x));
+    bottom = std::min(bottom, place(at.y, start.y));
+    top = std::max(top, place(at.y, start.y));
   }
   columns_ = right - left + 2 * reach + 1;
   rows_ = top - bottom + 2 * reach + 1;
-  const double x_m = std::remainder(lattice_.anchor.x - start_.x, step);  // from the start to a place
-  const double y_m = std::remainder(lattice_.anchor.y - start_.y, step);
-  left_m_ = start_.x + x_m + (left - reach) * step;
-  bottom_m_ = start_.y + y_m + (bottom - reach) * step;
+  const double x_m = std::remainder(anchor.x - start.x, step);  // from the start to a place
+  const double y_m = std::remainder(anchor.y - start.y, step);
+  left_m_ = start.x + x_m + (left - reach) * step;
+  bottom_m_ = start.y + y_m + (bottom - reach) * step;
   const auto places = static_cast<std::size_t>(columns_) * static_cast<std::size_t>(rows_);
   nearest_.assign(places, -1);
   std::vector<int> squared(places, std::numeric_limits<int>::max());
   for (std::size_t i = 0; i < along.size(); ++i) {
-    const int column = place(along[i].x, left_m_);
-    const int row = place(along[i].y, bottom_m_);
+    const Pose2 at_path = between(frame_, along[i]);
+    const int column = place(at_path.x, left_m_);
+    const int row = place(at_path.y, bottom_m_);
     for (int r = std::max(0, row - reach); r <= std::min(rows_ - 1, row + reach); ++r)
       for (int c = std::max(0, column - reach); c <= std::min(columns_ - 1, column + reach); ++c) {
         const int distance = (c - column) * (c - column) + (r - row) * (r - row);
@@ -105,8 +110,8 @@ Pose2 PoseSearch::pose_of(std::int32_t node) const {
   const int place = node / yaws();
   const int row = place / columns_;
   const int column = place - row * columns_;
-  return {left_m_ + column * lattice_.step_m, bottom_m_ + row * lattice_.step_m,
-          yaw_of_[static_cast<std::size_t>(node % yaws())]};
+  return compose(frame_, {left_m_ + column * lattice_.step_m, bottom_m_ + row * lattice_.step_m,
+                          yaw_of_[static_cast<std::size_t>(node % yaws())]});
 }
 
 bool PoseSearch::is_free(std::int32_t node) {
@@ -147,8 +152,9 @@ void PoseSearch::begin() {
   open_ = {};
   reached_ = -1;
   progress_ = 0;
-  const int left = static_cast<int>(std::floor((start_.x - left_m_) / lattice_.step_m));
-  const int low = static_cast<int>(std::floor((start_.y - bottom_m_) / lattice_.step_m));
+  const Pose2 start = between(frame_, start_);
+  const int left = static_cast<int>(std::floor((start.x - left_m_) / lattice_.step_m));
+  const int low = static_cast<int>(std::floor((start.y - bottom_m_) / lattice_.step_m));
   const double spacing = base_ == BaseKind::kHolonomic ? kTwoPi / yaws() : 0.5;
   for (int yaw = 0; yaw < yaws(); ++yaw)
     for (int corner = 0; corner < 4; ++corner) {
@@ -189,8 +195,8 @@ void PoseSearch::offer(std::int32_t from, std::int32_t to, const Move& move) {
     const auto weight = static_cast<double>(cell ? traversal_.weight[costs_.at(*cell)] : 0.0F);
     cost = distance_m(here, next) * (weight > 0 ? std::min(weight, kMaxWeight) : kMaxWeight);
     const Eigen::Vector2d ahead(std::cos(here.yaw), std::sin(here.yaw));
-    if (base_ == BaseKind::kDifferential && ahead.x() * (next.x - here.x) + ahead.y() * (next.y - here.y) < 0)
-      cost *= kBackwards;
+    const bool forwards = ahead.x() * (next.x - here.x) + ahead.y() * (next.y - here.y) > 0;
+    if (base_ == BaseKind::kDifferential && forwards == lattice_.backwards) cost *= kBackwards;
   }
   const float reached = nodes_[static_cast<std::size_t>(from)].path_cost + static_cast<float>(cost);
   if (!(reached < state.path_cost) || !is_free(to) || !is_free_between(here, next)) return;

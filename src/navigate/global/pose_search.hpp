@@ -21,7 +21,8 @@ struct PoseLattice {
   double half_width_m{0.4};  ///< of the corridor around the path
   double step_m{0.05};
   int yaws{48};    ///< of a circle; a differential base has 16 directions of steps instead
-  Pose2 anchor{};  ///< one of its poses; the yaw does not count for a differential base
+  Pose2 anchor{};  ///< one of its poses; a differential base: its first pose, and the lattice's direction
+  bool backwards{false};  ///< the path will be driven from its last pose to its first one
 };
 
 /// What a search asks about the footprint.
@@ -82,6 +83,7 @@ class PoseSearch {
   FootprintCheck check_;
   Pose2 start_;
   Pose2 goal_;
+  Pose2 frame_;  ///< of the lattice
   double greed_{1};
   double left_m_{0};
   double bottom_m_{0};

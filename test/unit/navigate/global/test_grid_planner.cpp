@@ -210,6 +210,76 @@ TEST(GridPlanner, ADifferentialBaseHeadsAlongItsPath) {
   }
 }
 
+/// Rooms with a wall of 0.7 m through the middle, at an angle, and a passage in it.
+CostGrid slanted_rooms(double angle, double door_m) {
+  CostGrid grid = floor_of(7, 7);
+  for (int row = 0; row < grid.height; ++row)
+    for (int column = 0; column < grid.width; ++column) {
+      const Eigen::Vector2d at = grid.middle_of({column, row}) - Eigen::Vector2d(3.5, 3.5);
+      const double across = std::cos(angle) * at.x() + std::sin(angle) * at.y();
+      const double along = -std::sin(angle) * at.x() + std::cos(angle) * at.y();
+      if (std::abs(across) < 0.35 && std::abs(along) > 0.5 * door_m) grid.at({column, row}) = kLethalCost;
+    }
+  return grid;
+}
+
+// A base as wide as that of the reference, a passage as wide as the office's doors.
+TEST(GridPlanner, ADifferentialBasePassesATightPassageAtAnyAngle) {
+  const Footprint footprint = rectangle(0.81, 0.83);
+  const auto planner = make_grid_planner(params_of(BaseKind::kDifferential));
+  for (const double angle : {0.0, 0.1, 0.2, 0.35, 0.5, 0.7}) {
+    SCOPED_TRACE(angle);
+    CostGrid grid = slanted_rooms(angle, 0.95);
+    inflate(grid, footprint);
+    const Pose2 start{1.2, 2.2, 2.5};
+    const Pose2 goal{5.8, 5.2, -1};
+    const auto path = planner->plan(grid, footprint, {start, goal});
+    ASSERT_TRUE(path) << path.error().message;
+    expect_drivable(grid, footprint, *path, start, goal);
+    EXPECT_LT(length_m(*path), 1.3 * std::hypot(goal.x - start.x, goal.y - start.y));
+  }
+}
+
+// It stands in a passage where it cannot rotate and leaves it ahead or backwards, or has its goal there.
+TEST(GridPlanner, ADifferentialBaseLeavesAndReachesAPassageInWhichItCannotRotate) {
+  const Footprint footprint = rectangle(0.81, 0.83);
+  const auto planner = make_grid_planner(params_of(BaseKind::kDifferential));
+  for (const double angle : {0.0, 0.2, 0.6}) {
+    CostGrid grid = slanted_rooms(angle, 0.95);
+    inflate(grid, footprint);
+    for (const double yaw : {angle, angle + 0.03, angle - kPi}) {
+      SCOPED_TRACE(testing::Message() << "wall " << angle << " yaw " << yaw);
+      const Pose2 door{3.5, 3.5, wrap_angle(yaw)};
+      for (const Pose2& room : {Pose2{1, 1.8, 1}, Pose2{1.5, 4.2, 3}, Pose2{5.5, 3.5, 0}}) {
+        const auto out = planner->plan(grid, footprint, {door, room});
+        ASSERT_TRUE(out) << out.error().message;
+        expect_drivable(grid, footprint, *out, door, room);
+        const auto in = planner->plan(grid, footprint, {room, door});
+        ASSERT_TRUE(in) << in.error().message;
+        expect_drivable(grid, footprint, *in, room, door);
+      }
+    }
+  }
+}
+
+TEST(GridPlanner, ADifferentialBaseDrivesCurvesWhereThereIsRoom) {
+  const Footprint footprint = rectangle(0.6, 0.4);
+  CostGrid grid = floor_of(8, 6);
+  block(grid, 0, 2.5, 5, 3.5);
+  inflate(grid, footprint);
+  const Pose2 start{1, 1.2, 0.3};
+  const Pose2 goal{1, 4.8, -2.8};
+  const auto path =
+      make_grid_planner(params_of(BaseKind::kDifferential))->plan(grid, footprint, {start, goal});
+  ASSERT_TRUE(path) << path.error().message;
+  expect_drivable(grid, footprint, *path, start, goal);
+  double rotation_rad = 0;
+  for (std::size_t i = 1; i < path->poses.size(); ++i)
+    if (distance_m(path->poses[i - 1], path->poses[i]) < 1e-6)
+      rotation_rad += std::abs(wrap_angle(path->poses[i].yaw - path->poses[i - 1].yaw));
+  EXPECT_LT(rotation_rad, 0.06);
+}
+
 TEST(GridPlanner, AHolonomicBaseKeepsItsYawWithoutHeadingWeight) {
   CostGrid grid = floor_of(6, 3);
   const Footprint footprint = rectangle(0.6, 0.4);
