@@ -43,8 +43,8 @@ def parse_arguments(argv):
     parser.add_argument("--speed", type=float, default=1.0, metavar="FACTOR",
                         help="simulated seconds per second; default: 1")
     parser.add_argument("--people", type=int, nargs="?", const=-1, default=0, metavar="N",
-                        help="with the world's people; with N, as many as that: the world's first, then others by the seed\n"
-                        "who walk up and down straight lines; default: none")
+                        help="with the world's people; of random_floor: one in the corridor; with N, as many as that: the\n"
+                        "world's first, then others by the seed who walk up and down straight lines; default: none")
     parser.add_argument("--base", choices=("holonomic", "differential"), default="holonomic", help="default: holonomic")
     parser.add_argument("--close-door", action="store_true",
                         help="a carton closes a door on its path, once for each goal whose path leads through one")
@@ -60,7 +60,7 @@ def parse_arguments(argv):
         if not re.fullmatch(r"\w+=.+", text):
             parser.error(f"--param must be KEY=VALUE, not {text}")
     if options.people > 0 and options.world == "random_floor":
-        parser.error("--people N needs a world with a file; random_floor has the people of its seed")
+        parser.error("--people N needs a world with a file; in random_floor one person walks up and down the corridor: --people")
     if options.people < -1:
         parser.error("--people N must be positive")
     if options.goals < 1 or options.speed <= 0 or options.limit <= 0 or not 0.005 <= options.fine <= 0.1:
@@ -109,10 +109,12 @@ def add_people(options, world, true_map):
     world.write_text(with_people(world.read_text(), people))
 
 
-def sim_config(resolution_m, options):
+def sim_config(options, resolution_m=None):
     params = yaml.safe_load((REPO / "config" / "simulator.yaml").read_text())
-    params.setdefault("truth", {})["map_resolution_m"] = resolution_m
-    file = options.out / f"simulator_{resolution_m:g}.yaml"
+    params.setdefault("random_world", {})["person"] = 1.0 if options.people else 0.0
+    if resolution_m:
+        params.setdefault("truth", {})["map_resolution_m"] = resolution_m
+    file = options.out / (f"simulator_{resolution_m:g}.yaml" if resolution_m else "simulator.yaml")
     file.write_text(yaml.safe_dump(params))
     return file
 
@@ -123,7 +125,7 @@ def fine_map(options, world):
     if not file.exists():
         import subprocess
         command = [sys.executable, __file__, "--save-map", file, world, str(options.seed),
-                   sim_config(options.fine, options), options.out / "map.log"]
+                   sim_config(options, options.fine), options.out / "map.log"]
         subprocess.run([str(part) for part in command], check=True, timeout=300)
     with numpy.load(file) as stored:
         return TrueMap(stored["cells"], float(stored["resolution"]), float(stored["x0"]), float(stored["y0"]))
@@ -155,7 +157,7 @@ def save_map(file, world, seed, config, log):
 
 def start(options, world, session, rospy):
     session.launch("extperfc", "sim_navigation.launch", rviz="false", seed=options.seed, world=world,
-                   real_time_factor=options.speed, config=write_params(options))
+                   real_time_factor=options.speed, sim_config=sim_config(options), config=write_params(options))
     from demo import wait_for_master
     wait_for_master(session)
     rospy.init_node("trial_navigate", disable_signals=True)

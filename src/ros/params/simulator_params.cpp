@@ -16,8 +16,8 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr std::array<const char*, 8> kGroups{"time",   "physics", "base",  "arms",
-                                             "camera", "lidar",   "range", "truth"};
+constexpr std::array<const char*, 9> kGroups{"random_world", "time",  "physics", "base", "arms",
+                                             "camera",       "lidar", "range",   "truth"};
 
 Result<void> set_fault(simulate::Fault& fault, const std::string& key, const Entry& entry) {
   constexpr Range<double> kAny{std::numeric_limits<double>::lowest(), std::numeric_limits<double>::max()};
@@ -51,14 +51,21 @@ void read_robot_and_world(ParamReader& reader, SimulatorNodeletParams& params) {
   params.urdf = urdf;
   params.simulator.seed = static_cast<std::uint64_t>(seed);
   using Kind = simulate::RandomWorldParams::Kind;
-  if (world == "random_table") params.random_world = Kind::kTable;
-  if (world == "random_floor") params.random_world = Kind::kFloor;
-  if (params.random_world) return;
+  if (world == "random_table" || world == "random_floor") {
+    params.random_world.emplace().kind = world == "random_table" ? Kind::kTable : Kind::kFloor;
+    return;
+  }
   if (auto file = find_world(world, package / "config" / "worlds")) {
     params.world = *file;
   } else {
     reader.complain(file.error().message);
   }
+}
+
+void read_random_world(ParamReader& reader, std::optional<simulate::RandomWorldParams>& params) {
+  double person = simulate::RandomWorldParams().person;
+  reader.read("person", person, {0.0, 1.0});
+  if (params) params->person = person;
 }
 
 void read_time(ParamReader& reader, SimTimeParams& params) {
@@ -188,6 +195,9 @@ Result<SimulatorNodeletParams> load_simulator_params(const ros::NodeHandle& priv
     reader.accept("robot");  // load_robot_interface_params reads it
     read_robot_and_world(reader, params);
     params.faults = read_list<simulate::Fault>(reader, handle, "faults", set_fault);
+  });
+  groups.group("random_world", [&](ParamReader& reader, const ros::NodeHandle&) {
+    read_random_world(reader, params.random_world);
   });
   groups.group("time", [&](ParamReader& reader, const ros::NodeHandle&) { read_time(reader, params.time); });
   groups.group("physics", [&](ParamReader& reader, const ros::NodeHandle&) {

@@ -68,7 +68,7 @@ struct TruthParams {
 struct SimulatorNodeletParams {
   std::filesystem::path urdf;
   std::filesystem::path world;  ///< file; empty: a random world
-  std::optional<simulate::RandomWorldParams::Kind> random_world;
+  std::optional<simulate::RandomWorldParams> random_world;
   simulate::SimulatorParams simulator;
   SimTimeParams time;
   BaseInterfaceParams base;

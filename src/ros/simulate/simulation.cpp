@@ -45,9 +45,7 @@ Result<Sensors> make_sensors(const ros::NodeHandle& handle, const SimulatorNodel
 
 Result<simulate::WorldSpec> make_world(const SimulatorNodeletParams& params) {
   if (!params.random_world) return simulate::load_world(params.world);
-  simulate::RandomWorldParams random;
-  random.kind = *params.random_world;
-  return simulate::random_world(random, params.simulator.seed);
+  return simulate::random_world(*params.random_world, params.simulator.seed);
 }
 
 std::vector<std::string> names_of(const std::vector<simulate::Instance>& instances) {

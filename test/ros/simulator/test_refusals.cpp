@@ -88,6 +88,20 @@ TEST_F(Refusals, FaultsThatAreNoneAreNamed) {
                                        "faults[1]/when: unknown key; a fault has kind, target, value"});
 }
 
+TEST_F(Refusals, ARandomWorldHasThePersonThatIsAskedFor) {
+  (void)ros::param::del("/random");
+  ros::param::set("/random/world", std::string("random_floor"));
+  const auto by_chance = ros_params::load_simulator_params(ros::NodeHandle("/random"));
+  ASSERT_TRUE(by_chance) << by_chance.error().message;
+  ASSERT_TRUE(by_chance->random_world);
+  EXPECT_EQ(by_chance->random_world->kind, simulate::RandomWorldParams::Kind::kFloor);
+  EXPECT_EQ(by_chance->random_world->person, simulate::RandomWorldParams().person);
+  ros::param::set("/random/random_world/person", 1.0);
+  const auto always = ros_params::load_simulator_params(ros::NodeHandle("/random"));
+  ASSERT_TRUE(always) << always.error().message;
+  EXPECT_EQ(simulate::random_world(*always->random_world, 5)->people.size(), 1U);
+}
+
 TEST_F(Refusals, ShippedConfigurationHasTheDocumentedDefaults) {
   (void)ros::param::del("/shipped");
   const auto defaults = ros_params::load_simulator_params(ros::NodeHandle("/shipped"));
