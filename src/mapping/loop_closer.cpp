@@ -47,20 +47,11 @@ constexpr double kFloorM = 0.02;       // standard deviation of errors inside su
 constexpr double kFloorRad = 0.005;
 constexpr double kDeterminedM = 0.12;
 // Acceptance.
-constexpr double kConsistent = 11.3;  // chi-square of three degrees of freedom: one in a hundred
 constexpr double kMinWeight = 1.5;
 constexpr double kMinWeightAtEnd = 0.6;
 constexpr double kMinJoiningWeight = 4.5;  // of a part that may stand anywhere
-constexpr double kUsualReachM = 3.0;
-constexpr double kWeightPerLogReach = 0.6;
-constexpr double kAlternativeRatio = 1.4;
 constexpr std::size_t kMaxPool = 160;
 constexpr std::size_t kOptimizeEvery = 8;
-
-/// The farther away a query may stand, the more places look like it by chance.
-double weight_wanted(double at_least, double reach_m) {
-  return at_least + kWeightPerLogReach * std::log(std::max(1.0, reach_m / kUsualReachM));
-}
 
 void keep_newest(std::vector<SubmapClosure>& pool) {
   if (pool.size() > kMaxPool) pool.erase(pool.begin(), pool.end() - static_cast<std::ptrdiff_t>(kMaxPool));
@@ -79,15 +70,6 @@ std::optional<SearchWindow> window_of(const Pose2& expected, const RelativeUncer
   return SearchWindow{{(left + right) / 2, (bottom + top) / 2, expected.yaw},
                       std::max(right - left, top - bottom) / 2,
                       std::min(kMaxWindowRad, known.reach_rad() + 0.05)};
-}
-
-/// Whether a residual in x, y, yaw can be explained by a covariance and a bias of the position.
-bool is_explained(const Pose2& residual, Eigen::Matrix3d covariance, double systematic_m) {
-  covariance(0, 0) += systematic_m * systematic_m / 4 + 1e-4;
-  covariance(1, 1) += systematic_m * systematic_m / 4 + 1e-4;
-  covariance(2, 2) += 1e-5;
-  const Eigen::Vector3d e(residual.x, residual.y, residual.yaw);
-  return e.dot(covariance.ldlt().solve(e)) < kConsistent;
 }
 
 }  // namespace
@@ -226,7 +208,7 @@ void LoopCloser::search_far(const std::vector<std::size_t>& references, std::siz
                       reach.covariance, reach.systematic_m + kSlackM))
       continue;
     closure->is_joining = reach.is_unknown();
-    closure->reach_m = closure->is_joining ? kUsualReachM : reach.reach_m();
+    closure->reach_m = closure->is_joining ? ClosureSets::kUsualReachM : reach.reach_m();
     places.push_back(compose(graph.poses()[peak.reference], closure->constraint.from_T_to));
     pool.push_back(*closure);
   }
@@ -244,114 +226,8 @@ void LoopCloser::search_far(const std::vector<std::size_t>& references, std::siz
 
 bool LoopCloser::accept(std::size_t first_new, double min_weight, const std::vector<KeyFrame>& frames,
                         Pool& pool, PoseGraph& graph) {
-  const std::size_t n = pool.size();
-  if (n == 0 || first_new >= n) return false;
-  // Which candidates agree, by the path between their ends.
-  std::map<std::size_t, std::vector<RelativeUncertainty>> known;
-  const auto uncertainty = [&](std::size_t from, std::size_t to) -> const RelativeUncertainty& {
-    auto& row = known[from];
-    if (row.empty()) row = relative_uncertainty(graph, from);
-    return row[to];
-  };
-  const auto agree = [&](const SubmapClosure& a, const SubmapClosure& b) {
-    const auto& poses = graph.poses();
-    const Pose2 from_step = between(poses[a.constraint.from], poses[b.constraint.from]);
-    const Pose2 to_step = between(poses[b.constraint.to], poses[a.constraint.to]);
-    const Pose2 around = compose(from_step, compose(b.constraint.from_T_to, to_step));
-    const Pose2 residual = between(a.constraint.from_T_to, around);
-    const auto& from_known = uncertainty(a.constraint.from, b.constraint.from);
-    const auto& to_known = uncertainty(a.constraint.to, b.constraint.to);
-    if (from_known.is_unknown() || to_known.is_unknown()) return false;
-    const Eigen::Matrix3d to_a = rotation_by(-a.constraint.from_T_to.yaw);
-    const Pose2 lever = compose(b.constraint.from_T_to, to_step);
-    Eigen::Matrix3d j = Eigen::Matrix3d::Identity();
-    j(0, 2) = -lever.y;
-    j(1, 2) = lever.x;
-    Eigen::Matrix3d covariance = to_a * j * from_known.covariance * j.transpose() * to_a.transpose();
-    covariance += to_known.covariance;
-    covariance += to_a * a.constraint.covariance() * to_a.transpose();
-    Eigen::Matrix3d k = Eigen::Matrix3d::Identity();
-    k(0, 2) = -to_step.y;
-    k(1, 2) = to_step.x;
-    covariance += k * b.constraint.covariance() * k.transpose();
-    return is_explained(residual, covariance, from_known.systematic_m + to_known.systematic_m);
-  };
-  // One clique per new candidate, greedily by weight.
-  std::vector<std::size_t> order(n);
-  for (std::size_t i = 0; i < n; ++i) order[i] = i;
-  std::stable_sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) {
-    return pool[a].distinctness * pool[a].support > pool[b].distinctness * pool[b].support;
-  });
-  std::map<std::pair<std::size_t, std::size_t>, bool> memory;
-  const auto consistent = [&](std::size_t a, std::size_t b) {
-    const auto key = std::minmax(a, b);
-    const auto at = memory.find(key);
-    if (at != memory.end()) return at->second;
-    return memory[key] = agree(pool[key.first], pool[key.second]);
-  };
-  struct Clique {
-    std::vector<std::size_t> members;
-    double weight{0};
-  };
-  // Of those members that are not in `without`; several of one query count once. So do queries beside each
-  // other: they show the same.
-  const auto place_of = [&](std::size_t query) {
-    constexpr double kPlaceM = 3.0;
-    return pool[first_new].is_joining ? std::floor(frames[query].travelled_m / kPlaceM)
-                                      : static_cast<double>(query);
-  };
-  const auto weight_of = [&](const std::vector<std::size_t>& members,
-                             const std::vector<std::size_t>& without) {
-    std::map<double, double> per_place;  // by the distance travelled
-    for (const std::size_t i : members) {
-      if (std::find(without.begin(), without.end(), i) != without.end()) continue;
-      double& weight = per_place[place_of(pool[i].constraint.to)];
-      weight = std::max(weight, pool[i].distinctness);
-    }
-    double sum = 0;
-    for (const auto& [place, weight] : per_place) sum += weight;
-    return sum;
-  };
-  const auto grow = [&](std::size_t seed) {
-    Clique clique{{seed}, 0};
-    for (const std::size_t i : order) {
-      if (i == seed) continue;
-      if (std::all_of(clique.members.begin(), clique.members.end(),
-                      [&](std::size_t member) { return consistent(member, i); }))
-        clique.members.push_back(i);
-    }
-    clique.weight = weight_of(clique.members, {});
-    return clique;
-  };
-  Clique best;
-  for (std::size_t i = first_new; i < n; ++i) {
-    if (std::find(best.members.begin(), best.members.end(), i) != best.members.end()) continue;
-    Clique clique = grow(i);
-    if (clique.weight > best.weight) best = std::move(clique);
-  }
-  const auto wanted = [&](const Clique& clique) {
-    double reach_m = kMaxWindowM;
-    for (const std::size_t i : clique.members) reach_m = std::min(reach_m, pool[i].reach_m);
-    return weight_wanted(min_weight, reach_m);
-  };
-  if (best.weight < wanted(best)) return false;
-  for (std::size_t i = 0; i < n; ++i) {
-    const bool contradicts = std::any_of(best.members.begin(), best.members.end(),
-                                         [&](std::size_t member) { return !consistent(member, i); });
-    if (!contradicts) continue;
-    // What the two have in common speaks for neither.
-    const Clique alternative = grow(i);
-    const double for_best = weight_of(best.members, alternative.members);
-    const double for_alternative = weight_of(alternative.members, best.members);
-    if (for_best >= kAlternativeRatio * for_alternative) continue;
-    std::vector<std::size_t> common;
-    for (const std::size_t member : best.members)
-      if (std::find(alternative.members.begin(), alternative.members.end(), member) !=
-          alternative.members.end())
-        common.push_back(member);
-    best = {common, weight_of(common, {})};
-    if (best.members.empty() || best.weight < wanted(best)) return false;
-  }
+  const ClosureSets::Members accepted = ClosureSets(pool, frames, graph).best(first_new, min_weight);
+  if (accepted.empty()) return false;
   const auto poses = graph.poses();
   const auto constraints = graph.constraints();
   const auto satisfied = [&] {
@@ -362,14 +238,14 @@ bool LoopCloser::accept(std::size_t first_new, double min_weight, const std::vec
     return sum;
   };
   const double before = satisfied();
-  bring_together(graph, pool[best.members.front()].constraint);
-  for (const std::size_t i : best.members) graph.add(pool[i].constraint);
+  bring_together(graph, pool[accepted.front()].constraint);
+  for (const std::size_t i : accepted) graph.add(pool[i].constraint);
   const bool solved = graph.optimize_gradually();
   std::size_t good = 0;
   for (std::size_t i = constraints.size(); i < graph.constraints().size(); ++i)
     if (graph.squared_error(graph.constraints()[i]) < PoseGraph::kDoubtfulSquaredError) ++good;
   const double after = satisfied();
-  if (!solved || 5 * good < 4 * best.members.size() || after < before) {
+  if (!solved || 5 * good < 4 * accepted.size() || after < before) {
     graph.constraints() = constraints;
     graph.set_poses(poses);
     return false;

@@ -7,6 +7,7 @@
 
 #include "extperfc/world/pose.hpp"
 
+#include "mapping/closure_sets.hpp"
 #include "mapping/key_frame.hpp"
 #include "mapping/pass_matcher.hpp"
 #include "mapping/pose_graph.hpp"
@@ -14,16 +15,6 @@
 #include "mapping/submap_cache.hpp"
 
 namespace extperfc::mapping {
-
-/// The submap of a key frame, recognized in an older submap.
-struct SubmapClosure {
-  Constraint constraint;  ///< from the older submap's key frame
-  double support{0};      ///< fraction of the surfaces explained, less contradictions
-  double distinctness{
-      0};  ///< 0: the surroundings look alike elsewhere, too; 1: well supported and like no other
-  bool is_joining{false};  ///< nothing is known of the newer submap's pose in the older one
-  double reach_m{0};       ///< where the graph allowed the newer submap to stand: this far from its pose [m]
-};
 
 /// Finds where a path comes back to known surroundings: searches every old submap that the graph's
 /// uncertainty allows, verifies what it finds, and accepts loop closures in sets that agree with each other
