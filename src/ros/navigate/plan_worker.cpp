@@ -114,7 +114,8 @@ navigate::NavResult<navigate::Path> PlanWorker::plan(const Scene& scene,
     auto path = plan_from_free(scene, request);
     if (path || path.error().code != NavCode::kStartBlocked) return path;
     const auto out = escape_path(*scene.costs, *scene.footprint, request.start, scene.base);
-    if (!out) return path;
+    // In a door nothing near is free of what the cells make of its jambs.
+    if (!out) return plan_smaller(scene, request, std::move(path));
     auto after = request;
     after.start = out->poses.back();
     path = plan_from_free(scene, after);
@@ -131,8 +132,15 @@ navigate::NavResult<navigate::Path> PlanWorker::plan(const Scene& scene,
 navigate::NavResult<navigate::Path> PlanWorker::plan_from_free(const Scene& scene,
                                                                const navigate::PlanRequest& request) {
   auto path = planner_->plan(*scene.costs, *scene.footprint, request);
+  if (path || path.error().code != NavCode::kNoPath) return path;
+  return plan_smaller(scene, request, std::move(path));
+}
+
+navigate::NavResult<navigate::Path> PlanWorker::plan_smaller(const Scene& scene,
+                                                             const navigate::PlanRequest& request,
+                                                             navigate::NavResult<navigate::Path> path) {
   for (const double part : kSmallerByCells) {
-    if (path || path.error().code != NavCode::kNoPath) break;
+    if (path) break;
     const auto smaller = scene.footprint->padded(-part * scene.costs->resolution_m);
     if (auto found = planner_->plan(*scene.costs, smaller, request)) path = std::move(found);
   }

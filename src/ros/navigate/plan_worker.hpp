@@ -48,6 +48,10 @@ class PlanWorker {
                                                          const navigate::PlanRequest& request);
   [[nodiscard]] navigate::NavResult<navigate::Path> plan_from_free(const Scene& scene,
                                                                    const navigate::PlanRequest& request);
+  /// With footprints that are smaller by what cells may be wrong; `path`: what the footprint itself gave.
+  [[nodiscard]] navigate::NavResult<navigate::Path> plan_smaller(const Scene& scene,
+                                                                 const navigate::PlanRequest& request,
+                                                                 navigate::NavResult<navigate::Path> path);
 
   const Look look_;
   const OnAnswer on_answer_;

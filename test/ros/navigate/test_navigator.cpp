@@ -108,6 +108,22 @@ TEST_F(NavigatorTest, MakesPlansWhileItDrives) {
   EXPECT_EQ(client_.getState(), State::SUCCEEDED);
 }
 
+// The cells of a passage's walls may leave less than the footprint: a robot that stands in it goes on.
+TEST_F(NavigatorTest, PlansFromAPassageThatItsCellsMakeTooNarrow) {
+  fill(map_, {0.4, -4, 0}, {1.6, -0.25, 0});
+  fill(map_, {0.4, 0.2, 0}, {1.6, 4, 0});
+  load();
+  nav_msgs::GetPlan call;
+  call.request.start = goal(1.0, -0.025).target_pose;
+  for (const double x : {4.0, -4.0}) {
+    call.request.goal = goal(x, 2).target_pose;
+    ASSERT_TRUE(wait_for([&] {
+      return ros::service::call("move_base/make_plan", call) && !call.response.plan.poses.empty();
+    })) << x;
+    EXPECT_NEAR(call.response.plan.poses.back().pose.position.x, x, 0.06);
+  }
+}
+
 TEST_F(NavigatorTest, FollowsWaypoints) {
   load();
   actionlib::SimpleActionClient<FollowWaypointsAction> follower("follow_waypoints", false);
