@@ -32,6 +32,8 @@ constexpr double kGapPart = 0.7;  // of the speed where the footprint nearly tou
 constexpr double kDoubtAfter_s = 0.25;
 constexpr std::size_t kMaxDoubt = 2;
 constexpr double kDoubtLength_m = 1.2;
+constexpr double kBeside_m = 1.5;  // of a person, who will move: no need to squeeze through
+constexpr std::size_t kMaxDoubtBeside = 1;
 constexpr double kEscape_m_s = 0.12;
 constexpr double kEscape_rad_s = 0.25;
 constexpr int kShownCandidates = 20;
@@ -69,6 +71,12 @@ void demand_valid(const MppiParams& params) {
 bool is_finite(const MovingObstacle& person) {
   return person.position_m.allFinite() && person.velocity_m_s.allFinite() && std::isfinite(person.radius_m) &&
          person.radius_m >= 0;
+}
+
+bool is_beside_person(const LocalState& state) {
+  return std::any_of(state.people.begin(), state.people.end(), [&](const MovingObstacle& person) {
+    return (person.position_m - Eigen::Vector2d(state.pose.x, state.pose.y)).norm() < kBeside_m;
+  });
 }
 
 bool idles(const Twist2& twist) {
@@ -203,7 +211,9 @@ NavResult<LocalCommand> MppiPlanner::command(const CostGrid& costs, const Footpr
 /// When the base has stood for a while, it goes on with a smaller footprint until it has left the place
 /// behind.
 std::size_t MppiPlanner::doubt(const LocalState& state) {
-  if (idle_s_ > kDoubtAfter_s * static_cast<double>(doubt_ + 1) && doubt_ < kMaxDoubt) {
+  const std::size_t most = is_beside_person(state) ? kMaxDoubtBeside : kMaxDoubt;
+  doubt_ = std::min(doubt_, most);
+  if (idle_s_ > kDoubtAfter_s * static_cast<double>(doubt_ + 1) && doubt_ < most) {
     ++doubt_;
     doubted_at_ = state.pose;
   }
@@ -268,8 +278,9 @@ bool MppiPlanner::find_passage(Cycle& cycle) {
       params_.limits.max_vx_m_s * params_.horizon_s + footprint(cycle).circumscribed_radius_m() + 0.5;
   field_.build(cycle.costs, {pose.x, pose.y}, half_side_m, cycle.state.people);
   const std::size_t own = cycle.depth;
+  const std::size_t deepest = is_beside_person(cycle.state) ? kMaxDoubtBeside : kMaxDoubt;
   bool blocked = prepare_stations(cycle);
-  while (blocked && cycle.depth < kMaxDoubt) {
+  while (blocked && cycle.depth < deepest) {
     ++cycle.depth;
     blocked = prepare_stations(cycle);
   }
