@@ -31,9 +31,9 @@ constexpr double kMaxStep_m = 0.05;
 constexpr double kMaxAcross_m = 1.0;  // of a line across the path
 
 constexpr std::array<double, 3> kPaddings_m{0.05, 0.03, 0};  // of a differential base, the first that passes
-constexpr double kMostAcross_rad = 1.2;  // of a differential base, from the path's direction
-constexpr double kCentred_m = 1.6;       // longest narrow place that is passed straight
-constexpr double kBeside_m = 0.5;        // of the path beyond a narrow place, which goes with it
+constexpr double kMaxAcross_rad = 1.2;  // of a differential base, from the path's direction
+constexpr double kCentred_m = 1.6;      // longest narrow place that is passed straight
+constexpr double kBeside_m = 0.5;       // of the path beyond a narrow place, which goes with it
 
 /// First index and length of the longest run of true in a circle.
 template <std::size_t kCount>
@@ -136,7 +136,7 @@ std::optional<Pose2> FootprintRefiner::freest_across(const Pose2& pose, double d
       for (int k_yaw = 0; k_yaw < kYaws; ++k_yaw) {
         const double yaw = pose.yaw + kTwoPi * k_yaw / kYaws;
         // A differential base passes with its front ahead.
-        if (base_ == BaseKind::kDifferential && std::abs(wrap_angle(yaw - direction)) > kMostAcross_rad)
+        if (base_ == BaseKind::kDifferential && std::abs(wrap_angle(yaw - direction)) > kMaxAcross_rad)
           continue;
         free[static_cast<std::size_t>(k_yaw)] = is_free({at.x(), at.y(), yaw});
       }

@@ -14,12 +14,12 @@ namespace {
 
 constexpr double kPerRadian_m = 0.3;  // a rotation's price
 constexpr double kSamePlace_m = 1e-6;
-constexpr double kMostOff_rad = 1.8;  // between a passage's direction and the motions towards and from it
+constexpr double kMaxOff_rad = 1.8;  // between a passage's direction and the motions towards and from it
 /// Lengths along a passage's line, before and behind its middle.
 constexpr std::array<double, 7> kApproaches_m{0.35, 0.5, 0.65, 0.8, 1.0, 1.25, 1.6};
 
-constexpr double kLeastTurn_rad = 0.05;
-constexpr double kMostTurn_rad = 2.2;
+constexpr double kMinRotation_rad = 0.05;
+constexpr double kMaxRotation_rad = 2.2;
 constexpr double kMaxCurvature_per_m = 2.5;
 constexpr double kCurveStep_m = 0.03;
 /// Lengths of a path to either side of a corner, which a curve replaces.
@@ -33,7 +33,7 @@ Eigen::Vector2d direction_of(double yaw) {
   return {std::cos(yaw), std::sin(yaw)};
 }
 
-double turn_rad(const Pose2& from, const Pose2& to) {
+double yaw_change(const Pose2& from, const Pose2& to) {
   return wrap_angle(to.yaw - from.yaw);
 }
 
@@ -58,7 +58,7 @@ std::optional<Leg> leg_between(const Pose2& from, const Pose2& to, const MotionC
 }
 
 Pose2 pose_between(const Pose2& a, const Pose2& b, double part) {
-  return {a.x + part * (b.x - a.x), a.y + part * (b.y - a.y), wrap_angle(a.yaw + part * turn_rad(a, b))};
+  return {a.x + part * (b.x - a.x), a.y + part * (b.y - a.y), wrap_angle(a.yaw + part * yaw_change(a, b))};
 }
 
 bool drives_ahead(const Pose2& from, const Pose2& to) {
@@ -112,7 +112,7 @@ std::vector<Pose2> curve(const Pose2& from, const Pose2& to) {
   if (chord.norm() < kCurveStep_m) return {};
   const double along = std::atan2(chord.y(), chord.x());
   const double angle = std::abs(wrap_angle(along - from.yaw)) + std::abs(wrap_angle(to.yaw - along));
-  if (angle > kMostTurn_rad) return {};
+  if (angle > kMaxRotation_rad) return {};
   // The handles of an arc of that angle.
   const double cosine = std::cos(0.25 * angle);
   const double handle_m = chord.norm() / (3 * cosine * cosine);
@@ -126,7 +126,7 @@ std::vector<Pose2> curve(const Pose2& from, const Pose2& to) {
     const Eigen::Vector2d at = u * u * u * a + 3 * u * u * t * b + 3 * u * t * t * c + t * t * t * d;
     const Eigen::Vector2d heading = u * u * (b - a) + 2 * u * t * (c - b) + t * t * (d - c);
     const Pose2 pose = k < steps ? Pose2{at.x(), at.y(), std::atan2(heading.y(), heading.x())} : to;
-    if (std::abs(turn_rad(poses.back(), pose)) > kMaxCurvature_per_m * distance_m(poses.back(), pose))
+    if (std::abs(yaw_change(poses.back(), pose)) > kMaxCurvature_per_m * distance_m(poses.back(), pose))
       return {};
     poses.push_back(pose);
   }
@@ -153,7 +153,7 @@ std::optional<std::vector<Pose2>> straight_passage(const Pose2& first, const Pos
   const auto offer = [&](std::optional<Leg>& best, const std::optional<Leg>& leg, double line_m) {
     if (!leg || leg->price_m + line_m >= (best ? best->price_m : std::numeric_limits<double>::infinity()))
       return;
-    if (std::abs(wrap_angle(leg->leaves.yaw - middle.yaw)) > kMostOff_rad) return;
+    if (std::abs(wrap_angle(leg->leaves.yaw - middle.yaw)) > kMaxOff_rad) return;
     best = leg;
     best->price_m += line_m;
   };
@@ -178,8 +178,8 @@ std::vector<Pose2> round_corners(const std::vector<Pose2>& poses, const MotionCh
     const bool ends = corner->last + 1 == out.size();
     const std::size_t before_corner = done;
     done = corner->last;
-    const double turn = std::abs(turn_rad(out[corner->first], out[corner->last]));
-    if ((starts && ends) || turn < kLeastTurn_rad || turn > kMostTurn_rad) continue;
+    const double rotation = std::abs(yaw_change(out[corner->first], out[corner->last]));
+    if ((starts && ends) || rotation < kMinRotation_rad || rotation > kMaxRotation_rad) continue;
     const auto following = next_corner(out, corner->last);
     const std::size_t bound = following ? following->first : out.size() - 1;
     for (const double length_m : kCurves_m) {

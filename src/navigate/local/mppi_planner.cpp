@@ -211,9 +211,9 @@ NavResult<LocalCommand> MppiPlanner::command(const CostGrid& costs, const Footpr
 /// When the base has stood for a while, it goes on with a smaller footprint until it has left the place
 /// behind.
 std::size_t MppiPlanner::doubt(const LocalState& state) {
-  const std::size_t most = is_beside_person(state) ? kMaxDoubtBeside : kMaxDoubt;
-  doubt_ = std::min(doubt_, most);
-  if (idle_s_ > kDoubtAfter_s * static_cast<double>(doubt_ + 1) && doubt_ < most) {
+  const std::size_t max_doubt = is_beside_person(state) ? kMaxDoubtBeside : kMaxDoubt;
+  doubt_ = std::min(doubt_, max_doubt);
+  if (idle_s_ > kDoubtAfter_s * static_cast<double>(doubt_ + 1) && doubt_ < max_doubt) {
     ++doubt_;
     doubted_at_ = state.pose;
   }
