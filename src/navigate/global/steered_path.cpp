@@ -12,7 +12,7 @@ namespace extperfc::navigate {
 
 namespace {
 
-constexpr double kPerRadian_m = 0.3;  // a rotation's price
+constexpr double kRotationPrice_m_per_rad = 0.3;  // a rotation's price
 constexpr double kSamePlace_m = 1e-6;
 constexpr double kMaxOff_rad = 1.8;  // between a passage's direction and the motions towards and from it
 /// Lengths along a passage's line, before and behind its middle.
@@ -50,8 +50,8 @@ std::optional<Leg> leg_between(const Pose2& from, const Pose2& to, const MotionC
   const double yaw = motion.norm() > 1e-3 ? std::atan2(motion.y(), motion.x()) : to.yaw;
   const Leg leg{{from.x, from.y, yaw},
                 {to.x, to.y, yaw},
-                motion.norm() + kPerRadian_m * (std::abs(wrap_angle(yaw - from.yaw)) +
-                                                std::abs(wrap_angle(yaw - to.yaw)))};
+                motion.norm() + kRotationPrice_m_per_rad * (std::abs(wrap_angle(yaw - from.yaw)) +
+                                                            std::abs(wrap_angle(yaw - to.yaw)))};
   if (!passes(from, leg.leaves) || !passes(leg.leaves, leg.arrives) || !passes(leg.arrives, to))
     return std::nullopt;
   return leg;

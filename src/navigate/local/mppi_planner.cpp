@@ -32,7 +32,7 @@ constexpr double kGapPart = 0.7;  // of the speed where the footprint nearly tou
 constexpr double kDoubtAfter_s = 0.25;
 constexpr std::size_t kMaxDoubt = 2;
 constexpr double kDoubtLength_m = 1.2;
-constexpr double kBeside_m = 1.5;  // of a person, who will move: no need to squeeze through
+constexpr double kBesidePerson_m = 1.5;  // of a person, who will move: no need to squeeze through
 constexpr std::size_t kMaxDoubtBeside = 1;
 constexpr double kEscape_m_s = 0.12;
 constexpr double kEscape_rad_s = 0.25;
@@ -75,7 +75,7 @@ bool is_finite(const MovingObstacle& person) {
 
 bool is_beside_person(const LocalState& state) {
   return std::any_of(state.people.begin(), state.people.end(), [&](const MovingObstacle& person) {
-    return (person.position_m - Eigen::Vector2d(state.pose.x, state.pose.y)).norm() < kBeside_m;
+    return (person.position_m - Eigen::Vector2d(state.pose.x, state.pose.y)).norm() < kBesidePerson_m;
   });
 }
 
