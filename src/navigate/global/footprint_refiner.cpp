@@ -33,6 +33,7 @@ constexpr double kMaxAcross_m = 1.0;  // of a line across the path
 constexpr std::array<double, 3> kPaddings_m{0.05, 0.03, 0};  // of a differential base, the first that passes
 constexpr double kMaxAcross_rad = 1.2;  // of a differential base, from the path's direction
 constexpr double kCentred_m = 1.6;      // longest narrow place that is passed straight
+constexpr double kMaxDetour_m = 0.5;    // of that
 constexpr double kBeside_m = 0.5;       // of the path beyond a narrow place, which goes with it
 
 /// First index and length of the longest run of true in a circle.
@@ -168,6 +169,12 @@ bool FootprintRefiner::is_small() const {
   return footprint_.inscribed_radius_m() < 2 * costs_.resolution_m;
 }
 
+double FootprintRefiner::length_m(const std::vector<Pose2>& poses, const Span& span) {
+  double length = 0;
+  for (std::size_t i = span.first; i < span.last; ++i) length += distance_m(poses[i], poses[i + 1]);
+  return length;
+}
+
 void FootprintRefiner::put(std::vector<Pose2>& poses, const Span& span, const std::vector<Pose2>& passage) {
   const auto first = poses.begin() + static_cast<std::ptrdiff_t>(span.first);
   const auto after = poses.erase(first, poses.begin() + static_cast<std::ptrdiff_t>(span.last) + 1);
@@ -254,17 +261,21 @@ std::optional<std::vector<Pose2>> FootprintRefiner::straight_through(const Pose2
 }
 
 std::vector<Pose2> FootprintRefiner::centred(std::vector<Pose2> poses) const {
-  for (auto span = last_contact(padded_.front(), poses, poses.size()); span && !clock_.ended();
-       span = last_contact(padded_.front(), poses, std::max<std::size_t>(1, span->first))) {
-    const Pose2 middle = poses[(span->first + span->last) / 2];
+  std::size_t end = poses.size();
+  while (const auto span = last_contact(padded_.front(), poses, end)) {
+    if (clock_.ended()) break;
+    end = std::max<std::size_t>(1, span->first);
     if (distance_m(poses[span->first], poses[span->last]) > kCentred_m) continue;
     const Span wide = widened(poses, *span, kBeside_m);
     const double direction =
         std::atan2(poses[span->last].y - poses[span->first].y, poses[span->last].x - poses[span->first].x);
-    const auto freest = freest_across(middle, direction);
+    const auto freest = freest_across(poses[(span->first + span->last) / 2], direction);
     if (!freest) continue;
-    if (const auto passage = straight_through(poses[wide.first], *freest, poses[wide.last]))
-      put(poses, wide, densify(*passage));
+    const auto passage = straight_through(poses[wide.first], *freest, poses[wide.last]);
+    if (!passage || length_m(*passage, {0, passage->size() - 1}) > length_m(poses, wide) + kMaxDetour_m)
+      continue;
+    put(poses, wide, densify(*passage));
+    end = std::min(end, poses.size());
   }
   return poses;
 }
