@@ -168,26 +168,6 @@ TEST(Drive, PassesWhoStandsInACorridor) {
   expect_to_pass(person);
 }
 
-// Cells may be wrong about a wall, and the gap beside a person closes when that one moves: it is not squeezed
-// through.
-TEST(Drive, WaitsBesideAPersonWhoLeavesTooLittleRoom) {
-  const Corridor corridor;
-  DriveOptions options;
-  options.max_time_s = 25;
-  for (const double gap_m : {0.74, 0.76, 0.78, 0.80}) {
-    Pedestrian person;
-    person.route_m = {{5.5, 0.1 + gap_m + 0.25}, {5.6, 0.1 + gap_m + 0.25}};
-    person.speed_m_s = 1e-6;
-    DriveSimulation simulation(corridor.building, chassis(), options, 7);
-    simulation.people = {person};
-    const auto planner = make_mppi_planner({});
-    const DriveResult result = simulation.drive(*planner, corridor.path, {}, corridor.path.poses.front());
-    EXPECT_FALSE(result.reached) << gap_m;
-    EXPECT_EQ(result.person_contacts, 0) << gap_m;
-    EXPECT_EQ(result.contacts, 0) << gap_m;
-  }
-}
-
 TEST(Drive, PassesWhoComesAlongACorridor) {
   Pedestrian person;
   person.route_m = {{10.5, 1.6}, {1.0, 1.6}};

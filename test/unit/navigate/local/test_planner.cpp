@@ -162,6 +162,23 @@ TEST(MppiPlanner, AClosedDoorwayIsBlocked) {
   EXPECT_FALSE(command.error().message.empty());
 }
 
+// A door whose cells leave 4 cm less than the footprint is passed all the same, but not beside a person, who
+// will walk on.
+TEST(MppiPlanner, DoesNotSqueezeThroughADoorBesideAPerson) {
+  for (const bool beside : {false, true}) {
+    const auto planner = make_mppi_planner({});
+    Ideal world;
+    world.state.pose.y = 0.025;
+    planner->set_path(straight(world.state.pose, 5), {});
+    for (int row = 0; row < world.costs.height; ++row)
+      for (int column = 80; column < 83; ++column)
+        if (row < 53 || row > 67) world.costs.at({column, row}) = kLethalCost;
+    if (beside) world.state.people.push_back({{1.3, 1.3}, {0, 0}, 0.3});
+    EXPECT_EQ(world.run(*planner, 30), !beside);
+    EXPECT_EQ(world.state.pose.x + 0.4064 < 2.05, beside);
+  }
+}
+
 TEST(MppiPlanner, UnknownSpaceIsNotFree) {
   const auto planner = make_mppi_planner({});
   planner->set_path(straight({}, 5), {});
