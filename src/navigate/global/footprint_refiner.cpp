@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "extperfc/base/math.hpp"
+#include "extperfc/navigate/path.hpp"
 
 #include "navigate/global/path_shape.hpp"
 #include "navigate/global/pose_search.hpp"
@@ -169,10 +170,9 @@ bool FootprintRefiner::is_small() const {
   return footprint_.inscribed_radius_m() < 2 * costs_.resolution_m;
 }
 
-double FootprintRefiner::length_m(const std::vector<Pose2>& poses, const Span& span) {
-  double length = 0;
-  for (std::size_t i = span.first; i < span.last; ++i) length += distance_m(poses[i], poses[i + 1]);
-  return length;
+std::vector<Pose2> FootprintRefiner::part(const std::vector<Pose2>& poses, const Span& span) {
+  return {poses.begin() + static_cast<std::ptrdiff_t>(span.first),
+          poses.begin() + static_cast<std::ptrdiff_t>(span.last) + 1};
 }
 
 void FootprintRefiner::put(std::vector<Pose2>& poses, const Span& span, const std::vector<Pose2>& passage) {
@@ -223,13 +223,12 @@ FootprintRefiner::Status FootprintRefiner::search_steered(const std::vector<Pose
 
 FootprintRefiner::Status FootprintRefiner::replace(std::vector<Pose2>& poses, const Span& span,
                                                    Pose2& where) const {
-  Section section = narrowest(poses, span);
+  const Section section = narrowest(poses, span);
   where = section.pose;
   if (section.closed && !is_small()) return Status::kBlocked;
   for (const SearchExtent& reach : kReaches) {
     const Span wide = widened(poses, span, reach.margin_m);
-    const std::vector<Pose2> along(poses.begin() + static_cast<std::ptrdiff_t>(wide.first),
-                                   poses.begin() + static_cast<std::ptrdiff_t>(wide.last) + 1);
+    const std::vector<Pose2> along = part(poses, wide);
     PoseLattice lattice;
     lattice.half_width_m = reach.half_width_m;
     lattice.step_m = std::min(costs_.resolution_m, kMaxStep_m) / reach.steps_per_cell;
@@ -271,9 +270,9 @@ std::vector<Pose2> FootprintRefiner::centred(std::vector<Pose2> poses) const {
         std::atan2(poses[span->last].y - poses[span->first].y, poses[span->last].x - poses[span->first].x);
     const auto freest = freest_across(poses[(span->first + span->last) / 2], direction);
     if (!freest) continue;
-    const auto passage = straight_through(poses[wide.first], *freest, poses[wide.last]);
-    if (!passage || length_m(*passage, {0, passage->size() - 1}) > length_m(poses, wide) + kMaxDetour_m)
-      continue;
+    const std::vector<Pose2> along = part(poses, wide);
+    const auto passage = straight_through(along.front(), *freest, along.back());
+    if (!passage || length_m({*passage, 0}) > length_m({along, 0}) + kMaxDetour_m) continue;
     put(poses, wide, densify(*passage));
     end = std::min(end, poses.size());
   }

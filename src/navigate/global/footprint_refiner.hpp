@@ -73,7 +73,7 @@ class FootprintRefiner {
   [[nodiscard]] std::vector<Pose2> centred(std::vector<Pose2> poses) const;
   [[nodiscard]] std::optional<std::vector<Pose2>> straight_through(const Pose2& first, const Pose2& middle,
                                                                    const Pose2& last) const;
-  [[nodiscard]] static double length_m(const std::vector<Pose2>& poses, const Span& span);
+  [[nodiscard]] static std::vector<Pose2> part(const std::vector<Pose2>& poses, const Span& span);
   static void put(std::vector<Pose2>& poses, const Span& span, const std::vector<Pose2>& passage);
 
   [[nodiscard]] std::vector<Pose2> straightened(const std::vector<Pose2>& poses) const;

@@ -19,7 +19,6 @@ constexpr double kMaxWeight = 2;      // of cells: in a narrow passage all are d
 /// best.
 constexpr double kGreed = 1.5;
 constexpr double kLongGreed = 2.5;
-constexpr double kPerRadian_m = 0.3;
 constexpr double kBackwards = 2;    // times the cost of a step forwards
 constexpr double kConnect_m = 0.5;  // a differential base drives straight to the end from here
 constexpr double kConnect_rad = 0.35;
@@ -122,7 +121,8 @@ bool PoseSearch::is_free(std::int32_t node) {
 
 float PoseSearch::rest_of(const Pose2& pose) const {
   const double greed = base_ == BaseKind::kHolonomic ? kGreed : 1.0;
-  return static_cast<float>(greed * (distance_m(pose, goal_) + kPerRadian_m * apart_rad(pose, goal_)));
+  return static_cast<float>(greed *
+                            (distance_m(pose, goal_) + kRotationPrice_m_per_rad * apart_rad(pose, goal_)));
 }
 
 bool PoseSearch::reaches_goal(const Pose2& pose) const {
@@ -165,7 +165,7 @@ void PoseSearch::begin() {
       if (base_ == BaseKind::kDifferential && distance_m > 1e-6) continue;
       if (apart_rad(pose, start_) > 1.01 * spacing || !check_.is_free_along(start_, pose)) continue;
       Node& state = nodes_[static_cast<std::size_t>(node)];
-      state.path_cost = static_cast<float>(distance_m + kPerRadian_m * apart_rad(pose, start_));
+      state.path_cost = static_cast<float>(distance_m + kRotationPrice_m_per_rad * apart_rad(pose, start_));
       open_.emplace(state.path_cost + rest_of(pose), node);
     }
 }
@@ -189,7 +189,7 @@ void PoseSearch::offer(std::int32_t from, std::int32_t to, const Move& move) {
   if (state.settled || state.free == 0) return;
   const Pose2 here = pose_of(from);
   const Pose2 next = pose_of(to);
-  double cost = kPerRadian_m * apart_rad(here, next);
+  double cost = kRotationPrice_m_per_rad * apart_rad(here, next);
   if (move.yaw_steps == 0) {
     const auto cell = costs_.cell_of({next.x, next.y});
     const auto weight = static_cast<double>(cell ? traversal_.weight[costs_.at(*cell)] : 0.0F);

@@ -16,6 +16,8 @@
 
 namespace extperfc::navigate {
 
+inline constexpr double kRotationPrice_m_per_rad = 0.3;  ///< what a rotation adds to the length of a path
+
 /// The lattice of a PoseSearch.
 struct PoseLattice {
   double half_width_m{0.4};  ///< of the corridor around the path

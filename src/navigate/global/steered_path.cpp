@@ -8,11 +8,12 @@
 
 #include <Eigen/Core>
 
+#include "navigate/global/pose_search.hpp"
+
 namespace extperfc::navigate {
 
 namespace {
 
-constexpr double kRotationPrice_m_per_rad = 0.3;  // a rotation's price
 constexpr double kSamePlace_m = 1e-6;
 constexpr double kMaxOff_rad = 1.8;  // between a passage's direction and the motions towards and from it
 /// Lengths along a passage's line, before and behind its middle.

@@ -16,7 +16,7 @@ using MotionCheck = std::function<bool(const Pose2& from, const Pose2& to)>;
 /// one with the least length, 0.3 m being added for every radian.
 /// @param passes of all but the line's motion
 /// @param passes_narrow of the motion along the line
-/// Empty: there is none.
+/// Empty: no such motion passes.
 [[nodiscard]] std::optional<std::vector<Pose2>> straight_passage(const Pose2& first, const Pose2& middle,
                                                                  const Pose2& last, const MotionCheck& passes,
                                                                  const MotionCheck& passes_narrow);
