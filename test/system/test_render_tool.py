@@ -3,6 +3,7 @@
 import pathlib
 import re
 import signal
+import statistics
 import struct
 import subprocess
 import tempfile
@@ -99,6 +100,15 @@ class RenderTool(unittest.TestCase):
         sizes = {len(data) for name, data in varied.items() if name.startswith("JPEGImages")}
         self.assertGreater(len(sizes), 3)
 
+    def test_cameras_stand_as_near_as_asked_for(self):
+        def sizes(name, *arguments):
+            out = self.images(name, "--count", 24, "--seed", 3, "--size", "320x240", *arguments)
+            boxes = [root.find("bndbox") for file in (out / "Annotations").iterdir()
+                     for root in xml.etree.ElementTree.parse(file).getroot().iter("object")]
+            return [int(box.find("xmax").text) - int(box.find("xmin").text) for box in boxes]
+        near, usual = sizes("near", "--max-distance", 0.5), sizes("usual")
+        self.assertGreater(statistics.median(near), 1.5 * statistics.median(usual))
+
     def test_a_recording_of_a_moving_camera(self):
         out = self.folder / "recording"
         done = render(out, "--sequence", *SMALL, "--count", 5, "--seed", 2)
@@ -162,6 +172,7 @@ class RenderTool(unittest.TestCase):
         for arguments, text in ((["--count", "0", "x"], "--count must be a number in [1, 999999]"),
                                 (["--size", "640", "x"], "--size must be like 640x480"),
                                 (["--colour", "x"], "unknown option --colour"),
+                                (["--max-distance", "0.1", "x"], "--max-distance must be a number in [0.4, 10]"),
                                 (["--scenes", "odd", "x"], "--scenes must be ordinary, varied or mixed"), ([], "give a folder"),
                                 (["x", "--seed"], "--seed needs a value")):
             done = render(*arguments)

@@ -29,23 +29,49 @@ def as_float(raw):
     return type(raw)(as_float(value) for value in raw) if isinstance(raw, (list, tuple)) else raw
 
 
+class NetworkPass(torch.nn.Module):
+    """pixels float32 [B, 3, H, W] -> the network's output, computed in `precision`, as float32."""
+
+    def __init__(self, network, precision):
+        super().__init__()
+        self.network, self.precision = network, precision
+
+    def forward(self, pixels):
+        if self.precision == torch.float32:
+            return self.network(pixels)
+        if pixels.is_cuda:
+            pixels = pixels.contiguous(memory_format=torch.channels_last)
+        # Each weight is used once: a cache of converted ones would gain nothing, and a recording allows none.
+        with torch.autocast(pixels.device.type, self.precision, cache_enabled=False):
+            return as_float(self.network(pixels))
+
+
 class LossModule(torch.nn.Module):
     """(images uint8 [B, H, W, 3], targets) -> losses: what DistributedDataParallel wraps.
 
-    The network runs in `precision`; its losses are computed in float32.
+    The network runs in `precision`; its losses are computed in float32. The targets may be on another device.
     """
 
     def __init__(self, network, precision=torch.float32):
         super().__init__()
-        self.network, self.precision = network, precision
+        self.network_pass = NetworkPass(network, precision)
+
+    @property
+    def network(self):
+        return self.network_pass.network
 
     def raw(self, images):
         """The network's output in float32."""
-        pixels = prepare(images, self.network.preprocessing)
-        if self.precision == torch.float32:
-            return self.network(pixels)
-        with torch.autocast(images.device.type, self.precision):
-            return as_float(self.network(pixels))
+        return self.network_pass(prepare(images, self.network.preprocessing))
 
     def forward(self, images, targets):
         return self.network.loss(self.raw(images), targets)
+
+    def record(self, images):
+        """Makes one CUDA graph of the network's forward and one of its backward pass: from now on `images` of this shape
+        cost two launches instead of a thousand. Statistics and weights stay; the network's training mode must, too."""
+        statistics = [buffer.clone() for buffer in self.network.buffers()]
+        pixels = prepare(images, self.network.preprocessing)
+        self.network_pass = torch.cuda.make_graphed_callables(self.network_pass, (pixels,), allow_unused_input=True)
+        for buffer, before in zip(self.network.buffers(), statistics):  # recording runs the network a few times
+            buffer.copy_(before)

@@ -24,12 +24,12 @@ class Progress:
         self.is_terminal = getattr(self.stream, "isatty", lambda: False)()
 
     def step(self, text=""):
-        """One step more."""
+        """One step more. text: or a function that gives it, called when it is shown."""
         self.done += 1
         now = self.clock()
         if self.enabled and now - self.shown >= (0.1 if self.is_terminal else LINE_EVERY_S):
             self.shown = now
-            self._show(text)
+            self._show(text() if callable(text) else text)
 
     def line(self, text):
         """A line that stays."""

@@ -18,32 +18,50 @@ def rate_at(step, steps, warmup_steps, final_rate):
     return final_rate + (1 - final_rate) * 0.5 * (1 + math.cos(math.pi * progress))
 
 
+def two_lists(pairs):
+    """([first, ...], [second, ...])."""
+    return [one for one, _ in pairs], [other for _, other in pairs]
+
+
+def copy_all(tensors, others):
+    """Copies others into tensors of the same type, pair by pair: by one call where this version of PyTorch has it."""
+    if hasattr(torch, "_foreach_copy_"):
+        torch._foreach_copy_(tensors, others)
+    else:
+        for tensor, other in zip(tensors, others):
+            tensor.copy_(other)
+
+
 class WeightAverage:
-    """Exponential running average of a network's weights (Polyak averaging); statistics and frozen weights are copied.
+    """Exponential running average of a network's weights (Polyak averaging); statistics are copied, frozen weights stay.
 
     The decay grows with the number of updates n as min(decay, (1 + n) / (10 + n)), so that the first weights are
-    forgotten.
+    forgotten. The network keeps its tensors: they are changed in place.
     """
 
     def __init__(self, network, decay):
         self.network = copy.deepcopy(network).eval()
-        self.network.requires_grad_(False)
         self.decay, self.updates = decay, 0
+        # Finding a network's tensors takes longer than averaging them: once.
+        pairs = zip(self.network.parameters(), network.parameters())
+        self.learning = two_lists([pair for pair in pairs if pair[1].requires_grad])
+        by_type = {}
+        for pair in zip(self.network.buffers(), network.buffers()):
+            by_type.setdefault(pair[0].dtype, []).append(pair)
+        self.statistics = [two_lists(pairs) for pairs in by_type.values()]
+        self.network.requires_grad_(False)
 
     @torch.no_grad()
-    def update(self, network):
-        """Takes the weights after an optimizer step."""
+    def update(self):
+        """Takes the network's weights after an optimizer step."""
         decay = min(self.decay, (1 + self.updates) / (10 + self.updates)) if self.decay else 0.0
         self.updates += 1
-        pairs = [*zip(self.network.parameters(), network.parameters())]
-        learning = [pair for pair in pairs if pair[1].requires_grad]
-        if learning:
-            mine, theirs = (list(side) for side in zip(*learning))
+        mine, theirs = self.learning
+        if mine:
             torch._foreach_mul_(mine, decay)  # as torch.optim does: one call for all tensors
             torch._foreach_add_(mine, theirs, alpha=1 - decay)
-        frozen = [pair for pair in pairs if not pair[1].requires_grad]
-        for value, now in [*frozen, *zip(self.network.buffers(), network.buffers())]:
-            value.copy_(now)
+        for copies, originals in self.statistics:
+            copy_all(copies, originals)
 
     def state(self):
         return {"updates": self.updates, "weights": self.network.state_dict()}

@@ -82,7 +82,8 @@ def make_optimizer(network, training):
     groups = [group for group in groups if group["params"]]
     if training.optimizer == "sgd":
         return torch.optim.SGD(groups, lr=training.learning_rate, momentum=0.9, nesterov=True)
-    return torch.optim.AdamW(groups, lr=training.learning_rate)
+    on_gpu = all(p.is_cuda for p in learning)
+    return torch.optim.AdamW(groups, lr=training.learning_rate, **({"fused": True} if on_gpu else {}))
 
 
 def make_scaler(enabled):
@@ -190,10 +191,10 @@ class Trainer:
     def _make_repeatable(self):
         if self.options.threads:
             torch.set_num_threads(self.options.threads)
+        torch.backends.cudnn.benchmark = not self.options.deterministic
         if self.options.deterministic:
             os.environ.setdefault("CUBLAS_WORKSPACE_CONFIG", ":4096:8")
             torch.use_deterministic_algorithms(True, warn_only=True)
-            torch.backends.cudnn.benchmark = False
             if hasattr(torch.utils, "deterministic"):  # since PyTorch 2.1, which else writes NaN into every new tensor
                 torch.utils.deterministic.fill_uninitialized_memory = False
 
@@ -207,13 +208,17 @@ class Trainer:
         if transfer and source:
             self.report(f"{self.experiment.strategy}: {self.transfer.text()}")
         self.network.to(device)
+        precision = choose_precision(self.options.precision, device)
+        if device.type == "cuda" and precision != torch.float32:
+            self.network.to(memory_format=torch.channels_last)  # what the units for 16 bits compute in
+        self.learning = [parameter for parameter in self.network.parameters() if parameter.requires_grad]
         self.average = WeightAverage(self.network, self.options.average_decay)
         self.optimizer = make_optimizer(self.network, self.options)
-        precision = choose_precision(self.options.precision, device)
         self.scaler = make_scaler(precision == torch.float16)
         self.losses = LossModule(self.network, precision)
         self.average_losses = LossModule(self.average.network, precision)
         self.model = self.losses
+        self.to_record = self.options.cuda_graphs and device.type == "cuda" and self.processes.world == 1
         if self.processes.world > 1:
             devices = [device.index] if device.type == "cuda" else None
             self.model = torch.nn.parallel.DistributedDataParallel(self.losses, devices)
@@ -248,11 +253,12 @@ class Trainer:
     def _train_epoch(self):
         self.sampler.epoch, self.sampler.first_step = self.epoch, self.epoch_step
         self.strategy.set_train_mode(self.network)
+        self._record_once()
         for images, targets in self.loader:
             if self.step >= self.total_steps:
                 break
             losses = self._train_step(images, targets)
-            self.progress.step(f"epoch {self.epoch + 1}, loss {float(sum(losses.values())):.3f}")
+            self.progress.step(lambda: f"epoch {self.epoch + 1}, loss {float(sum(losses.values())):.3f}")
             if self.interrupted:
                 self._save_checkpoint()
                 raise KeyboardInterrupt
@@ -260,25 +266,40 @@ class Trainer:
                 self._save_checkpoint()
 
     def _train_step(self, images, targets):
-        images, targets = self._to_device(images, targets)
+        images = images.to(self.processes.device, non_blocking=True)
         torch.manual_seed((self.options.seed * 1_000_003 + self.step) * 4099 + self.processes.rank)
         self._set_rate()
         self.optimizer.zero_grad(set_to_none=True)
         losses = self.model(images, targets)
         self.scaler.scale(sum(losses.values())).backward()
         self.scaler.unscale_(self.optimizer)
-        norm = torch.nn.utils.clip_grad_norm_(self.network.parameters(), self.options.gradient_limit)
+        norm = torch.nn.utils.clip_grad_norm_(self.learning, self.options.gradient_limit)
         self._count_bad_steps(bool(torch.isfinite(norm)))
         if self.bad_steps == 0 or self.scaler.is_enabled():
             self.scaler.step(self.optimizer)
         self.scaler.update()
-        self.average.update(self.network)
+        self.average.update()
         self.step, self.epoch_step = self.step + 1, self.epoch_step + 1
         if self.bad_steps == 0:
             for name, value in losses.items():
                 self.sums[name] = self.sums.get(name, 0.0) + value.detach().double()
             self.sums["steps"] = self.sums.get("steps", 0) + 1
         return losses
+
+    def _record_once(self):
+        """On one GPU the network's operations become CUDA graphs: starting them one by one takes longer than they do.
+
+        Before the loader begins: its thread takes memory of the GPU's driver, which no recording bears.
+        """
+        wanted, self.to_record = self.to_record, False
+        if not wanted:
+            return
+        width, height = self.network.input_size
+        shape = (self.options.batch_size, height, width, 3)
+        try:
+            self.losses.record(torch.zeros(shape, dtype=torch.uint8, device=self.processes.device))
+        except RuntimeError as error:
+            self.report(f"training.cuda_graphs: not possible here ({str(error).splitlines()[0]}); going on without")
 
     def _set_rate(self):
         warmup = round(self.options.warmup_epochs * self.sampler.steps)
@@ -293,17 +314,6 @@ class Trainer:
             raise TrainingError(f"the loss is not finite since {MAX_BAD_STEPS} steps (step {self.step}): lower"
                                 " training.learning_rate or training.gradient_limit, or use precision float32")
 
-    def _to_device(self, images, targets):
-        device = self.processes.device
-        if device.type == "cpu":
-            return images, targets
-        sizes = [len(target["labels"]) for target in targets]
-        moved = [dict(target) for target in targets]
-        for name in ("boxes", "labels", "ignore"):  # three transfers instead of three per image
-            parts = torch.cat([target[name] for target in targets]).to(device).split(sizes)
-            for target, part in zip(moved, parts):
-                target[name] = part
-        return images.to(device, non_blocking=True), moved
 
     def _finish_epoch(self):
         row = {"epoch": self.epoch + 1, "step": self.step, "learning_rate": self.optimizer.param_groups[0]["lr"]}
@@ -342,7 +352,7 @@ class Trainer:
         self.average.network.eval()
         images_seen, sums, found = 0, {}, []
         for images, targets in self.validation_loader:
-            images, targets = self._to_device(images, targets)
+            images = images.to(self.processes.device, non_blocking=True)
             raw = self.average_losses.raw(images)
             for name, value in self.average.network.loss(raw, targets).items():
                 sums[name] = sums.get(name, 0.0) + float(value) * len(images)

@@ -155,9 +155,11 @@ Pose ImageMaker::choose_view(Rng& rng, const CameraParams& params) {
     targets = {random_place(rng, *world_)};
     min_visible = 0;
   }
+  ViewRange range = any ? kAnyView : ViewRange{};
+  if (options_.max_distance_m > 0) range.max_distance_m = options_.max_distance_m;
   Pose view = Pose::Identity();
   for (int attempt = 0; attempt < kMaxViews; ++attempt) {
-    view = random_view(rng, *world_, targets, any ? kAnyView : ViewRange{});
+    view = random_view(rng, *world_, targets, range);
     rig_->camera(preview, view, preview_);
     if (bad_fraction(preview_, any ? kVeryNear_m : kNear_m) > 0.03)
       continue;  // something right before the lens, or outside the room

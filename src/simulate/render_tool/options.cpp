@@ -23,6 +23,7 @@ Options:
   --world FILE            views of this world instead of random ones (config/worlds/README.md)
   --scenes KIND           of the random worlds: ordinary (default: a table in a room), varied (any look and pose,
                           look-alikes, odd light, poor cameras) or mixed (both in turn)
+  --max-distance METRES   of the camera from one of the objects, 0.4 to 10; 2.2 (ordinary) and 3.2 (varied) by default
   --classes NAME,NAME...  labels that get boxes, cone,cube,sphere by default
   --min-pixels NUMBER     objects with fewer visible pixels get no box, 40 by default
   --val FRACTION          of the worlds for val.txt, 0 to 1, 0.1 by default
@@ -109,6 +110,8 @@ const std::map<std::string, Reader>& readers() {
       {"--classes", read_classes},
       {"--min-pixels",
        [](Value v, Options& o) { return read_number("--min-pixels", v, 1, 1000000, o.min_pixels); }},
+      {"--max-distance",
+       [](Value v, Options& o) { return read_number("--max-distance", v, 0.4, 10.0, o.max_distance_m); }},
       {"--val", [](Value v, Options& o) { return read_number("--val", v, 0.0, 1.0, o.val); }},
       {"--supersampling",
        [](Value v, Options& o) { return read_number("--supersampling", v, 1, 2, o.supersampling); }},
@@ -164,6 +167,7 @@ std::string fingerprint(const Options& options) {
       << "\nmin_pixels: " << options.min_pixels << "\nval: " << options.val << "\ndepth: " << options.depth
       << "\nplain: " << options.plain << "\nclasses:";
   for (const auto& name : options.classes) out << ' ' << name;
+  if (options.max_distance_m > 0) out << "\nmax_distance: " << options.max_distance_m;
   out << '\n';
   return out.str();
 }

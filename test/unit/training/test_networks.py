@@ -146,7 +146,7 @@ class MultiboxLoss(unittest.TestCase):
     def test_every_object_has_a_prior_of_its_own(self):
         # Both objects overlap the first prior most; the second one must take another prior.
         wanted = [target([[0, 0, 50, 50], [0, 0, 48, 52]], [0, 1]), target([], [])]
-        matching = multibox_loss.match(objects.stack(wanted), priors.corners(self.PRIORS), 100)
+        matching = multibox_loss.match(objects.stack(wanted, "cpu"), priors.corners(self.PRIORS), 100)
         self.assertEqual(1, int((matching.classes == 1).sum()))
         self.assertEqual(1, int((matching.classes == 2).sum()))
         self.assertEqual(1, int(matching.classes[0, 0]))
@@ -181,7 +181,7 @@ class Batches(unittest.TestCase):
 
     def positives(self, network, raw, one):
         """Number of positive priors or predictions of an image."""
-        batch = objects.stack([one])
+        batch = objects.stack([one], "cpu")
         if not len(one["labels"]):
             return 0
         if hasattr(network, "priors"):
@@ -213,7 +213,7 @@ class Ssd(unittest.TestCase):
     def test_a_perfect_answer_costs_little_and_is_detected(self):
         network = build("squeezenet_ssd_lite", CLASSES)
         wanted = target([[30, 40, 150, 170], [200, 180, 280, 290]], [2, 0])
-        matching = multibox_loss.match(objects.stack([wanted]), priors.corners(network.priors), 300)
+        matching = multibox_loss.match(objects.stack([wanted], "cpu"), priors.corners(network.priors), 300)
         boxes = torchvision.ops.box_convert(wanted["boxes"][matching.objects[0]] / 300, "xyxy", "cxcywh")
         offsets = priors.encode(boxes, network.priors)[None]
         logits = torch.nn.functional.one_hot(matching.classes, 4).float() * LARGE

@@ -119,6 +119,24 @@ class Runs(TrainingCase):
             with self.assertRaisesRegex(ValueError, "GPU 0 is not there"):
                 self.train("bad", {"device": "cuda"})
 
+    @unittest.skipUnless(torch and torch.cuda.is_available(), "no GPU here")
+    def test_recorded_steps_learn_what_steps_one_by_one_do(self):
+        on_gpu = {"epochs": 3, "device": "cuda", "precision": "float32"}
+        one_by_one, _ = self.train("one_by_one", {**on_gpu, "cuda_graphs": False})
+        recorded, _ = self.train("recorded", on_gpu)
+        self.assertFalse(recorded.to_record)
+        for before, now in zip(one_by_one.history, recorded.history):
+            for name in ("loss", "validation_loss"):
+                self.assertAlmostEqual(before[name], now[name], delta=0.05 * before[name])
+
+    @unittest.skipUnless(torch and torch.cuda.is_available(), "no GPU here")
+    def test_a_recording_leaves_weights_and_statistics(self):
+        run = trainer.Trainer(self.make("left", {"device": "cuda"}), build=tiny_network.build, report=str)
+        run.strategy.set_train_mode(run.network)
+        before = {k: v.clone() for k, v in run.network.state_dict().items()}
+        run.losses.record(next(iter(run.loader))[0].cuda())
+        self.assertTrue(equal(before, run.network.state_dict()))
+
     def test_sigterm_leaves_a_checkpoint_that_goes_on_to_the_same_weights(self):
         whole, _ = self.train("whole_term")
         run = trainer.Trainer(self.make("term"), build=tiny_network.build, report=str)

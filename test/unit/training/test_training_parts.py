@@ -35,7 +35,7 @@ class Schedule(TorchCase):
         average = WeightAverage(network, 0.999)
         torch.nn.init.constant_(network.weight, 1.0)
         for _ in range(100):
-            average.update(network)
+            average.update()
         self.assertGreater(float(average.network.weight), 0.99)
 
     def test_average_with_a_fixed_decay(self):
@@ -43,8 +43,8 @@ class Schedule(TorchCase):
         torch.nn.init.constant_(network.weight, 0.0)
         average = WeightAverage(network, 0.05)  # less than (1 + n) / (10 + n) from the beginning
         torch.nn.init.constant_(network.weight, 1.0)
-        average.update(network)
-        average.update(network)
+        average.update()
+        average.update()
         self.assertAlmostEqual(1 - 0.05 ** 2, float(average.network.weight), places=6)
 
 

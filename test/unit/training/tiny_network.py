@@ -50,7 +50,8 @@ class TinyNetwork(torch.nn.Module):
                                                         device=raw["logits"].device)
         localization = raw["boxes"].sum() * 0
         for i, target in enumerate(targets):
-            for box, label in zip(target["boxes"][~target["ignore"]], target["labels"][~target["ignore"]]):
+            boxes, labels = (target[name][~target["ignore"]].to(kinds.device) for name in ("boxes", "labels"))
+            for box, label in zip(boxes, labels):
                 center = (box[:2] + box[2:]) / 2
                 cell = int((self.centers(center.device) - center).abs().sum(1).argmin())
                 kinds[i, cell] = label + 1

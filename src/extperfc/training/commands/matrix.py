@@ -40,6 +40,8 @@ def add_arguments(parser):
                         default=1,
                         help="networks trained at a time, each in a process of its own (default: 1)")
     parser.add_argument("--device", default="auto", help="auto, cpu, cuda or cuda:N (default: auto)")
+    parser.add_argument("--fast", action="store_true",
+                        help="on a GPU: the fastest operations, which are not repeatable to the bit")
     parser.add_argument("--seed", type=int, default=1, help="of weights, order and augmentation (default: 1)")
     parser.add_argument("--smoke", action="store_true", help="a moment of each run on a few drawn images")
 
@@ -69,7 +71,8 @@ def make_plan(options):
     if options.smoke:
         training = source = {**SMOKE, **shared}
     else:
-        shared.update(batch_size=options.batch_size, workers=options.workers, validate_epochs=options.validate_epochs)
+        shared.update(batch_size=options.batch_size, workers=options.workers, validate_epochs=options.validate_epochs,
+                      deterministic=not options.fast)
         training, source = {**shared, "epochs": options.epochs}, {**shared, "epochs": options.source_epochs}
     return Plan(options.output, data["target"], data["source"], tuple(options.networks), tuple(options.strategies),
                 training, source)

@@ -69,7 +69,7 @@ def multibox_loss(offsets, logits, targets, priors, input_size):
 
     offsets [B, P, 4], logits [B, P, 1 + C] with the background first, priors cx cy w h [P, 4] from 0 to 1.
     """
-    objects = stack(targets)
+    objects = stack(targets, offsets.device)
     matching = match(objects, prior_boxes.corners(priors), input_size)
     classes, positive = matching.classes, matching.classes > 0
     losses = functional.cross_entropy(logits.flatten(0, 1), classes.flatten().clamp(min=0), reduction="none").view_as(

@@ -15,14 +15,14 @@ class Objects(typing.NamedTuple):
     exist: torch.Tensor
 
 
-def stack(targets):
-    """Objects of the targets of DetectionNetwork.loss()."""
+def stack(targets, device):
+    """Objects on a device, of the targets of DetectionNetwork.loss()."""
     def padded(name):
         return torch.nn.utils.rnn.pad_sequence([target[name] for target in targets], batch_first=True)
-    counts = [len(target["labels"]) for target in targets]
     ignore = padded("ignore")
-    exist = torch.arange(ignore.shape[1])[None] < torch.tensor(counts)[:, None]
-    return Objects(padded("boxes"), padded("labels"), ignore, exist.to(ignore.device))
+    counts = torch.tensor([len(target["labels"]) for target in targets], device=ignore.device)
+    exist = torch.arange(ignore.shape[1], device=ignore.device)[None] < counts[:, None]
+    return Objects(*(part.to(device) for part in (padded("boxes"), padded("labels"), ignore, exist)))
 
 
 def pairwise_iou(boxes, others):

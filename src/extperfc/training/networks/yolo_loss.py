@@ -127,7 +127,8 @@ def complete_iou(boxes, wanted):
 
 def yolo_loss(levels, targets, anchors, strides):
     """Sums over the batch divided by its number of positive predictions; the objectness to learn is the overlap."""
-    predictions, objects = predictions_of(levels, anchors, strides), stack(targets)
+    predictions = predictions_of(levels, anchors, strides)
+    objects = stack(targets, predictions.boxes.device)
     objectness = torch.zeros_like(predictions.logits[..., 0])
     counted = torch.ones_like(objectness, dtype=torch.bool)
     image = row = owner = objects.labels.new_zeros(0)
