@@ -224,6 +224,18 @@ class Ssd(unittest.TestCase):
         order = found["labels"].argsort(descending=True)
         torch.testing.assert_close(found["boxes"][order], wanted["boxes"], atol=0.01, rtol=0)
 
+    def test_what_an_image_shows_does_not_fade_on_its_way_to_the_heads(self):
+        for name in ("mobilenet_v1_ssd", "mobilenet_v2_ssd_lite", "squeezenet_ssd_lite", "vgg16_ssd"):
+            torch.manual_seed(0)
+            network, seen = build(name, CLASSES).train(), []
+            for head in network.class_heads:
+                last = [module for module in head.modules() if isinstance(module, torch.nn.Conv2d)][-1]
+                last.register_forward_hook(lambda module, inputs, result: seen.append(float(inputs[0].std())))
+            with torch.no_grad():
+                raw = network(torch.randn(2, 3, 300, 300))
+            self.assertGreater(min(seen), 0.02 * max(seen), name)
+            self.assertLess(float(raw[0].abs().mean()), 1.0, name)
+
     def test_forward_has_a_row_for_every_prior_and_learns(self):
         torch.manual_seed(0)
         network = build("squeezenet_ssd_lite", CLASSES).train()

@@ -8,6 +8,7 @@ from .multibox_loss import multibox_loss
 from .network import IMAGENET, DetectionNetwork
 
 INPUT = 300  # pixels, both sides
+PREDICTION_STD = 0.01
 
 
 class Ssd(DetectionNetwork):
@@ -37,7 +38,9 @@ class Ssd(DetectionNetwork):
                                          for i, (c, n) in enumerate(zip(channels, counts)))
         self.register_buffer("priors", prior_boxes.make_priors(levels, INPUT), persistent=False)
         for part in (self.extras, self.offset_heads, self.class_heads):
-            part.apply(start_xavier)
+            part.apply(start_convolution)
+        for head in [*self.offset_heads, *self.class_heads]:
+            start_prediction(head)
 
     def forward(self, images):
         maps = self.backbone(images)
@@ -69,9 +72,16 @@ def rows(values, columns):
     return values.permute(0, 2, 3, 1).reshape(values.shape[0], -1, columns)
 
 
-def start_xavier(module):
-    """First weights of new convolutions."""
+def start_convolution(module):
+    """First weights of a new convolution: what it gives after a ReLU varies as much as what it gets, however many follow
+    each other, depthwise ones too (He et al., "Delving Deep into Rectifiers", 2015, equation 10)."""
     if isinstance(module, nn.Conv2d):
-        nn.init.xavier_uniform_(module.weight)
+        nn.init.kaiming_normal_(module.weight, nonlinearity="relu")
         if module.bias is not None:
             nn.init.zeros_(module.bias)
+
+
+def start_prediction(head):
+    """The first predictions are the priors themselves and hardly differ between classes."""
+    last = [module for module in head.modules() if isinstance(module, nn.Conv2d)][-1]
+    nn.init.normal_(last.weight, std=PREDICTION_STD)

@@ -8,7 +8,7 @@ import torchvision
 from torch import nn
 
 from .priors import PriorLevel
-from .ssd import Ssd
+from .ssd import Ssd, start_convolution
 
 LEVELS = (PriorLevel(19, 16, 60, 105), PriorLevel(10, 32, 105, 150), PriorLevel(5, 64, 150, 195),
           PriorLevel(3, 100, 195, 240), PriorLevel(2, 150, 240, 285), PriorLevel(1, 300, 285, 330))
@@ -154,8 +154,9 @@ def vgg16_ssd(class_names):
     layers = torchvision.models.vgg16().features
     layers[16].ceil_mode = True  # 75 to 38 cells
     layers[30] = nn.MaxPool2d(3, 1, 1)
-    coarse = nn.Sequential(*layers[23:], nn.Conv2d(512, 1024, 3, padding=6, dilation=6), nn.ReLU(inplace=True),
-                           nn.Conv2d(1024, 1024, 1), nn.ReLU(inplace=True))
+    fully_connected = nn.Sequential(nn.Conv2d(512, 1024, 3, padding=6, dilation=6), nn.ReLU(inplace=True),
+                                    nn.Conv2d(1024, 1024, 1), nn.ReLU(inplace=True)).apply(start_convolution)
+    coarse = nn.Sequential(*layers[23:], *fully_connected)
     extras = [plain_extra(1024, 256, 512), plain_extra(512, 128, 256), plain_extra(256, 128, 256, 1, 0),
               plain_extra(256, 128, 256, 1, 0)]
     return Ssd("vgg16_ssd", class_names, Split(layers[:23], coarse), extras, (512, 1024, 512, 256, 256, 256),
