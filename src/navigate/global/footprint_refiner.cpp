@@ -8,6 +8,7 @@
 #include "extperfc/base/math.hpp"
 #include "extperfc/navigate/path.hpp"
 
+#include "navigate/global/passage_line.hpp"
 #include "navigate/global/path_shape.hpp"
 #include "navigate/global/pose_search.hpp"
 #include "navigate/global/steered_path.hpp"
@@ -35,7 +36,8 @@ constexpr std::array<double, 3> kPaddings_m{0.05, 0.03, 0};  // of a differentia
 constexpr double kMaxAcross_rad = 1.2;  // of a differential base, from the path's direction
 constexpr double kCentred_m = 1.6;      // longest narrow place that is passed straight
 constexpr double kMaxDetour_m = 0.5;    // of that
-constexpr double kBeside_m = 0.5;       // of the path beyond a narrow place, which goes with it
+constexpr double kPassage_m = 0.7;      // shortest straight motion through one
+constexpr double kBeside_m = 1.0;       // of the path beyond a narrow place, which goes with it
 
 /// First index and length of the longest run of true in a circle.
 template <std::size_t kCount>
@@ -250,12 +252,20 @@ FootprintRefiner::Status FootprintRefiner::replace(std::vector<Pose2>& poses, co
 
 std::optional<std::vector<Pose2>> FootprintRefiner::straight_through(const Pose2& first, const Pose2& middle,
                                                                      const Pose2& last) const {
-  for (const Footprint& narrow : padded_) {
-    auto passage = straight_passage(
-        first, middle, last, [&](const Pose2& from, const Pose2& to) { return passes(from, to); },
-        [&](const Pose2& from, const Pose2& to) { return passes(narrow, from, to); });
-    if (passage) return passage;
-  }
+  const double reach_m =
+      0.5 * (kPassage_m + footprint_.inscribed_radius_m() + footprint_.circumscribed_radius_m());
+  const auto is_blocked = [this](Cost cost) {
+    return cost == kLethalCost || (cost == kUnknownCost && !traversal_.admits(cost));
+  };
+  const Pose2 widest = widest_line(costs_, is_blocked, middle, reach_m);
+  for (const Footprint& narrow : padded_)
+    for (const Pose2& line : {widest, middle}) {
+      auto passage = straight_passage(
+          first, line, last, [&](const Pose2& from, const Pose2& to) { return passes(from, to); },
+          [&](const Pose2& from, const Pose2& to) { return passes(padded_.front(), from, to); },
+          [&](const Pose2& from, const Pose2& to) { return passes(narrow, from, to); });
+      if (passage) return passage;
+    }
   return std::nullopt;
 }
 

@@ -19,6 +19,8 @@ constexpr double kMaxOff_rad = 1.8;  // between a passage's direction and the mo
 /// Lengths along a passage's line, before and behind its middle.
 constexpr std::array<double, 7> kApproaches_m{0.35, 0.5, 0.65, 0.8, 1.0, 1.25, 1.6};
 
+constexpr double kTightPrice_m = 1.0;  // of motions before and behind a narrow place without room beside them
+
 constexpr double kMinRotation_rad = 0.05;
 constexpr double kMaxRotation_rad = 2.2;
 constexpr double kMaxCurvature_per_m = 2.5;
@@ -144,6 +146,7 @@ bool passes_all(const std::vector<Pose2>& poses, const MotionCheck& passes) {
 
 std::optional<std::vector<Pose2>> straight_passage(const Pose2& first, const Pose2& middle, const Pose2& last,
                                                    const MotionCheck& passes,
+                                                   const MotionCheck& passes_with_room,
                                                    const MotionCheck& passes_narrow) {
   const Eigen::Vector2d axis = direction_of(middle.yaw);
   const auto on_line = [&](double ahead_m) {
@@ -151,18 +154,25 @@ std::optional<std::vector<Pose2>> straight_passage(const Pose2& first, const Pos
   };
   std::optional<Leg> to;
   std::optional<Leg> from;
-  const auto offer = [&](std::optional<Leg>& best, const std::optional<Leg>& leg, double line_m) {
-    if (!leg || leg->price_m + line_m >= (best ? best->price_m : std::numeric_limits<double>::infinity()))
+  const auto leg = [&](const Pose2& start, const Pose2& end) {
+    auto roomy = leg_between(start, end, passes_with_room);
+    if (roomy) return roomy;
+    auto tight = leg_between(start, end, passes);
+    if (tight) tight->price_m += kTightPrice_m;
+    return tight;
+  };
+  const auto offer = [&](std::optional<Leg>& best, const std::optional<Leg>& made, double line_m) {
+    if (!made || made->price_m + line_m >= (best ? best->price_m : std::numeric_limits<double>::infinity()))
       return;
-    if (std::abs(wrap_angle(leg->leaves.yaw - middle.yaw)) > kMaxOff_rad) return;
-    best = leg;
+    if (std::abs(wrap_angle(made->leaves.yaw - middle.yaw)) > kMaxOff_rad) return;
+    best = made;
     best->price_m += line_m;
   };
   for (const double length_m : kApproaches_m) {
     const Pose2 before = on_line(-length_m);
-    if (passes_narrow(before, middle)) offer(to, leg_between(first, before, passes), length_m);
+    if (passes_narrow(before, middle)) offer(to, leg(first, before), length_m);
     const Pose2 behind = on_line(length_m);
-    if (passes_narrow(middle, behind)) offer(from, leg_between(behind, last, passes), length_m);
+    if (passes_narrow(middle, behind)) offer(from, leg(behind, last), length_m);
   }
   if (!to || !from) return std::nullopt;
   const auto on_axis = [&](const Pose2& pose) { return Pose2{pose.x, pose.y, middle.yaw}; };

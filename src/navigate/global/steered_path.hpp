@@ -13,12 +13,15 @@ using MotionCheck = std::function<bool(const Pose2& from, const Pose2& to)>;
 
 /// How a differential base passes a narrow place: from `first` straight to the line through `middle` along
 /// its yaw, along that line, straight on to `last`; it rotates in place between. Of several such motions the
-/// one with the least length, 0.3 m being added for every radian.
+/// one with the least length, 0.3 m being added for every radian, and 1 m where it does not pass with room.
 /// @param passes of all but the line's motion
+/// @param passes_with_room of the same: a base that turns in a door's mouth is easily beside the line in the
+/// door
 /// @param passes_narrow of the motion along the line
 /// Empty: no such motion passes.
 [[nodiscard]] std::optional<std::vector<Pose2>> straight_passage(const Pose2& first, const Pose2& middle,
                                                                  const Pose2& last, const MotionCheck& passes,
+                                                                 const MotionCheck& passes_with_room,
                                                                  const MotionCheck& passes_narrow);
 
 /// A differential base's path without rotations in place where a curve of at most 2.5 1/m passes: at corners,

@@ -21,6 +21,7 @@ constexpr float kCorrelation = 0.8F;   // of the noise from step to step
 constexpr float kNear_s = 0.7F;        // trajectories are checked exactly so far
 constexpr float kSpeedWeight = 8.0F;   // per (m/s)^2 above the speed that clearance and path admit
 constexpr float kCentreWeight = 0.3F;  // of the cell's cost under the base's centre
+constexpr float kExactness = 25.0F;  // times that a deviation counts more where the footprint nearly touches
 constexpr std::size_t kBest = 6;
 
 }  // namespace
@@ -201,10 +202,20 @@ float Rollouts::rate_pose(const Scene& scene, int step, int sample) {
   const float off = dyaw - along * at.dyaw;
   float cost = static_cast<float>(params_.path_weight) * (across_x * across_x + across_y * across_y) +
                static_cast<float>(params_.heading_weight) * std::min(off * off, 2.0F);
+  cost *= exactness(scene, at);
   cost += obstacle_cost(scene, step, sample, at);
   if (!scene.people.empty())
     cost += static_cast<float>(params_.people_weight) * people_cost(scene, step, sample);
   return cost;
+}
+
+/// How much more a deviation from the path counts at a station. What a differential base is beside its path
+/// or askew when it enters a door, it cannot mend in there.
+float Rollouts::exactness(const Scene& scene, const Station& at) const {
+  if (params_.base != BaseKind::kDifferential) return 1;
+  const auto wide = static_cast<float>(scene.rules.wide_clearance_m);
+  const float lack = std::max(0.0F, wide - at.clearance_m) / wide;
+  return 1 + kExactness * lack * lack;
 }
 
 /// Who walks into a robot that stands will stop or pass: it need not give ground, which in a corridor never

@@ -69,6 +69,7 @@ class Rollouts {
   void limit_change(int step);
   void rate_step(const Scene& scene, int step);
   [[nodiscard]] float rate_pose(const Scene& scene, int step, int sample);
+  [[nodiscard]] float exactness(const Scene& scene, const Station& at) const;
   [[nodiscard]] float people_cost(const Scene& scene, int step, int sample) const;
   [[nodiscard]] float obstacle_cost(const Scene& scene, int step, int sample, const Station& at);
   void rate_ends(const Scene& scene);

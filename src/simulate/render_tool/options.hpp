@@ -29,10 +29,10 @@ struct Options {
   bool depth{false};
   bool plain{false};  ///< without the lens and sensor effects
   bool resume{false};
-  int threads{0};      ///< 0: one per processor
-  int min_pixels{40};  ///< visible pixels of an object that gets a box
+  int threads{0};            ///< 0: one per processor
+  int min_pixels{40};        ///< visible pixels of an object that gets a box
   double max_distance_m{0};  ///< of the camera from an object, [0.4, 10]; 0: that of the scenes
-  double val{0.1};     ///< fraction of the worlds that go to val.txt, [0, 1]
+  double val{0.1};           ///< fraction of the worlds that go to val.txt, [0, 1]
   std::vector<std::string> classes{"cone", "cube", "sphere"};
   bool help{false};
 };

@@ -262,6 +262,44 @@ TEST(GridPlanner, ADifferentialBaseLeavesAndReachesAPassageInWhichItCannotRotate
   }
 }
 
+/// Two rooms of 8 x 4 m with a door of 0.96 m in between, whose leaf stands open by 80 degrees in the lower
+/// one.
+CostGrid rooms_with_leaf() {
+  CostGrid grid = floor_of(8, 8);
+  block(grid, 0, 3.95, 3.5, 4.1);
+  block(grid, 4.5, 3.95, 8, 4.1);
+  for (double along_m = 0; along_m < 0.9; along_m += 0.01) {
+    const Eigen::Vector2d at(3.52 + 0.17 * along_m, 4.0 - 0.985 * along_m);
+    grid.at(grid.cell_around(at)) = kLethalCost;
+  }
+  return grid;
+}
+
+// In a door it cannot straighten up any more.
+TEST(GridPlanner, ADifferentialBaseRotatesBeforeADoorAndNotInIt) {
+  const Footprint footprint = rectangle(0.78, 0.76);
+  CostGrid grid = rooms_with_leaf();
+  inflate(grid, footprint);
+  const auto planner = make_grid_planner(params_of(BaseKind::kDifferential));
+  Rng rng(3);
+  int rotates = 0;
+  constexpr int kTrips = 30;
+  for (int trip = 0; trip < kTrips; ++trip) {
+    Pose2 start{rng.uniform(1, 7), rng.uniform(5, 7), rng.uniform(-3, 3)};
+    Pose2 goal{rng.uniform(2, 6), rng.uniform(0.8, 2.2), rng.uniform(-3, 3)};
+    if (trip % 2 == 1) std::swap(start, goal);
+    const auto path = planner->plan(grid, footprint, {start, goal});
+    ASSERT_TRUE(path) << path.error().message;
+    expect_drivable(grid, footprint, *path, start, goal);
+    double rotation_rad = 0;
+    for (std::size_t i = 1; i < path->poses.size(); ++i)
+      if (std::abs(path->poses[i].y - 4.0) < 0.4)
+        rotation_rad += std::abs(wrap_angle(path->poses[i].yaw - path->poses[i - 1].yaw));
+    if (rotation_rad > 0.2) ++rotates;
+  }
+  EXPECT_LE(rotates, kTrips / 10);
+}
+
 TEST(GridPlanner, ADifferentialBaseDrivesCurvesWhereThereIsRoom) {
   const Footprint footprint = rectangle(0.6, 0.4);
   CostGrid grid = floor_of(8, 6);

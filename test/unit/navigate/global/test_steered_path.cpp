@@ -104,7 +104,7 @@ TEST(StraightPassage, LeadsThroughAlongItsLine) {
   const Pose2 first{-1.5, -0.6, 0.4};
   const Pose2 middle{0, 0, 0.3};
   const Pose2 last{1.4, 0.9, 0.5};
-  const auto passage = straight_passage(first, middle, last, kFree, kFree);
+  const auto passage = straight_passage(first, middle, last, kFree, kFree, kFree);
   ASSERT_TRUE(passage);
   EXPECT_EQ(0, distance_m(first, passage->front()));
   EXPECT_EQ(0, distance_m(last, passage->back()));
@@ -123,11 +123,27 @@ TEST(StraightPassage, LeadsThroughAlongItsLine) {
   expect_followed(*passage);
 }
 
+TEST(StraightPassage, RotatesWhereThereIsRoom) {
+  const MotionCheck with_room = [](const Pose2& from, const Pose2& to) {
+    return std::max(from.x, to.x) < -0.9 || std::min(from.x, to.x) > 0.7;
+  };
+  const auto passage =
+      straight_passage({-1.2, -0.6, 1.0}, {0, 0, 0}, {0.9, -0.6, -1.2}, kFree, with_room, kFree);
+  ASSERT_TRUE(passage);
+  for (std::size_t i = 1; i < passage->size(); ++i) {
+    const Pose2& from = (*passage)[i - 1];
+    const Pose2& to = (*passage)[i];
+    if (std::abs(wrap_angle(from.yaw - to.yaw)) > 1e-9) {
+      EXPECT_TRUE(with_room(from, to)) << i;
+    }
+  }
+}
+
 TEST(StraightPassage, IsEmptyWhereItDoesNotPass) {
   const MotionCheck nowhere = [](const Pose2&, const Pose2&) { return false; };
-  EXPECT_FALSE(straight_passage({-1, 0, 0}, {0, 0, 0}, {1, 0, 0}, kFree, nowhere));
-  EXPECT_FALSE(straight_passage({-1, 0, 0}, {0, 0, 0}, {1, 0, 0}, nowhere, kFree));
-  EXPECT_FALSE(straight_passage({-1, 0, 0}, {0, 0, kPi}, {1, 0, 0}, kFree, kFree));  // from behind
+  EXPECT_FALSE(straight_passage({-1, 0, 0}, {0, 0, 0}, {1, 0, 0}, kFree, kFree, nowhere));
+  EXPECT_FALSE(straight_passage({-1, 0, 0}, {0, 0, 0}, {1, 0, 0}, nowhere, nowhere, kFree));
+  EXPECT_FALSE(straight_passage({-1, 0, 0}, {0, 0, kPi}, {1, 0, 0}, kFree, kFree, kFree));  // from behind
 }
 
 }  // namespace
