@@ -51,6 +51,16 @@ Twist2 towards(const Pose2& from, const Pose2& to, double speed_m_s) {
   return {speed_m_s * ahead.x / away_m, speed_m_s * ahead.y / away_m, 0};
 }
 
+/// Velocity back along the trail. Empty: there is none, or a differential base came from beside it.
+std::optional<Twist2> velocity_back(const RecoveryView& view, double speed_m_s) {
+  const auto target = last_of_trail(view);
+  if (!target) return std::nullopt;
+  const Twist2 velocity = towards(view.odom_T_base, *target, speed_m_s);
+  if (view.limits == nullptr || view.limits->max_vy_m_s > 0) return velocity;
+  if (std::abs(velocity.vy) > std::abs(velocity.vx)) return std::nullopt;
+  return Twist2{std::copysign(speed_m_s, velocity.vx), 0, 0};
+}
+
 bool is_safe(const RecoveryView& view, const Twist2& velocity) {
   return is_safe_motion(*view.costs, *view.footprint, view.odom_T_base,
                         advance(view.odom_T_base, velocity, kLookS));
@@ -113,9 +123,8 @@ bool Recovery::tried(RecoveryStep step, const Pose2& map_T_base) const {
 
 bool Recovery::possible(RecoveryStep step, const RecoveryView& view) const {
   if (step == RecoveryStep::kBackOff) {
-    const auto target = last_of_trail(view);
-    return params_.back_off_m > kMinMotionM && target && view.costs != nullptr &&
-           is_safe(view, towards(view.odom_T_base, *target, params_.back_off_m_s));
+    const auto velocity = velocity_back(view, params_.back_off_m_s);
+    return params_.back_off_m > kMinMotionM && velocity && view.costs != nullptr && is_safe(view, *velocity);
   }
   if (step == RecoveryStep::kRotate)
     return params_.rotate_rad > 0 && view.costs != nullptr &&
@@ -174,15 +183,13 @@ RecoveryOutput Recovery::update(const RecoveryView& view) {
 
 RecoveryOutput Recovery::back_off(const RecoveryView& view) {
   RecoveryOutput output;
-  const auto target = last_of_trail(view);
+  const auto velocity = velocity_back(view, params_.back_off_m_s);
   output.done = true;
-  if (!target || view.now_s - began_s_ > kMotionTimeoutS ||
+  if (!velocity || view.now_s - began_s_ > kMotionTimeoutS ||
       distance_m(view.odom_T_base, began_at_) >= params_.back_off_m)
     return output;
-  auto velocity = towards(view.odom_T_base, *target, params_.back_off_m_s);
-  if (view.limits != nullptr && view.limits->max_vy_m_s <= 0) velocity.vy = 0;
-  if (!is_safe(view, velocity)) return output;
-  output.velocity = velocity;
+  if (!is_safe(view, *velocity)) return output;
+  output.velocity = *velocity;
   output.done = false;
   return output;
 }

@@ -72,6 +72,23 @@ TEST_F(RecoveryTest, BacksOffAlongWhereItCameFrom) {
   EXPECT_NEAR(pose_.x, 0, 0.05);
 }
 
+TEST_F(RecoveryTest, ADifferentialBaseBacksOffUntilItsTrailLeadsBesideIt) {
+  robot_.params_.limits.max_vy_m_s = 0;
+  trail_.clear();
+  for (double y = -2; y <= 0; y += 0.1) trail_.push_back({-0.3, y, 1.57});
+  for (double x = -0.2; x <= 0; x += 0.1) trail_.push_back({x, 0, 0});
+  for (int i = 0; i < 3; ++i) {
+    ASSERT_TRUE(recovery_.begin(kCause, view()));
+    if (i < 2) (void)run();
+  }
+  ASSERT_EQ(recovery_.step(), RecoveryStep::kBackOff);
+  const double began_s = now_s_;
+  (void)run();
+  EXPECT_LT(pose_.x, -0.15);
+  EXPECT_NEAR(pose_.y, 0, 1e-9);
+  EXPECT_LT(now_s_ - began_s, 3) << "it does not wait beside its trail";
+}
+
 TEST_F(RecoveryTest, DoesNotBackIntoAnObstacleNorRotateWithoutSpace) {
   robot_.block({-0.65, 0}, 0.1);
   robot_.block({0.0, 0.55}, 0.1);
