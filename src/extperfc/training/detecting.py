@@ -68,10 +68,12 @@ class LossModule(torch.nn.Module):
         return self.network.loss(self.raw(images), targets)
 
     def record(self, images):
-        """Makes one CUDA graph of the network's forward and one of its backward pass: from now on `images` of this shape
-        cost two launches instead of a thousand. Statistics and weights stay; the network's training mode must, too."""
+        """Makes one CUDA graph of the network's forward and one of its backward pass, for images of this shape. Statistics
+        and weights stay; the network's training mode must, too. RuntimeError where that is not possible."""
         statistics = [buffer.clone() for buffer in self.network.buffers()]
         pixels = prepare(images, self.network.preprocessing)
-        self.network_pass = torch.cuda.make_graphed_callables(self.network_pass, (pixels,), allow_unused_input=True)
-        for buffer, before in zip(self.network.buffers(), statistics):  # recording runs the network a few times
-            buffer.copy_(before)
+        try:
+            self.network_pass = torch.cuda.make_graphed_callables(self.network_pass, (pixels,), allow_unused_input=True)
+        finally:
+            for buffer, before in zip(self.network.buffers(), statistics):  # recording runs the network a few times
+                buffer.copy_(before)

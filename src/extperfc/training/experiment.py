@@ -48,8 +48,8 @@ class Training:
         "of the network's forward and backward pass; auto: bfloat16 on a GPU that has it, else float32")
     device: str = text("auto", "auto, cpu, cuda or cuda:N; auto takes a GPU when there is one")
     deterministic: bool = flag(True, "repeatable to the bit on the same machine; some GPU operations are slower")
-    cuda_graphs: bool = flag(True, "record the network's operations on a GPU once and replay them: steps take half the"
-                             " time or less; not with torchrun")
+    cuda_graphs: bool = flag(True, "record the network's operations on a GPU once and replay them as CUDA graphs; not with"
+                             " torchrun")
     workers: int = integer(2, 0, 256, "processes that read images; 0: none besides the one that trains")
     threads: int = integer(0, 0, 256, "of PyTorch on the CPU; 0: PyTorch decides. Other numbers round differently")
     seed: int = integer(1, 0, 2**31 - 1, "of the first weights, the order of images and their augmentation")

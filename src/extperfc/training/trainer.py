@@ -287,7 +287,7 @@ class Trainer:
         return losses
 
     def _record_once(self):
-        """On one GPU the network's operations become CUDA graphs: starting them one by one takes longer than they do.
+        """On one GPU the network's operations become CUDA graphs, which are started as a whole.
 
         Before the loader begins: its thread takes memory of the GPU's driver, which no recording bears.
         """

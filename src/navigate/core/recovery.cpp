@@ -51,7 +51,7 @@ Twist2 towards(const Pose2& from, const Pose2& to, double speed_m_s) {
   return {speed_m_s * ahead.x / away_m, speed_m_s * ahead.y / away_m, 0};
 }
 
-/// Velocity back along the trail. Empty: there is none, or a differential base came from beside it.
+/// Velocity back along the trail. Empty without a trail, and where a differential base came from beside it.
 std::optional<Twist2> velocity_back(const RecoveryView& view, double speed_m_s) {
   const auto target = last_of_trail(view);
   if (!target) return std::nullopt;

@@ -24,6 +24,11 @@ constexpr float kCentreWeight = 0.3F;  // of the cell's cost under the base's ce
 constexpr float kExactness = 25.0F;  // times that a deviation counts more where the footprint nearly touches
 constexpr std::size_t kBest = 6;
 
+/// Part of a wide clearance that is missing, from 0; above 1: the footprint touches.
+float lack_of(float clearance_m, float wide_m) {
+  return std::max(0.0F, wide_m - clearance_m) / wide_m;
+}
+
 }  // namespace
 
 Rollouts::Rollouts(const MppiParams& params)
@@ -214,7 +219,7 @@ float Rollouts::rate_pose(const Scene& scene, int step, int sample) {
 float Rollouts::exactness(const Scene& scene, const Station& at) const {
   if (params_.base != BaseKind::kDifferential) return 1;
   const auto wide = static_cast<float>(scene.rules.wide_clearance_m);
-  const float lack = std::max(0.0F, wide - at.clearance_m) / wide;
+  const float lack = lack_of(at.clearance_m, wide);
   return 1 + kExactness * lack * lack;
 }
 
@@ -245,8 +250,8 @@ float Rollouts::obstacle_cost(const Scene& scene, int step, int sample, const St
   }
   float cost = touched_[i] != 0 ? kCollision : 0;
   // Only what is worse than on the path itself: a narrow door is passed, not waited for.
-  const float lack = std::max(0.0F, wide - clearance_m) / wide;
-  const float path_lack = std::max(0.0F, wide - at.clearance_m) / wide;
+  const float lack = lack_of(clearance_m, wide);
+  const float path_lack = lack_of(at.clearance_m, wide);
   const float centre = static_cast<float>(scene.field.cost(x, y)) - static_cast<float>(at.cost);
   cost += static_cast<float>(params_.obstacle_weight) * (std::max(0.0F, lack * lack - path_lack * path_lack) +
                                                          kCentreWeight / 252 * std::max(0.0F, centre));

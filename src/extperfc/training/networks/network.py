@@ -33,7 +33,8 @@ class DetectionNetwork(torch.nn.Module):
 
     forward(images) takes float32 [B, 3, H, W], preprocessed, and gives `raw`, a tuple of tensors. loss(raw, targets)
     gives scalars to be summed. targets: one dictionary per image with `boxes` float32 [M, 4] x0 y0 x1 y1 in input
-    pixels, `labels` int64 [M] from 0, `ignore` bool [M] (neither learned nor punished); M may be 0. They may be on another device than raw.
+    pixels, `labels` int64 [M] from 0, `ignore` bool [M] (neither learned nor punished); M may be 0. They may be on
+    another device than raw.
     """
 
     name: str

@@ -8,7 +8,7 @@ from .multibox_loss import multibox_loss
 from .network import IMAGENET, DetectionNetwork
 
 INPUT = 300  # pixels, both sides
-PREDICTION_STD = 0.01
+PREDICTION_STD = 0.01  # of the first weights that predict
 
 
 class Ssd(DetectionNetwork):

@@ -1,5 +1,6 @@
 // The direction in which a narrow place is widest.
 
+#include <algorithm>
 #include <cmath>
 
 #include <gtest/gtest.h>
@@ -18,12 +19,7 @@ const BlockedCosts kLethal = [](Cost cost) { return cost == kLethalCost; };
 
 /// Floor of 6 x 6 m about the origin, in cells of 2.5 cm.
 CostGrid floor_grid() {
-  CostGrid grid;
-  grid.width = grid.height = 240;
-  grid.resolution_m = 0.025;
-  grid.origin_m = {-3, -3};
-  grid.cells.assign(240 * 240, 0);
-  return grid;
+  return make_cost_grid(240, 240, 0.025, {-3, -3}, kFreeCost);
 }
 
 void block(CostGrid& grid, const Eigen::Vector2d& from, const Eigen::Vector2d& to) {
@@ -32,11 +28,17 @@ void block(CostGrid& grid, const Eigen::Vector2d& from, const Eigen::Vector2d& t
     grid.at(grid.cell_around(from + (to - from) * k / std::max(1, steps))) = kLethalCost;
 }
 
-/// A wall along y with a door of 0.96 m, whose leaf stands open by `open_deg` towards +x, its hinge at +y.
-CostGrid door(double open_deg) {
+/// A wall along y with a door of 0.96 m.
+CostGrid wall_with_door() {
   CostGrid grid = floor_grid();
   block(grid, {0, -3}, {0, -0.48});
   block(grid, {0, 0.48}, {0, 2.9});
+  return grid;
+}
+
+/// The same with a leaf that stands open by `open_deg` towards +x, its hinge at +y.
+CostGrid door(double open_deg) {
+  CostGrid grid = wall_with_door();
   const double angle = -90 * kDegree + open_deg * kDegree;  // of the leaf; 0: along x
   block(grid, {0, 0.48}, {0.9 * std::cos(angle), 0.48 + 0.9 * std::sin(angle)});
   return grid;
@@ -53,10 +55,7 @@ TEST(WidestLine, GoesAlongADoorsLeaf) {
 }
 
 TEST(WidestLine, StaysStraightInADoorWithoutALeaf) {
-  CostGrid grid = floor_grid();
-  block(grid, {0, -3}, {0, -0.48});
-  block(grid, {0, 0.48}, {0, 2.9});
-  const Pose2 line = widest_line(grid, kLethal, {0.1, 0.2, 0}, 0.8);
+  const Pose2 line = widest_line(wall_with_door(), kLethal, {0.1, 0.2, 0}, 0.8);
   EXPECT_NEAR(line.yaw, 0, 2 * kDegree);
   EXPECT_NEAR(line.y, 0, 0.03) << "in its middle";
 }
