@@ -98,7 +98,7 @@ class WithoutTraining(Place):
         for arguments in (["--help"], ["train", "--help"], ["matrix", "--help"]):
             shown = call(TOOL, *arguments)
             self.assertEqual(0, shown.returncode, shown.stderr)
-        self.assertRegex(call(TOOL, "train", "--help").stdout, r"learning_rate: 0.001\n +highest learning rate")
+        self.assertRegex(call(TOOL, "train", "--help").stdout, r"learning_rate: 0\n +highest learning rate")
         (self.folder / "bad.yaml").write_text("trainign: {}\n")
         for arguments in (["train", self.folder / "bad.yaml"], ["evaluate", self.folder / "none",
                                                                 self.folder], ["check", "/none"]):

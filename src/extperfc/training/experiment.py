@@ -33,7 +33,8 @@ class Training:
     epochs: int = integer(100, 1, 100000, "passes over the images")
     batch_size: int = integer(16, 1, 4096, "images per step and process")
     optimizer: str = choice("adamw", ("adamw", "sgd"), "sgd has Nesterov momentum 0.9")
-    learning_rate: float = number(1e-3, 1e-8, 10, "highest learning rate, for the batch of all processes together")
+    learning_rate: float = number(0, 0, 10, "highest learning rate, for the batch of all processes together; 0: what suits the"
+                                  " network")
     final_rate: float = number(0.01, 0, 1, "last learning rate over the highest one, at the end of the cosine")
     warmup_epochs: float = number(1, 0, 1000, "epochs until the highest learning rate")
     weight_decay: float = number(5e-4, 0, 1, "not for biases and batch normalization")

@@ -84,6 +84,7 @@ def read(cls, values, errors, prefix=""):
     taken = {}
     for key, value in values.items():
         field = fields.get(key)
+        value = _number_of(field, value)
         if field is None:
             errors.append(f"{prefix}{key} is unknown{_suggestion(key, fields)}")
         elif "section" in field.metadata:
@@ -93,6 +94,16 @@ def read(cls, values, errors, prefix=""):
         else:
             taken[key] = value
     return cls(**taken)
+
+
+def _number_of(field, value):
+    """YAML 1.1 reads 1e-3 as text, because it lacks a point: a number it is, where a number is expected."""
+    if isinstance(value, str) and field is not None and "rule" in field.metadata and field.metadata["rule"].kind == "number":
+        try:
+            return float(value)
+        except ValueError:
+            pass
+    return value
 
 
 def _suggestion(key, fields):

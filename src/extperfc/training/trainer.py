@@ -74,16 +74,22 @@ def choose_precision(name, device):
     return PRECISIONS[name]
 
 
+def highest_rate(network, training):
+    """The learning rate after warm-up."""
+    return training.learning_rate or network.learning_rate
+
+
 def make_optimizer(network, training):
     """Decays matrices and filters, not biases and batch normalization."""
+    rate = highest_rate(network, training)
     learning = [p for p in network.parameters() if p.requires_grad]
     groups = [{"params": [p for p in learning if p.ndim > 1], "weight_decay": training.weight_decay},
               {"params": [p for p in learning if p.ndim <= 1], "weight_decay": 0.0}]
     groups = [group for group in groups if group["params"]]
     if training.optimizer == "sgd":
-        return torch.optim.SGD(groups, lr=training.learning_rate, momentum=0.9, nesterov=True)
+        return torch.optim.SGD(groups, lr=rate, momentum=0.9, nesterov=True)
     on_gpu = all(p.is_cuda for p in learning)
-    return torch.optim.AdamW(groups, lr=training.learning_rate, **({"fused": True} if on_gpu else {}))
+    return torch.optim.AdamW(groups, lr=rate, **({"fused": True} if on_gpu else {}))
 
 
 def make_scaler(enabled):
@@ -213,6 +219,7 @@ class Trainer:
             self.network.to(memory_format=torch.channels_last)  # what the units for 16 bits compute in
         self.learning = [parameter for parameter in self.network.parameters() if parameter.requires_grad]
         self.average = WeightAverage(self.network, self.options.average_decay)
+        self.highest_rate = highest_rate(self.network, self.options)
         self.optimizer = make_optimizer(self.network, self.options)
         self.scaler = make_scaler(precision == torch.float16)
         self.losses = LossModule(self.network, precision)
@@ -305,7 +312,7 @@ class Trainer:
         warmup = round(self.options.warmup_epochs * self.sampler.steps)
         factor = rate_at(self.step, self.total_steps, min(warmup, self.total_steps - 1), self.options.final_rate)
         for group in self.optimizer.param_groups:
-            group["lr"] = self.options.learning_rate * factor
+            group["lr"] = self.highest_rate * factor
 
     def _count_bad_steps(self, is_finite):
         """A step whose gradients are not finite changes no weight; float16 begins with some."""

@@ -68,6 +68,10 @@ class Files(unittest.TestCase):
                 }
             }), (key, value))
 
+    def test_numbers_that_yaml_reads_as_text(self):
+        values = yaml.safe_load("{data: {path: x}, training: {learning_rate: 1e-3}}")
+        self.assertEqual(0.001, make(values, FILE).training.learning_rate)
+
     def test_values_that_do_not_fit_each_other(self):
         self.assertIn("source is missing", errors_of({"data": {"path": "x"}, "strategy": "instance_transfer"}))
         self.assertIn("copies no weights", errors_of({"data": {"path": "x"}, "source": "w.pt"}))

@@ -20,6 +20,12 @@ if torch:
 
 
 class Runs(TrainingCase):
+    def test_learning_rate_is_the_networks_where_none_is_given(self):
+        for given, highest in ((0, tiny_network.TinyNetwork.learning_rate), (0.01, 0.01)):
+            run = trainer.Trainer(self.make(f"rate{given}", {"epochs": 2, "learning_rate": given}), build=tiny_network.build)
+            run.run()
+            self.assertAlmostEqual(highest, max(row["learning_rate"] for row in run.history), delta=0.3 * highest)
+
     def test_learns_and_leaves_everything_to_repeat_it(self):
         run = trainer.Trainer(self.make("all", {"epochs": 8, "learning_rate": 0.01}), build=tiny_network.build)
         run.run()

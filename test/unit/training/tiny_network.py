@@ -10,6 +10,7 @@ class TinyNetwork(torch.nn.Module):
     """Keeps the contract of extperfc.training.networks: backbone, head, forward, loss, detect."""
 
     name, input_size = "tiny", (48, 48)
+    learning_rate = 1e-3
     preprocessing = types.SimpleNamespace(color="rgb", resize="stretch", mean=(127.0, 127.0, 127.0), scale=1 / 64)
 
     def __init__(self, class_names):

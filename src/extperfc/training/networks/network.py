@@ -29,7 +29,7 @@ class DetectionNetwork(torch.nn.Module):
 
     name: as in NETWORKS. class_names: without the background. input_size: width, height [px]. preprocessing:
     Preprocessing. backbone: the part that feature-representation transfer copies and freezes; everything else is the
-    head.
+    head. learning_rate: the highest one that suits AdamW and 32 images per step.
 
     forward(images) takes float32 [B, 3, H, W], preprocessed, and gives `raw`, a tuple of tensors. loss(raw, targets)
     gives scalars to be summed. targets: one dictionary per image with `boxes` float32 [M, 4] x0 y0 x1 y1 in input
@@ -42,6 +42,7 @@ class DetectionNetwork(torch.nn.Module):
     input_size: typing.Tuple[int, int]
     preprocessing: Preprocessing
     backbone: torch.nn.Module
+    learning_rate: float = 1e-3
 
     def head_parameters(self):
         """Parameters outside the backbone."""

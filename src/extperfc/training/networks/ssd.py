@@ -23,9 +23,10 @@ class Ssd(DetectionNetwork):
     preprocessing = IMAGENET
 
     def __init__(self, name, class_names, backbone, extras, channels, predictor, levels, scaling=None,
-                 predicted=None):
+                 predicted=None, learning_rate=DetectionNetwork.learning_rate):
         """channels: of every map. predictor(inputs, outputs, is_last): the module that predicts."""
         super().__init__()
+        self.learning_rate = learning_rate
         self.name, self.class_names, self.levels = name, tuple(class_names), tuple(levels)
         self.backbone, self.extras = backbone, nn.ModuleList(extras)
         self.scaling, self.predicted = scaling or nn.Identity(), predicted

@@ -160,4 +160,4 @@ def vgg16_ssd(class_names):
     extras = [plain_extra(1024, 256, 512), plain_extra(512, 128, 256), plain_extra(256, 128, 256, 1, 0),
               plain_extra(256, 128, 256, 1, 0)]
     return Ssd("vgg16_ssd", class_names, Split(layers[:23], coarse), extras, (512, 1024, 512, 256, 256, 256),
-               plain_predictor, VGG_LEVELS, scaling=nn.BatchNorm2d(512))
+               plain_predictor, VGG_LEVELS, scaling=nn.BatchNorm2d(512), learning_rate=3e-4)
