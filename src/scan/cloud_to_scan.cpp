@@ -213,7 +213,9 @@ void CloudToScan::Impl::fill_ray(std::size_t ray, PlanarScans& scans, ScanStatis
     return;
   }
   ++statistics.rays_met;
-  set(ray, column.first->range, column.first->index, scans.nearest);
+  const float nearest = std::min(nearest_range(column, static_cast<float>(params_.range_noise_m)),
+                                 static_cast<float>(params_.range_max));
+  set(ray, nearest, column.first->index, scans.nearest);
   const auto surface = supported_surface(column, columns_.column(layout_.neighbour(ray, -1)),
                                          columns_.column(layout_.neighbour(ray, 1)), points_.level,
                                          static_cast<float>(params_.support_m));

@@ -97,7 +97,7 @@ const char* to_string(AzimuthTimes times) {
 
 Result<void> validate(const ScanParams& params) {
   constexpr double kFar = 1e6;  // users who want no limit write large numbers
-  auto inside = all_inside(std::array<Bounded, 11>{{{"min_height", params.min_height, -kFar, kFar},
+  auto inside = all_inside(std::array<Bounded, 12>{{{"min_height", params.min_height, -kFar, kFar},
                                                     {"max_height", params.max_height, -kFar, kFar},
                                                     {"angle_min", params.angle_min, -2 * kPi, 2 * kPi},
                                                     {"angle_max", params.angle_max, -2 * kPi, 2 * kPi},
@@ -106,6 +106,7 @@ Result<void> validate(const ScanParams& params) {
                                                     {"range_max", params.range_max, 0, kFar},
                                                     {"inf_epsilon", params.inf_epsilon, 0, kFar},
                                                     {"support_m", params.support_m, 0.001, 2},
+                                                    {"range_noise_m", params.range_noise_m, 0, 0.1},
                                                     {"no_return_range", params.no_return_range, 0, kFar},
                                                     {"scan_time", params.scan_time, 0, 60}}});
   if (!inside) return inside;

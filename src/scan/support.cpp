@@ -1,6 +1,7 @@
 #include "scan/support.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 namespace extperfc::scan {
@@ -67,7 +68,45 @@ std::optional<Surface> by_neighbours(const Column& middle, const Column& left, c
   return std::nullopt;
 }
 
+/// Mean of the largest of `count` standard normal numbers (Harter, "Expected values of normal order
+/// statistics", Biometrika 48, 1961, table 1), linear in between; as of the last row for more.
+float largest_of(std::ptrdiff_t count) {
+  struct Row {
+    float count;
+    float mean;
+  };
+  constexpr std::array<Row, 15> kRows{{{1, 0},
+                                       {2, 0.5642F},
+                                       {3, 0.8463F},
+                                       {4, 1.0294F},
+                                       {5, 1.1630F},
+                                       {6, 1.2672F},
+                                       {8, 1.4236F},
+                                       {10, 1.5388F},
+                                       {15, 1.7359F},
+                                       {20, 1.8675F},
+                                       {30, 2.0428F},
+                                       {40, 2.1608F},
+                                       {50, 2.2491F},
+                                       {70, 2.3774F},
+                                       {100, 2.5076F}}};
+  const float n = std::clamp(static_cast<float>(count), kRows.front().count, kRows.back().count);
+  const auto* const upper =
+      std::find_if(kRows.begin() + 1, kRows.end() - 1, [&](const Row& row) { return row.count >= n; });
+  const Row& low = *(upper - 1);
+  return low.mean + (n - low.count) / (upper->count - low.count) * (upper->mean - low.mean);
+}
+
 }  // namespace
+
+float nearest_range(const Column& column, float noise_m) {
+  constexpr float kSameSurface = 4;  // deviations
+  const float nearest = column.first->range;
+  const float last = nearest + kSameSurface * noise_m;
+  const auto* const end = std::find_if(column.begin(), column.end(),
+                                       [&](const ColumnPoint& point) { return point.range > last; });
+  return nearest + noise_m * largest_of(end - column.begin());
+}
 
 std::optional<Surface> supported_surface(const Column& middle, const Column& left, const Column& right,
                                          const std::vector<float>& level, float support_m) {

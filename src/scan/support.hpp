@@ -21,4 +21,9 @@ struct Surface {
                                                        const Column& right, const std::vector<float>& level,
                                                        float support_m);
 
+/// The range at which the nearest surface of a column stands [m]: of n points of one surface the nearest lies
+/// before it by what the smallest of n normal numbers of deviation `noise_m` lies below their mean. n: points
+/// up to four deviations behind the nearest. A lone point keeps its range. The column must not be empty.
+[[nodiscard]] float nearest_range(const Column& column, float noise_m);
+
 }  // namespace extperfc::scan

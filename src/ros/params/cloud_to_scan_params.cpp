@@ -27,6 +27,7 @@ void read_limits(ParamReader& reader, scan::ScanParams& scan) {
   reader.read("inf_epsilon", scan.inf_epsilon, {0.0, kFar});
   reader.read("no_return_range", scan.no_return_range, {0.0, kFar});
   reader.read("support_m", scan.support_m, {0.001, 2.0});
+  reader.read("range_noise_m", scan.range_noise_m, {0.0, 0.1});
 }
 
 void read_ground(ParamReader& reader, scan::GroundParams& ground) {

@@ -177,6 +177,7 @@ TEST(CloudToScanParams, ShippedConfigurationHasTheDefaults) {
   EXPECT_EQ(defaults->transform_tolerance, shipped->transform_tolerance);
   EXPECT_EQ(a.scan_time, b.scan_time);
   EXPECT_EQ(a.support_m, b.support_m);
+  EXPECT_EQ(a.range_noise_m, b.range_noise_m);
   EXPECT_EQ(a.no_return_range, b.no_return_range);
   EXPECT_EQ(a.azimuth_times, b.azimuth_times);
   EXPECT_EQ(defaults->level, shipped->level);

@@ -89,6 +89,7 @@ inline ScanParams open_params() {
   params.angle_increment = M_PI / 180;
   params.range_min = 0;
   params.range_max = 100;
+  params.range_noise_m = 0;
   params.ground.method = GroundMethod::kNone;
   return params;
 }

@@ -25,6 +25,7 @@ TEST(ScanParams, WhatCannotWorkIsNamed) {
       {"range_min", [](auto& p) { p.range_min = 5, p.range_max = 4; }},
       {"inf_epsilon", [](auto& p) { p.inf_epsilon = -0.1; }},
       {"support_m", [](auto& p) { p.support_m = 0; }},
+      {"range_noise_m", [](auto& p) { p.range_noise_m = 0.2; }},
       {"no_return_range", [](auto& p) { p.no_return_range = -1; }},
       {"scan_time", [](auto& p) { p.scan_time = 0, p.azimuth_times = AzimuthTimes::kStampAtEnd; }},
       {"ground_clearance_m", [](auto& p) { p.ground.clearance_m = -0.1; }},

@@ -1,7 +1,11 @@
 // The supported range for maps against the nearest for cost maps; beams without a return.
+#include <algorithm>
+#include <numeric>
+
 #include <gtest/gtest.h>
 
 #include "extperfc/base/math.hpp"
+#include "extperfc/base/rng.hpp"
 
 #include "test/unit/scan/vlp16.hpp"
 
@@ -59,6 +63,53 @@ TEST(TwoScans, OneRingNeedsThreePoints) {
   EXPECT_FLOAT_EQ(supported_at({at(0, 4, 7), at(0.1, 4, 7), at(-0.1, 4, 7)}), 4.0F);
   const auto both = run_both(open_params(), {at(0, 4, 7), at(0.1, 4, 7), at(-0.1, 4, 7)});
   EXPECT_EQ(both.statistics.rays_supported, 0U);
+}
+
+/// A round wall at 2 m, `per_ray` points of it on each ray.
+std::vector<TestPoint> round_wall(int per_ray, double noise_m) {
+  Rng rng(1);
+  std::vector<TestPoint> points;
+  points.reserve(static_cast<std::size_t>(360 * per_ray));
+  for (int degree = 0; degree < 360; ++degree)
+    for (int i = 0; i < per_ray; ++i)
+      points.push_back(at(degree, 2 + rng.normal(0, noise_m), static_cast<std::uint16_t>(i % 16)));
+  return points;
+}
+
+double mean_nearest(const std::vector<TestPoint>& points, const ScanParams& params) {
+  const auto ranges = run_both(params, points).scans.nearest.ranges;
+  return std::accumulate(ranges.begin(), ranges.end(), 0.0) / static_cast<double>(ranges.size());
+}
+
+TEST(TwoScans, TheNearestOfManyNoisyPointsIsNotTooNear) {
+  for (const double noise_m : {0.01, 0.02}) {
+    auto params = open_params();
+    for (const int per_ray : {1, 2, 3, 7, 12, 30, 60}) {
+      SCOPED_TRACE(testing::Message() << per_ray << " points of " << noise_m << " m");
+      const auto wall = round_wall(per_ray, noise_m);
+      params.range_noise_m = 0;
+      EXPECT_LE(mean_nearest(wall, params), 2 - (per_ray > 9 ? 1.5 : -0.2) * noise_m);
+      params.range_noise_m = noise_m;
+      EXPECT_NEAR(mean_nearest(wall, params), 2, 0.2 * noise_m);
+    }
+  }
+}
+
+TEST(TwoScans, APostBeforeAWallStaysWhereItIs) {
+  auto params = open_params();
+  params.range_noise_m = 0.01;
+  std::vector<TestPoint> points = round_wall(30, 0.01);
+  points.push_back(at(90, 1.9, 7));
+  const auto scan = run_both(params, points).scans.nearest;
+  EXPECT_FLOAT_EQ(scan.ranges[ray_at(scan, 90 * kDegree)], 1.9F);
+}
+
+TEST(TwoScans, NoRangeLeavesTheScansOwn) {
+  auto params = open_params();
+  params.range_noise_m = 0.05;
+  params.range_max = 2;
+  const auto ranges = run_both(params, round_wall(30, 0.001)).scans.nearest.ranges;
+  EXPECT_LE(*std::max_element(ranges.begin(), ranges.end()), 2.0F);
 }
 
 TEST(TwoScans, TwoRingsGoBeforeThreePointsOfOne) {
