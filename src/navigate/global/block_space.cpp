@@ -110,6 +110,14 @@ std::int32_t BlockSpace::node_of(const Cell& cell) {
   return parts == 0 ? -1 : node_of(column, row, parts == 1 ? 0 : 1);
 }
 
+void BlockSpace::mark_near(const Eigen::Vector2d& point, int reach) {
+  const auto column = static_cast<int>(point.x());
+  const auto row = static_cast<int>(point.y());
+  for (int r = std::max(0, row - reach); r <= std::min(height_ - 1, row + reach); ++r)
+    for (int c = std::max(0, column - reach); c <= std::min(width_ - 1, column + reach); ++c)
+      for (SearchNode& node : tile(c, r).nodes[offset(c, r)]) node.near_path = true;
+}
+
 double BlockSpace::line_cost(std::int32_t node, const Eigen::Vector2d& from, std::int32_t other,
                              const Eigen::Vector2d& to, double limit) {
   int column = column_of(node);

@@ -37,6 +37,9 @@ class BlockSpace {
     return tile(column, row).nodes[offset(column, row)][node & 1];
   }
 
+  /// Marks the blocks whose column and row differ by at most `reach` from those of a point's.
+  void mark_near(const Eigen::Vector2d& point, int reach);
+
   /// offer(node, step's cost) for every neighbour.
   template <typename Offer>
   void for_neighbours(std::int32_t node, Offer offer);

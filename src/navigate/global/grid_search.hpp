@@ -17,7 +17,8 @@ namespace extperfc::navigate {
 using Polyline = std::vector<Eigen::Vector2d>;
 
 /// Least path cost for a point on the grid. A search from the goal over blocks of cells estimates the rest of
-/// the path for a search from the start over the cells (reverse resumable A*, Silver 2005).
+/// the path for a search from the start over the cells (reverse resumable A*, Silver 2005). The cells beside
+/// the path over blocks are searched first, and all others only when no path leads through these.
 class GridSearch {
  public:
   enum class Status { kFound, kNoPath, kInterrupted };

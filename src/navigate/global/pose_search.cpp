@@ -15,12 +15,9 @@ constexpr int kMaxExpanded = 15000;  // a passage that takes more is given up, f
 constexpr double kSpan_m = 2.5;
 constexpr double kPoseStep_m = 0.08;  // of the path, about
 constexpr double kMaxWeight = 2;      // of cells: in a narrow passage all are dear
-/// Multiplies the estimate of the rest; more for long contacts, which need a path that passes rather than the
-/// best.
-constexpr double kGreed = 1.5;
-constexpr double kLongGreed = 2.5;
-constexpr double kBackwards = 2;    // times the cost of a step forwards
-constexpr double kConnect_m = 0.5;  // a differential base drives straight to the end from here
+constexpr double kGreed = 1.5;        // multiplies a holonomic base's estimate of the rest
+constexpr double kBackwards = 2;      // times the cost of a step forwards
+constexpr double kConnect_m = 0.5;    // a differential base drives straight to the end from here
 constexpr double kConnect_rad = 0.35;
 /// Directions of a differential base's steps [cells of the lattice].
 constexpr std::array<std::array<int, 2>, 16> kDirections{{{{1, 0}},
@@ -221,7 +218,6 @@ void PoseSearch::expand(std::int32_t node) {
 
 PoseSearch::Status PoseSearch::find(const std::vector<Pose2>& along, const PlanClock& clock) {
   const double spans = std::max(1.0, kPoseStep_m * static_cast<double>(along.size()) / kSpan_m);
-  greed_ = spans > 1 ? kLongGreed : kGreed;
   lay_out(along);
   begin();
   const int limit = static_cast<int>(kMaxExpanded * spans);

@@ -86,7 +86,6 @@ class PoseSearch {
   Pose2 start_;
   Pose2 goal_;
   Pose2 frame_;  ///< of the lattice
-  double greed_{1};
   double left_m_{0};
   double bottom_m_{0};
   int columns_{0};

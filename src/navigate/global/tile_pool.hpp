@@ -15,6 +15,7 @@ struct SearchNode {
   float rest{-1};  ///< estimate of the path cost to the search's target; negative: not asked yet
   std::int32_t parent{-1};
   bool settled{false};
+  bool near_path{false};  ///< of a block: about the path over blocks, see BlockSpace::mark_near()
 };
 
 /// Squares of a map whose memory is made when a search first enters them and is used again by the next
