@@ -43,8 +43,8 @@ def parse_arguments(argv):
     parser.add_argument("--speed", type=float, default=1.0, metavar="FACTOR",
                         help="simulated seconds per second; default: 1")
     parser.add_argument("--people", type=int, nargs="?", const=-1, default=0, metavar="N",
-                        help="with the world's people; of random_floor: one in the corridor; with N, as many as that: the\n"
-                        "world's first, then others by the seed who walk up and down straight lines; default: none")
+                        help="with the world's people; of random_floor: one in the corridor; with N, as many as that: of a file\n"
+                        "the world's first, then others by the seed who walk up and down straight lines; default: none")
     parser.add_argument("--base", choices=("holonomic", "differential"), default="holonomic", help="default: holonomic")
     parser.add_argument("--close-door", action="store_true",
                         help="a carton closes a door on its path, once for each goal whose path leads through one")
@@ -59,8 +59,6 @@ def parse_arguments(argv):
     for text in options.param:
         if not re.fullmatch(r"\w+=.+", text):
             parser.error(f"--param must be KEY=VALUE, not {text}")
-    if options.people > 0 and options.world == "random_floor":
-        parser.error("--people N needs a world with a file; in random_floor one person walks up and down the corridor: --people")
     if options.people < -1:
         parser.error("--people N must be positive")
     if options.goals < 1 or options.speed <= 0 or options.limit <= 0 or not 0.005 <= options.fine <= 0.1:
@@ -98,20 +96,31 @@ def world_of(options):
 
 
 def add_people(options, world, true_map):
-    """Brings the number of people in a world's file to what is wanted."""
+    """Brings the number of people in a world to what is wanted."""
     if options.people <= 0:
         return
-    content = yaml.safe_load(world.read_text())
+    is_file = isinstance(world, pathlib.Path)
+    content = yaml.safe_load(world.read_text()) if is_file else {}
     here = (content.get("robot") or {}).get("at", (0.0, 0.0))
     people = (content.get("people") or [])[:options.people]
     places = places_of(true_map, Pose(here[0], here[1], 0.0))
     people += more_people(true_map, places, options.people - len(people), options.seed, here[:2])
-    world.write_text(with_people(world.read_text(), people))
+    if is_file:
+        world.write_text(with_people(world.read_text(), people))
+    else:
+        people_file(options).write_text(yaml.safe_dump({"people": people}))
+
+
+def people_file(options):
+    """Of people who are added to a world without a file."""
+    return options.out.resolve() / "people.yaml"
 
 
 def sim_config(options, resolution_m=None):
     params = yaml.safe_load((REPO / "config" / "simulator.yaml").read_text())
-    params.setdefault("random_world", {})["person"] = 1.0 if options.people else 0.0
+    params.setdefault("random_world", {})["person"] = 1.0 if options.people < 0 else 0.0
+    if people_file(options).exists():
+        params["people_file"] = str(people_file(options))
     if resolution_m:
         params.setdefault("truth", {})["map_resolution_m"] = resolution_m
     file = options.out / (f"simulator_{resolution_m:g}.yaml" if resolution_m else "simulator.yaml")
@@ -316,6 +325,7 @@ def main(argv):
         return save_map(*argv[1:])
     options = parse_arguments(argv)
     options.out.mkdir(parents=True, exist_ok=True)
+    people_file(options).unlink(missing_ok=True)  # of an earlier run
     import rospy
     world = world_of(options)
     true_map = fine_map(options, world)

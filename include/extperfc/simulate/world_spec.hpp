@@ -72,4 +72,8 @@ struct WorldSpec {
 [[nodiscard]] Result<WorldSpec> load_world(const std::filesystem::path& file);
 [[nodiscard]] Result<WorldSpec> parse_world(const std::string& yaml, const std::string& source_name);
 
+/// The world with the people of a YAML file, whose only key is `people`, as in a world's file. Errors as
+/// above.
+[[nodiscard]] Result<WorldSpec> with_people(WorldSpec world, const std::filesystem::path& file);
+
 }  // namespace extperfc::simulate

@@ -47,6 +47,9 @@ void read_robot_and_world(ParamReader& reader, SimulatorNodeletParams& params) {
   reader.read("urdf", urdf);
   reader.read("world", world);
   reader.read("seed", seed, {0, 2147483647});
+  std::string people_file;
+  reader.read("people_file", people_file);
+  params.people_file = people_file;
   reader.read("start_enabled", params.simulator.start_enabled);
   params.urdf = urdf;
   params.simulator.seed = static_cast<std::uint64_t>(seed);

@@ -78,6 +78,7 @@ struct SimulatorNodeletParams {
   TruthParams truth;
   RobotInterfaceParams robot;
   std::vector<simulate::Fault> faults;  ///< from the start
+  std::filesystem::path people_file;    ///< people beside the world's; empty: none
 };
 
 /// Reads `private_handle`; every problem is reported at once.

@@ -44,8 +44,10 @@ Result<Sensors> make_sensors(const ros::NodeHandle& handle, const SimulatorNodel
 }
 
 Result<simulate::WorldSpec> make_world(const SimulatorNodeletParams& params) {
-  if (!params.random_world) return simulate::load_world(params.world);
-  return simulate::random_world(*params.random_world, params.simulator.seed);
+  auto world = params.random_world ? simulate::random_world(*params.random_world, params.simulator.seed)
+                                   : simulate::load_world(params.world);
+  if (!world || params.people_file.empty()) return world;
+  return simulate::with_people(std::move(*world), params.people_file);
 }
 
 std::vector<std::string> names_of(const std::vector<simulate::Instance>& instances) {

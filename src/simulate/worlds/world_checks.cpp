@@ -136,4 +136,14 @@ void check_world(const WorldSpec& world, const std::vector<PlacedObject>& object
     check_path(world, fixed, world.people[i], people[i], problems);
 }
 
+void check_people(const WorldSpec& world, std::size_t first, const std::vector<Origin>& people,
+                  Problems& problems) {
+  std::vector<PlacedObject> objects;
+  objects.reserve(world.bodies.size());
+  for (const BodySpec& body : world.bodies) objects.emplace_back().body = body;
+  const std::vector<Outline> fixed = obstacles(objects);
+  for (std::size_t i = first; i < world.people.size(); ++i)
+    check_path(world, fixed, world.people[i], people[i], problems);
+}
+
 }  // namespace extperfc::simulate

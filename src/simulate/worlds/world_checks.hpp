@@ -11,6 +11,10 @@ namespace extperfc::simulate {
 void check_world(const WorldSpec& world, const std::vector<PlacedObject>& objects, const Origin& robot,
                  const std::vector<Origin>& people, Problems& problems);
 
+/// The same of the people from number `first` on, among the bodies of the world.
+void check_people(const WorldSpec& world, std::size_t first, const std::vector<Origin>& people,
+                  Problems& problems);
+
 /// Depth by which two bodies certainly overlap: of boxes that lie within their shapes [m].
 [[nodiscard]] double certain_overlap_m(const BodySpec& a, const BodySpec& b);
 

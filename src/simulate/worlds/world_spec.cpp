@@ -99,6 +99,22 @@ Result<WorldSpec> parse_world(const std::string& yaml, const std::string& source
   return read_world(parse_yaml(yaml, problems), problems);
 }
 
+Result<WorldSpec> with_people(WorldSpec world, const std::filesystem::path& file) {
+  Problems problems(file.string());
+  const auto root = load_yaml(file, problems);
+  if (!root) return tl::unexpected(problems.to_error());
+  YamlMap map(*root, "", problems);
+  const std::size_t before = world.people.size();
+  std::vector<Origin> people(before);
+  const auto more = read_people(map, world);
+  people.insert(people.end(), more.begin(), more.end());
+  map.refuse_unknown();
+  check_names(world, people, problems);
+  if (problems.empty()) check_people(world, before, people, problems);
+  if (!problems.empty()) return tl::unexpected(problems.to_error());
+  return world;
+}
+
 Result<WorldSpec> load_world(const std::filesystem::path& file) {
   Problems problems(file.string());
   return read_world(load_yaml(file, problems), problems);

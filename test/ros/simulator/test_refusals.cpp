@@ -102,6 +102,15 @@ TEST_F(Refusals, ARandomWorldHasThePersonThatIsAskedFor) {
   EXPECT_EQ(simulate::random_world(*always->random_world, 5)->people.size(), 1U);
 }
 
+TEST_F(Refusals, AFileOfPeopleThatIsMissingIsNamed) {
+  (void)ros::param::del("/random");
+  ros::param::set("/random/people_file", std::string("/nowhere/people.yaml"));
+  const auto params = ros_params::load_simulator_params(ros::NodeHandle("/random"));
+  ASSERT_TRUE(params) << params.error().message;
+  EXPECT_EQ(params->people_file, "/nowhere/people.yaml");
+  expect_refusal({{"people_file", std::string("/nowhere/people.yaml")}}, {"/nowhere/people.yaml"});
+}
+
 TEST_F(Refusals, ShippedConfigurationHasTheDocumentedDefaults) {
   (void)ros::param::del("/shipped");
   const auto defaults = ros_params::load_simulator_params(ros::NodeHandle("/shipped"));

@@ -1,10 +1,13 @@
 #include <cmath>
+#include <sstream>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include <gtest/gtest.h>
 
 #include "extperfc/base/math.hpp"
+#include "extperfc/simulate/random_world.hpp"
 #include "extperfc/simulate/world_spec.hpp"
 
 #include "test/support/temporary_folder.hpp"
@@ -278,6 +281,45 @@ TEST(WorldSpecErrors, OfPeople) {
                      "people:\n  - {name: b, path: [[-2, 1]]}\n"
                      "objects: [{box: {name: b, at: [1, 1], size: [0.4, 0.4, 1]}}]\n",
                  4, {"an object has the name \"b\" too"});
+}
+
+TEST(WithPeople, AreAddedToAnyWorld) {
+  RandomWorldParams params;
+  params.kind = RandomWorldParams::Kind::kFloor;
+  params.person = 1;
+  const auto world = *random_world(params, 3);
+  ASSERT_EQ(world.people.size(), 1U);
+  const Eigen::Vector2d free = world.people[0].path_m[0];
+  std::ostringstream text;
+  text << "people:\n  - {name: eve, speed: 0.7, path: [[" << free.x() << ", " << free.y() << "]]}\n";
+  const TemporaryFolder folder;
+  const auto more = with_people(world, folder.write("people.yaml", text.str()));
+  ASSERT_TRUE(more) << more.error().message;
+  ASSERT_EQ(more->people.size(), 2U);
+  EXPECT_EQ(more->people[0].name, world.people[0].name);
+  EXPECT_EQ(more->people[1].name, "eve");
+  EXPECT_EQ(more->bodies.size(), world.bodies.size());
+}
+
+TEST(WithPeople, WhatIsWrongIsNamed) {
+  const auto world = *parse_world(kHead +
+                                      "people:\n  - {name: eve, path: [[0, 0]]}\nobjects: [{box: {name: b, "
+                                      "at: [0, 1], size: [0.4, 0.4, 1]}}]\n",
+                                  "world.yaml");
+  const std::vector<std::pair<std::string, std::string>> wrong{
+      {"people:\n  - {name: bob, path: [[-2, 1], [2, 1]]}\n", "\"bob\" walks into \"b\""},
+      {"people:\n  - {name: eve, path: [[1, 0]]}\n", "two people \"eve\""},
+      {"people:\n  - {name: bob, path: [[0, 50]]}\n", "outside the floor plan"},
+      {"people:\n  - {name: b, path: [[1, 0]]}\n", "an object has the name"},
+      {"person: []\n", "person"}};
+  const TemporaryFolder folder;
+  for (const auto& [text, problem] : wrong) {
+    const auto refused = with_people(world, folder.write("more.yaml", text));
+    ASSERT_FALSE(refused) << text;
+    EXPECT_NE(refused.error().message.find(problem), std::string::npos) << refused.error().message;
+    EXPECT_NE(refused.error().message.find("more.yaml"), std::string::npos) << "names the file";
+  }
+  EXPECT_FALSE(with_people(world, "/nowhere/people.yaml"));
 }
 
 }  // namespace
