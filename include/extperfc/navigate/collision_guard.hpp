@@ -15,7 +15,7 @@ namespace extperfc::navigate {
 struct GuardParams {
   double min_time_s{0.6};  ///< commands are slowed until a contact is this far ahead, (0, 10]; not below the
                            ///< time to brake from full speed plus the base's delay
-  double margin_m{0.003};  ///< about the footprint that counts as contact, [0, 0.5]
+  double margin_m{0.02};   ///< about the footprint that counts as contact, [0, 0.5]
   double max_age_s{0.4};   ///< of the scan, (0, 10]
   double horizon_s{2.0};   ///< contacts later than this do not count, [min_time_s, 10]
 };
