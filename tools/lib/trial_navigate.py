@@ -43,8 +43,9 @@ def parse_arguments(argv):
     parser.add_argument("--speed", type=float, default=1.0, metavar="FACTOR",
                         help="simulated seconds per second; default: 1")
     parser.add_argument("--people", type=int, nargs="?", const=-1, default=0, metavar="N",
-                        help="with the world's people; of random_floor: one in the corridor; with N, as many as that: of a file\n"
-                        "the world's first, then others by the seed who walk up and down straight lines; default: none")
+                        help="with the world's people; of random_floor: one in the corridor; with N, as many as that: the\n"
+                        "people of the world's file first, then others by the seed who walk up and down straight lines;\n"
+                        "default: none")
     parser.add_argument("--base", choices=("holonomic", "differential"), default="holonomic", help="default: holonomic")
     parser.add_argument("--close-door", action="store_true",
                         help="a carton closes a door on its path, once for each goal whose path leads through one")

@@ -79,9 +79,8 @@ def highest_rate(network, training):
     return training.learning_rate or network.learning_rate
 
 
-def make_optimizer(network, training):
+def make_optimizer(network, training, rate):
     """Decays matrices and filters, not biases and batch normalization."""
-    rate = highest_rate(network, training)
     learning = [p for p in network.parameters() if p.requires_grad]
     groups = [{"params": [p for p in learning if p.ndim > 1], "weight_decay": training.weight_decay},
               {"params": [p for p in learning if p.ndim <= 1], "weight_decay": 0.0}]
@@ -220,7 +219,7 @@ class Trainer:
         self.learning = [parameter for parameter in self.network.parameters() if parameter.requires_grad]
         self.average = WeightAverage(self.network, self.options.average_decay)
         self.highest_rate = highest_rate(self.network, self.options)
-        self.optimizer = make_optimizer(self.network, self.options)
+        self.optimizer = make_optimizer(self.network, self.options, self.highest_rate)
         self.scaler = make_scaler(precision == torch.float16)
         self.losses = LossModule(self.network, precision)
         self.average_losses = LossModule(self.average.network, precision)

@@ -98,7 +98,7 @@ GridSearch::Status GridSearch::find(const CostGrid& costs, const Traversal& trav
   const auto stop = [&] { return clock.ended().has_value() || estimate.interrupted(); };
   SearchStatus status{};
   for (const bool only_marked : {true, false}) {
-    cells_.begin(costs, traversal);
+    if (!only_marked) cells_.begin(costs, traversal);
     fine_.begin(cells_, source, start, first, kMaxLine_cells);
     estimate.set_only_marked(only_marked);
     status = fine_.settle(target, estimate, stop);

@@ -108,6 +108,12 @@ void check_path(const WorldSpec& world, const std::vector<Outline>& fixed, const
   }
 }
 
+void check_paths(const WorldSpec& world, const std::vector<Outline>& fixed, std::size_t first,
+                 const std::vector<Origin>& people, Problems& problems) {
+  for (std::size_t i = first; i < world.people.size(); ++i)
+    check_path(world, fixed, world.people[i], people[i], problems);
+}
+
 }  // namespace
 
 double certain_overlap_m(const BodySpec& a, const BodySpec& b) {
@@ -132,8 +138,7 @@ void check_world(const WorldSpec& world, const std::vector<PlacedObject>& object
   check_places(world, objects, problems);
   check_overlaps(objects, problems);
   check_robot(world, fixed, robot, problems);
-  for (std::size_t i = 0; i < world.people.size(); ++i)
-    check_path(world, fixed, world.people[i], people[i], problems);
+  check_paths(world, fixed, 0, people, problems);
 }
 
 void check_people(const WorldSpec& world, std::size_t first, const std::vector<Origin>& people,
@@ -141,9 +146,7 @@ void check_people(const WorldSpec& world, std::size_t first, const std::vector<O
   std::vector<PlacedObject> objects;
   objects.reserve(world.bodies.size());
   for (const BodySpec& body : world.bodies) objects.emplace_back().body = body;
-  const std::vector<Outline> fixed = obstacles(objects);
-  for (std::size_t i = first; i < world.people.size(); ++i)
-    check_path(world, fixed, world.people[i], people[i], problems);
+  check_paths(world, obstacles(objects), first, people, problems);
 }
 
 }  // namespace extperfc::simulate
