@@ -18,8 +18,8 @@ WALK_S, WALK_M = 0.7, 0.3  # so long, so far: that somebody walks is certain
 HISTORY_S = 1.5          # of the people around
 SWAPPED_S = 4.0          # a leader who stands for less may be furniture that was taken for the leader when passed
 FACE_M = 0.6             # from a face to the person it belongs to, on the floor
-APART_M = 0.5            # who walks so far from the leader at the same time, for so long, is another person for as long as
-APART_S = 0.5            # the track lasts
+APART_M = 0.5            # who is seen so far from the walking leader, both for so long, is another person for as long as the
+APART_S = 0.5            # track lasts
 OWN_FACE_S = 3.0         # a name holds so long without being seen again when another name is seen
 
 
@@ -100,7 +100,7 @@ class Leader:
         if person is not None and self._is_another(person, now):
             person, self.track = None, None
         if person is None:
-            person = self.named(people) or self._near([one for one in people if not self._was_beside(one, now)], now)
+            person = self.named(people) or self._near([one for one in people if not self._was_beside(one)], now)
         elif WALK_S < now - self._walked_at < SWAPPED_S:
             person = self._near([one for one in people if one is not person], now) or person
         if person is not None and person.seen:
@@ -113,14 +113,16 @@ class Leader:
     def _note_others(self, leader, people, now):
         """Who is seen beside the walking leader is another person, also when the leader is out of sight later."""
         present = {one.track for one in people}
-        self._beside = {track: since for track, since in self._beside.items() if track in present and track != leader.track}
+        self._beside = {track: when for track, when in self._beside.items() if track in present and track != leader.track}
         if leader.speed > WALKS_M_S:
             for one in people:
                 if one.seen and math.dist(one.position, leader.position) > APART_M:
-                    self._beside.setdefault(one.track, now)
+                    self._beside[one.track] = (self._beside.get(one.track, (now, now))[0], now)
 
-    def _was_beside(self, person, now):
-        return now - self._beside.get(person.track, now) > APART_S
+    def _was_beside(self, person):
+        """For long enough: where somebody comes between, two tracks may be the leader's for some scans."""
+        first, last = self._beside.get(person.track, (0.0, 0.0))
+        return last - first > APART_S
 
     def _remember(self, people, now):
         self._history = {one.track: [*self._history.get(one.track, []), (now, one.position)] for one in people if one.seen}

@@ -94,6 +94,16 @@ class TheLeader(unittest.TestCase):
         self.assertAlmostEqual(0.0, self.leader.position[1])
         self.assertEqual(0, self.leader.lost)
 
+    def test_a_leader_with_two_tracks_for_a_moment_goes_on_with_the_second(self):
+        """Somebody comes between: the first track jumps to what is behind, and the leader's returns begin a second one."""
+        now = walk(self.leader, [(0, 0), (3, 0)])
+        for step in range(30):
+            own = Person(8, (3.0 + 0.1 * step * SPEED, 0.0), (SPEED, 0.0))
+            jumped = [Person(7, (3.7, 0.3), (1.2, 0.3), seen=step < 2)] if step < 8 else []
+            self.leader.update([own, *jumped], now + 0.1 * step)
+        self.assertEqual(8, self.leader.track)
+        self.assertFalse(self.leader.is_lost(now + 2.9))
+
     def test_who_walked_beside_the_leader_is_not_taken_for_the_leader_later(self):
         now, x = 0.0, 0.0
         for _ in range(30):
