@@ -155,7 +155,8 @@ class Navigator {
   void note_detour(const Path& path, const std::optional<Pose2>& blocked_at);
   [[nodiscard]] std::vector<AvoidedPlace> avoided_now() const;
   void take_path(const Path& path, Output& output);
-  void plan_failed(const NavError& error, bool current_blocked, const NavigatorInput& input, Output& output);
+  void plan_failed(const NavError& error, const std::optional<Pose2>& blocked_at, const NavigatorInput& input,
+                   Output& output);
   void wait_for_plan(const NavigatorInput& input, Output& output);
   void coast(const NavigatorInput& input, NavigatorOutput& output);
   void control(const NavigatorInput& input, Output& output);

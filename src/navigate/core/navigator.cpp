@@ -295,10 +295,10 @@ void Navigator::take_answer(const NavigatorInput& input, Output& output) {
   const auto answer = std::move(*answer_);
   answer_.reset();
   asked_plan_.reset();
-  if (!answer.path) return plan_failed(answer.path.error(), answer.blocked_at.has_value(), input, output);
+  if (!answer.path) return plan_failed(answer.path.error(), answer.blocked_at, input, output);
   if (answer.path->poses.empty() || !all_finite(answer.path->poses))
-    return plan_failed({NavCode::kNoPath, "the planner's path is empty or not finite"},
-                       answer.blocked_at.has_value(), input, output);
+    return plan_failed({NavCode::kNoPath, "the planner's path is empty or not finite"}, answer.blocked_at,
+                       input, output);
   no_plan_since_s_.reset();
   if (!prefers(*answer.path, answer.blocked_at.has_value())) return;
   note_detour(*answer.path, blocked_ahead_ ? blocked_ahead_ : answer.blocked_at);
@@ -340,11 +340,14 @@ void Navigator::take_path(const Path& path, Output& output) {
   output.new_path = path;
 }
 
-void Navigator::plan_failed(const NavError& error, bool current_blocked, const NavigatorInput& input,
-                            Output& output) {
+/// Drives on by the old path where that is free, or blocked so far away that who stands there may have gone
+/// when the robot comes.
+void Navigator::plan_failed(const NavError& error, const std::optional<Pose2>& blocked_at,
+                            const NavigatorInput& input, Output& output) {
   coast_.clear();
   if (is_final(error.code)) return goal_done(error, output);
-  if (!tracker_.empty() && !current_blocked && !map_changed_) return;  // drives on by the old path
+  const bool blocked = blocked_at && distance_m(*blocked_at, input.map_T_base) <= params_.blocked_ahead_m;
+  if (!tracker_.empty() && !blocked && !map_changed_) return;
   if (!tracker_.empty()) {
     tracker_.clear();
     state_ = NavState::kPlanning;

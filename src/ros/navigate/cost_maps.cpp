@@ -238,15 +238,12 @@ Result<void> CostMaps::take_scan(const sensor_msgs::LaserScan& message) {
   take_heights(message, placed);
   const auto map_T_odom = transform_at(global_frame_, odom_frame_, ros::Time(0));
   if (map_T_odom) placed.map_T_odom = to_pose2(*map_T_odom);
-  {
-    const std::lock_guard lock(mutex_);
-    keep_heights_of_map(placed);
-    last_stamp_ = stamp;
-    last_scan_ = placed;
-    if (auto seen = observe(placed); !seen) return seen;
-  }
-  callbacks_.on_scan(placed);
-  return {};
+  callbacks_.on_scan(placed);  // first: who comes into sight with this scan marks nothing
+  const std::lock_guard lock(mutex_);
+  keep_heights_of_map(placed);
+  last_stamp_ = stamp;
+  last_scan_ = placed;
+  return observe(placed);
 }
 
 /// Heights of what the rays met, where the scan has them.

@@ -14,6 +14,8 @@ constexpr double kWalksMS = 0.25;  // who never was faster is furniture: part of
 constexpr double kFastestMS = 2.5;
 constexpr double kFarM = 1.0;
 constexpr double kPositionSigmaM = 0.06;
+constexpr double kNewS = 2.5;   // after this time in sight who walks has walked kFarM
+constexpr double kNearM = 2.5;  // what is nearer counts as an obstacle at once
 constexpr double kOldS = 1.0;
 constexpr double kRadiusM = 0.25;  // of a person, at least
 constexpr double kHeightM = 1.7;
@@ -33,6 +35,10 @@ track::TrackerParams tracker_params() {
   return params;
 }
 
+double radius_of(const track::Track& track, const std::vector<navigate::MovingCandidate>& candidates) {
+  return track.observation ? std::max(kRadiusM, candidates[*track.observation].radius_m) : kRadiusM;
+}
+
 }  // namespace
 
 PeopleTracker::PeopleTracker(const ros_params::PeopleParams& params)
@@ -48,6 +54,7 @@ void PeopleTracker::forget() {
   const std::lock_guard lock(mutex_);
   tracker_ = track::Tracker(tracker_params());
   people_.clear();
+  newcomers_.clear();
   walks_.clear();
 }
 
@@ -75,7 +82,20 @@ void PeopleTracker::update(const PlacedScan& placed) {
   }
   (void)tracker_.update(placed.scan.stamp_s, observations);
   stamp_s_ = placed.scan.stamp_s;
+  note_newcomers(candidates, {placed.odom_T_base.x, placed.odom_T_base.y});
   note_people(candidates);
+}
+
+/// What marks the cost map before it is known to walk leaves marks where it does not stay, and hides them from
+/// the lidar when it walks towards the robot.
+void PeopleTracker::note_newcomers(const std::vector<navigate::MovingCandidate>& candidates,
+                                   const Eigen::Vector2d& robot_m) {
+  newcomers_.clear();
+  for (const auto& track : tracker_.tracks()) {
+    const Eigen::Vector2d at_m = track.point.position_m().head<2>();
+    if (stamp_s_ - track.first_seen_s >= kNewS || (at_m - robot_m).norm() < kNearM) continue;
+    newcomers_.push_back({at_m, {0, 0}, radius_of(track, candidates)});
+  }
 }
 
 void PeopleTracker::note_people(const std::vector<navigate::MovingCandidate>& candidates) {
@@ -94,9 +114,7 @@ void PeopleTracker::note_people(const std::vector<navigate::MovingCandidate>& ca
     walk.far = walk.far || (person.state.position_m - walk.begin_m).norm() >= kFarM;
     if (walks) person.state.velocity_m_s = velocity_m_s;
     person.passes = passes(walk);
-    person.state.radius_m = kRadiusM;
-    if (track.observation)
-      person.state.radius_m = std::max(kRadiusM, candidates[*track.observation].radius_m);
+    person.state.radius_m = radius_of(track, candidates);
     people_.push_back(person);
   }
   walks_ = std::move(walking);
@@ -113,7 +131,10 @@ std::vector<navigate::MovingObstacle> PeopleTracker::people(double now_s) const 
 
 std::vector<navigate::MovingObstacle> PeopleTracker::passers(double now_s) const {
   const std::lock_guard lock(mutex_);
-  return at(now_s, false);
+  auto passers = at(now_s, false);
+  if (std::abs(now_s - stamp_s_) <= kOldS)
+    passers.insert(passers.end(), newcomers_.begin(), newcomers_.end());
+  return passers;
 }
 
 std::vector<navigate::MovingObstacle> PeopleTracker::at(double now_s, bool all) const {

@@ -31,7 +31,7 @@ class PeopleTracker {
   /// than 1 s.
   [[nodiscard]] std::vector<navigate::MovingObstacle> people(double now_s) const;
   /// Of them, those who were seen to walk a metre and have not stood for PeopleParams::stand_s: soon they are
-  /// elsewhere.
+  /// elsewhere. And what has a person's size, is far off, and came into sight so recently that it may walk.
   [[nodiscard]] std::vector<navigate::MovingObstacle> passers(double now_s) const;
   /// All confirmed objects of the last scan, in odom: those who stand, too, as long as the map does not
   /// explain them.
@@ -52,6 +52,9 @@ class PeopleTracker {
   /// Will be elsewhere soon.
   [[nodiscard]] bool passes(const Walk& walk) const;
   void note_people(const std::vector<navigate::MovingCandidate>& candidates);
+  /// Of the last scan.
+  void note_newcomers(const std::vector<navigate::MovingCandidate>& candidates,
+                      const Eigen::Vector2d& robot_m);
   /// Of people or of passers only. The mutex is held.
   [[nodiscard]] std::vector<navigate::MovingObstacle> at(double now_s, bool all) const;
 
@@ -60,6 +63,7 @@ class PeopleTracker {
   navigate::MovingObjectDetector detector_;
   track::Tracker tracker_;
   std::vector<Person> people_;
+  std::vector<navigate::MovingObstacle> newcomers_;  ///< who may walk: at the stamp
   std::map<std::uint64_t, Walk> walks_;  ///< of tracks that have walked
   double stamp_s_{0};
 };

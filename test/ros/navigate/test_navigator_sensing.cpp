@@ -243,6 +243,7 @@ TEST_F(NavigatorTest, FollowsPeopleFromScanToScan) {
 }
 
 TEST_F(NavigatorTest, ThePlanLeadsAroundWhoStandsNotAroundWhoWalks) {
+  robot_.put({-2, -2.5, 0});
   load({{"people_stand_s", 2.0}});
   Inbox<TrackArray> tracks("move_base/people_tracks");
   ASSERT_TRUE(wait_for([&] { return tracks.connected(); }));
@@ -254,6 +255,9 @@ TEST_F(NavigatorTest, ThePlanLeadsAroundWhoStandsNotAroundWhoWalks) {
     EXPECT_TRUE(ros::service::call("move_base/make_plan", call));
     return !call.response.plan.poses.empty();
   };
+  const auto begun = [&] { return person.place().x() > -3.1; };
+  ASSERT_TRUE(wait_while([&] { person.walk(); }, begun, 20));
+  EXPECT_TRUE(is_free()) << "who has just come into sight may walk: " << log_.text();
   const auto walked = [&] { return person.place().x() > -1.7; };
   ASSERT_TRUE(wait_while([&] { person.walk(); }, walked, 20));
   EXPECT_TRUE(is_free()) << "the person is elsewhere when the robot comes: " << log_.text();

@@ -243,6 +243,23 @@ TEST(Navigator, AFailedPlanAndABlockedPathStop) {
   EXPECT_EQ(robot.ends[0].error.code, NavCode::kNoPath);
 }
 
+TEST(Navigator, WhoStandsAtAFarGoalMayBeGoneWhenTheRobotComes) {
+  FakeRobot robot;
+  robot.drive_to({6, 0, 0});
+  robot.run_for(0.5);
+  robot.plan_error = NavError{NavCode::kGoalBlocked, "somebody walks there"};
+  robot.current_blocked = true;
+  while (robot.pose.x < 6 - NavigatorParams{}.blocked_ahead_m - 0.1 && robot.now_s < 130) robot.cycle();
+  EXPECT_TRUE(robot.events.empty()) << robot.events.front();
+  robot.run_for(2.0);
+  ASSERT_FALSE(robot.events.empty());
+  EXPECT_NE(robot.events.front().find("the path is blocked, and there is no other"), std::string::npos);
+  robot.plan_error.reset();
+  robot.current_blocked = false;
+  ASSERT_TRUE(robot.run());
+  EXPECT_EQ(robot.ends[0].error.code, NavCode::kSuccess);
+}
+
 TEST(Navigator, BlockedItTriesEveryStepOnceAtAPlace) {
   FakeRobot robot;
   robot.control->error = NavError{NavCode::kBlocked, "an obstacle in front"};
