@@ -86,8 +86,8 @@ void PeopleTracker::update(const PlacedScan& placed) {
   note_people(candidates);
 }
 
-/// What marks the cost map before it is known to walk leaves marks where it does not stay, and hides them from
-/// the lidar when it walks towards the robot.
+/// What marks the cost map before it is known to walk leaves marks where it does not stay, and hides them
+/// from the lidar when it walks towards the robot.
 void PeopleTracker::note_newcomers(const std::vector<navigate::MovingCandidate>& candidates,
                                    const Eigen::Vector2d& robot_m) {
   newcomers_.clear();

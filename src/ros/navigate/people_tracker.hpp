@@ -64,7 +64,7 @@ class PeopleTracker {
   track::Tracker tracker_;
   std::vector<Person> people_;
   std::vector<navigate::MovingObstacle> newcomers_;  ///< who may walk: at the stamp
-  std::map<std::uint64_t, Walk> walks_;  ///< of tracks that have walked
+  std::map<std::uint64_t, Walk> walks_;              ///< of tracks that have walked
   double stamp_s_{0};
 };
 
