@@ -70,7 +70,7 @@ void Pedestrian::step(double step_s, const Pose2& robot) {
     along_m_ = std::fmod(along_m_ + direction_ * speed_m_s_ * step_s + length_m_, length_m_);
     if (direction_ > 0 && !stands_.empty())  // looks where it came to
       along_m_ = std::min(along_m_, stands_.front().along_m);
-    waited_s_ = 0;
+    waited_s_ = std::max(0.0, waited_s_ - step_s);  // a step on does not make up for a long wait
   } else if ((waited_s_ += step_s) > kPatienceS) {
     direction_ = -direction_;
     waited_s_ = 0;

@@ -10,7 +10,7 @@ namespace extperfc::simulate {
 
 /// A person who walks along a path at constant speed, stands at points of it for some time, and faces
 /// forward. Where the robot stands in the path the person waits, and walks back the same path when the robot
-/// is still there after 3 s.
+/// is still there after 3 s; a step in between takes off as much as it lasts.
 class Pedestrian {
  public:
   explicit Pedestrian(const PersonSpec& person);

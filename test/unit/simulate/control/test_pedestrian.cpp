@@ -86,6 +86,16 @@ TEST(Pedestrian, WalksBackWhenTheRobotStays) {
   EXPECT_GT(std::hypot(pedestrian.pose().x - robot.x, pedestrian.pose().y - robot.y), 0.99);
 }
 
+TEST(Pedestrian, WalksBackFromARobotThatGivesGroundTooSlowly) {
+  Pedestrian pedestrian(person({{0, 0}, {10, 0}}, false));
+  Pose2 robot{2, 0, 0};
+  for (int i = 0; i < std::lround(9 / kStep); ++i) {
+    robot.x += 0.2 * kStep;
+    pedestrian.step(kStep, robot);
+  }
+  EXPECT_LT(pedestrian.pose().x, robot.x - 2) << "does not push it on";
+}
+
 TEST(Pedestrian, StandsWithoutAPath) {
   Pedestrian pedestrian(person({{3, 4}}, false));
   walk(pedestrian, 1.0);
