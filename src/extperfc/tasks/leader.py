@@ -120,7 +120,7 @@ class Leader:
                     self._beside[one.track] = (self._beside.get(one.track, (now, now))[0], now)
 
     def _was_beside(self, person):
-        """For long enough: where somebody comes between, two tracks may be the leader's for some scans."""
+        """For long enough: where another person comes between, two tracks may be the leader's for some scans."""
         first, last = self._beside.get(person.track, (0.0, 0.0))
         return last - first > APART_S
 
