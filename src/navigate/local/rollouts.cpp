@@ -223,16 +223,17 @@ float Rollouts::exactness(const Scene& scene, const Station& at) const {
   return 1 + kExactness * lack * lack;
 }
 
-/// Who walks into a robot that stands will stop or pass: it need not give ground, which in a corridor never
-/// ends.
+/// Who comes to a robot that stands chooses the distance, and will stop or pass: it need not give ground,
+/// which in a corridor never ends. Standing counts less than moving there.
 float Rollouts::people_cost(const Scene& scene, int step, int sample) const {
   constexpr float kPasses_m_s = 0.3F;
-  constexpr float kStanding = 0.2F;
+  constexpr float kStandingNear = 0.4F;
+  constexpr float kStandingInTouch = 0.2F;
   const float cost = scene.people.at(static_cast<std::size_t>(step), x_(sample, step), y_(sample, step));
-  if (cost < PeopleCost::kTouches) return cost;
+  const float standing = cost < PeopleCost::kTouches ? kStandingNear : kStandingInTouch;
   const float vx = now_[0][sample];
   const float vy = now_[1][sample];
-  return cost * std::clamp(std::sqrt(vx * vx + vy * vy) / kPasses_m_s, kStanding, 1.0F);
+  return cost * std::clamp(std::sqrt(vx * vx + vy * vy) / kPasses_m_s, standing, 1.0F);
 }
 
 float Rollouts::obstacle_cost(const Scene& scene, int step, int sample, const Station& at) {

@@ -175,5 +175,30 @@ TEST(Drive, PassesWhoComesAlongACorridor) {
   expect_to_pass(person);
 }
 
+/// How far a base at rest goes back within 3 s before a person who stands on its path.
+double ground_given_m(double person_x_m) {
+  const auto planner = make_mppi_planner({});
+  Path path;
+  path.poses.reserve(81);
+  for (int i = 0; i <= 80; ++i) path.poses.push_back({0.05 * i, 0, 0});
+  planner->set_path(path, {});
+  const CostGrid costs = make_cost_grid(240, 240, 0.05, {-6, -6}, kFreeCost);
+  LocalState state;
+  state.people = {{{person_x_m, 0}, {0, 0}, 0.25}};
+  double back_m = 0;
+  for (int i = 0; i < 60; ++i) {
+    const auto command = planner->command(costs, chassis(), state, 0.05, false);
+    EXPECT_TRUE(command) << command.error().message;
+    state.velocity = command->velocity;
+    state.pose = advance(state.pose, command->velocity, 0.05);
+    back_m = std::max(back_m, -state.pose.x);
+  }
+  return back_m;
+}
+
+TEST(Drive, DoesNotGiveGroundToWhoStandsBeforeIt) {
+  for (const double person_x_m : {0.85, 0.95, 1.05}) EXPECT_LT(ground_given_m(person_x_m), 0.05) << person_x_m;
+}
+
 }  // namespace
 }  // namespace extperfc::navigate
