@@ -197,7 +197,8 @@ double ground_given_m(double person_x_m) {
 }
 
 TEST(Drive, DoesNotGiveGroundToWhoStandsBeforeIt) {
-  for (const double person_x_m : {0.85, 0.95, 1.05}) EXPECT_LT(ground_given_m(person_x_m), 0.05) << person_x_m;
+  for (const double person_x_m : {0.85, 0.95, 1.05})
+    EXPECT_LT(ground_given_m(person_x_m), 0.05) << person_x_m;
 }
 
 }  // namespace
