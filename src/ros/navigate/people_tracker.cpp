@@ -80,7 +80,7 @@ void PeopleTracker::update(const PlacedScan& placed) {
     one.covariance_m2 = kPositionSigmaM * kPositionSigmaM * Eigen::Matrix3d::Identity();
     observations.push_back(one);
   }
-  (void)tracker_.update(placed.scan.stamp_s, observations);
+  if (tracker_.update(placed.scan.stamp_s, observations) == track::Tracker::Status::kTooOld) return;
   stamp_s_ = placed.scan.stamp_s;
   note_newcomers(candidates, {placed.odom_T_base.x, placed.odom_T_base.y});
   note_people(candidates);
