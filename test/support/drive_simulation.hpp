@@ -337,6 +337,15 @@ class DriveSimulation {
   bool person_touches_{false};
 };
 
+/// Ahead from a pose, one pose every 5 cm.
+inline navigate::Path straight_path(const Pose2& from, double length_m) {
+  navigate::Path path;
+  const auto count = static_cast<int>(std::lround(length_m / 0.05));
+  path.poses.reserve(static_cast<std::size_t>(count) + 1);
+  for (int i = 0; i <= count; ++i) path.poses.push_back(compose(from, {length_m * i / count, 0, 0}));
+  return path;
+}
+
 /// The reference robot's chassis [m].
 inline navigate::Footprint chassis() {
   return *navigate::Footprint::make(

@@ -28,12 +28,13 @@ struct NavigatorParams {
   double oscillation_timeout_s{10.0};  ///< without progress, until a recovery begins; 0: never, (0, 3600]
   double oscillation_distance_m{0.5};  ///< that counts as progress, (0, 100]
   double data_patience_s{30.0};        ///< without sensor data, until the goal is given up, [0, 3600]
-  double blocked_ahead_m{2.5};         ///< a path that is blocked so near is planned again, [0, 100]
-  double blocked_margin_m{0.05};       ///< by which the footprint is smaller for that, [0, 1]
-  double deviation_m{0.6};             ///< from the path, at which it is planned again, (0, 100]
-  double shorter_ratio{0.9};           ///< of lengths, at which another path is preferred, (0, 1]
-  double detour_memory_s{60.0};        ///< where a much longer path was taken is avoided, [0, 3600]
-  double tolerance_m{0.0};             ///< a goal that is blocked may be moved this far, [0, 10]
+  double blocked_ahead_m{2.5};    ///< a path that is blocked so near is planned again, and left when there is
+                                  ///< no other; one that is blocked farther away is driven on, [0, 100]
+  double blocked_margin_m{0.05};  ///< by which the footprint is smaller for that, [0, 1]
+  double deviation_m{0.6};        ///< from the path, at which it is planned again, (0, 100]
+  double shorter_ratio{0.9};      ///< of lengths, at which another path is preferred, (0, 1]
+  double detour_memory_s{60.0};   ///< where a much longer path was taken is avoided, [0, 3600]
+  double tolerance_m{0.0};        ///< a goal that is blocked may be moved this far, [0, 10]
   bool recovery_enabled{true};
   GoalTolerance goal;
   VelocityLimits limits;

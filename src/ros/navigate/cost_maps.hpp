@@ -35,10 +35,10 @@ namespace extperfc::ros_navigate {
 class CostMaps {
  public:
   using GridPtr = std::shared_ptr<const navigate::CostGrid>;
-  /// Called by the worker, after the maps know the scan or the map.
+  /// Called by the worker.
   struct Callbacks {
-    std::function<void(const PlacedScan&)> on_scan;
-    std::function<void(const OccupancyGrid&)> on_map;
+    std::function<void(const PlacedScan&)> on_scan;    ///< before the maps know it, also one that they refuse
+    std::function<void(const OccupancyGrid&)> on_map;  ///< after they know it
     std::function<std::vector<navigate::MovingObstacle>(double now_s)> people;   ///< in odom
     std::function<std::vector<navigate::MovingObstacle>(double now_s)> passers;  ///< in odom
   };

@@ -131,17 +131,14 @@ std::vector<navigate::MovingObstacle> PeopleTracker::people(double now_s) const 
 
 std::vector<navigate::MovingObstacle> PeopleTracker::passers(double now_s) const {
   const std::lock_guard lock(mutex_);
-  auto passers = at(now_s, false);
-  if (std::abs(now_s - stamp_s_) <= kOldS)
-    passers.insert(passers.end(), newcomers_.begin(), newcomers_.end());
-  return passers;
+  return at(now_s, false);
 }
 
 std::vector<navigate::MovingObstacle> PeopleTracker::at(double now_s, bool all) const {
-  std::vector<navigate::MovingObstacle> people;
   const double age_s = now_s - stamp_s_;
-  if (std::abs(age_s) > kOldS) return people;
-  people.reserve(people_.size());
+  if (std::abs(age_s) > kOldS) return {};
+  auto people = all ? std::vector<navigate::MovingObstacle>{} : newcomers_;
+  people.reserve(people.size() + people_.size());
   for (const auto& person : people_) {
     if (!all && !person.passes) continue;
     people.push_back(person.state);

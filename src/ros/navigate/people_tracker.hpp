@@ -52,10 +52,10 @@ class PeopleTracker {
   /// Will be elsewhere soon.
   [[nodiscard]] bool passes(const Walk& walk) const;
   void note_people(const std::vector<navigate::MovingCandidate>& candidates);
-  /// Of the last scan.
+  /// Those of the last scan.
   void note_newcomers(const std::vector<navigate::MovingCandidate>& candidates,
                       const Eigen::Vector2d& robot_m);
-  /// Of people or of passers only. The mutex is held.
+  /// All people, or passers and newcomers. The mutex is held.
   [[nodiscard]] std::vector<navigate::MovingObstacle> at(double now_s, bool all) const;
 
   const ros_params::PeopleParams params_;

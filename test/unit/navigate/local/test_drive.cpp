@@ -81,10 +81,7 @@ Building hall_with_door() {
 }
 
 Path through_door() {
-  Path path;
-  path.poses.reserve(101);
-  for (int i = 0; i <= 100; ++i) path.poses.push_back({1.5 + 0.05 * i, 2.53, 0});
-  return path;
+  return straight_path({1.5, 2.53, 0}, 5);
 }
 
 TEST(Drive, PassesANarrowDoorSlowly) {
@@ -111,9 +108,7 @@ TEST(Drive, LetsPeopleCross) {
   hall.size_m = {10, 6};
   hall.add(0, 0, 10, 0.1);
   hall.add(0, 5.9, 10, 6);
-  Path path;
-  path.poses.reserve(141);
-  for (int i = 0; i <= 140; ++i) path.poses.push_back({1.5 + 0.05 * i, 3, 0});
+  const Path path = straight_path({1.5, 3, 0}, 7);
   for (std::uint64_t seed = 1; seed <= 2; ++seed) {
     DriveSimulation simulation(hall, chassis(), {}, seed);
     Rng rng(seed);
@@ -135,14 +130,12 @@ TEST(Drive, LetsPeopleCross) {
 /// other, closely.
 struct Corridor {
   Building building;
-  Path path;
+  Path path{straight_path({1.5, 1.0, 0}, 8)};
 
   Corridor() {
     building.size_m = {12, 2.2};
     building.add(0, 0, 12, 0.1);
     building.add(0, 2.1, 12, 2.2);
-    path.poses.reserve(161);
-    for (int i = 0; i <= 160; ++i) path.poses.push_back({1.5 + 0.05 * i, 1.0, 0});
   }
 };
 
@@ -178,10 +171,7 @@ TEST(Drive, PassesWhoComesAlongACorridor) {
 /// How far a base at rest goes back within 3 s before a person who stands on its path.
 double ground_given_m(double person_x_m) {
   const auto planner = make_mppi_planner({});
-  Path path;
-  path.poses.reserve(81);
-  for (int i = 0; i <= 80; ++i) path.poses.push_back({0.05 * i, 0, 0});
-  planner->set_path(path, {});
+  planner->set_path(straight_path({}, 4), {});
   const CostGrid costs = make_cost_grid(240, 240, 0.05, {-6, -6}, kFreeCost);
   LocalState state;
   state.people = {{{person_x_m, 0}, {0, 0}, 0.25}};

@@ -10,17 +10,6 @@
 namespace extperfc::navigate {
 namespace {
 
-Path straight(const Pose2& from, double length_m) {
-  Path path;
-  const int count = static_cast<int>(length_m / 0.05);
-  path.poses.reserve(static_cast<std::size_t>(count) + 1);
-  for (int i = 0; i <= count; ++i) {
-    const Pose2 step{length_m * i / count, 0, 0};
-    path.poses.push_back(compose(from, step));
-  }
-  return path;
-}
-
 CostGrid empty_grid() {
   CostGrid grid = make_cost_grid(200, 120, 0.05, {-2, -3}, kFreeCost);
   grid.may_hold_unknown = false;
@@ -76,7 +65,7 @@ TEST(MppiPlanner, RefusesRequestsThatCannotBe) {
     return command ? NavCode::kSuccess : command.error().code;
   };
   EXPECT_EQ(code(0.05), NavCode::kInvalidRequest);  // no path
-  planner->set_path(straight({}, 3), {});
+  planner->set_path(straight_path({}, 3), {});
   EXPECT_EQ(code(0.05), NavCode::kSuccess);
   EXPECT_EQ(code(0), NavCode::kInvalidRequest);
   state.pose.x = NAN;
@@ -92,7 +81,7 @@ TEST(MppiPlanner, RefusesRequestsThatCannotBe) {
 TEST(MppiPlanner, DrivesAtFullSpeedAndStopsAtTheGoal) {
   for (const bool holonomic : {true, false}) {
     const auto planner = make_mppi_planner(holonomic ? MppiParams{} : differential());
-    planner->set_path(straight({}, 5), {});
+    planner->set_path(straight_path({}, 5), {});
     Ideal world;
     ASSERT_TRUE(world.run(*planner, 20)) << holonomic;
     EXPECT_LT(world.time_s, 10) << holonomic;
@@ -112,7 +101,7 @@ TEST(MppiPlanner, DrivesAtFullSpeedAndStopsAtTheGoal) {
 }
 
 TEST(MppiPlanner, HonoursThePlannedHeading) {
-  Path sideways = straight({}, 3);
+  Path sideways = straight_path({}, 3);
   for (Pose2& pose : sideways.poses) pose = {0, pose.x - 1.5, 0};
   const auto planner = make_mppi_planner({});
   planner->set_path(sideways, {});
@@ -127,7 +116,7 @@ TEST(MppiPlanner, HonoursThePlannedHeading) {
 
 TEST(MppiPlanner, SpeedZonesSlow) {
   const auto planner = make_mppi_planner({});
-  planner->set_path(straight({}, 3), {});
+  planner->set_path(straight_path({}, 3), {});
   Ideal world;
   world.state.speed_factor = 0.4;
   EXPECT_TRUE(world.run(*planner, 20));
@@ -137,7 +126,7 @@ TEST(MppiPlanner, SpeedZonesSlow) {
 TEST(MppiPlanner, ACommandIsRepeatable) {
   const auto first = make_mppi_planner({});
   const auto second = make_mppi_planner({});
-  for (LocalPlanner* planner : {first.get(), second.get()}) planner->set_path(straight({}, 3), {});
+  for (LocalPlanner* planner : {first.get(), second.get()}) planner->set_path(straight_path({}, 3), {});
   Ideal a;
   Ideal b;
   (void)a.run(*first, 3);
@@ -148,7 +137,7 @@ TEST(MppiPlanner, ACommandIsRepeatable) {
 
 TEST(MppiPlanner, AClosedDoorwayIsBlocked) {
   const auto planner = make_mppi_planner({});
-  planner->set_path(straight({}, 5), {});
+  planner->set_path(straight_path({}, 5), {});
   Ideal world;
   for (int row = 0; row < world.costs.height; ++row)
     for (int column = 80; column < 83; ++column) world.costs.at({column, row}) = kLethalCost;  // x = 2.0 m
@@ -169,7 +158,7 @@ TEST(MppiPlanner, DoesNotSqueezeThroughADoorBesideAPerson) {
     const auto planner = make_mppi_planner({});
     Ideal world;
     world.state.pose.y = 0.025;
-    planner->set_path(straight(world.state.pose, 5), {});
+    planner->set_path(straight_path(world.state.pose, 5), {});
     for (int row = 0; row < world.costs.height; ++row)
       for (int column = 80; column < 83; ++column)
         if (row < 53 || row > 67) world.costs.at({column, row}) = kLethalCost;
@@ -181,7 +170,7 @@ TEST(MppiPlanner, DoesNotSqueezeThroughADoorBesideAPerson) {
 
 TEST(MppiPlanner, UnknownSpaceIsNotFree) {
   const auto planner = make_mppi_planner({});
-  planner->set_path(straight({}, 5), {});
+  planner->set_path(straight_path({}, 5), {});
   Ideal world;
   world.costs.may_hold_unknown = true;
   for (int row = 0; row < world.costs.height; ++row)
@@ -192,7 +181,7 @@ TEST(MppiPlanner, UnknownSpaceIsNotFree) {
 
 TEST(MppiPlanner, ComesOutOfAnObstacle) {
   const auto planner = make_mppi_planner({});
-  planner->set_path(straight({}, 4), {});
+  planner->set_path(straight_path({}, 4), {});
   Ideal world;
   for (int row = 55; row < 65; ++row) world.costs.at({35, row}) = kLethalCost;  // 0.15 m inside its rear
   ASSERT_EQ(contact(world.costs, chassis(), world.state.pose), Contact::kObstacle);
@@ -201,7 +190,7 @@ TEST(MppiPlanner, ComesOutOfAnObstacle) {
 
 TEST(MppiPlanner, StopsForAPersonWhoStandsOnThePath) {
   const auto planner = make_mppi_planner({});
-  planner->set_path(straight({}, 5), {});
+  planner->set_path(straight_path({}, 5), {});
   Ideal world;
   world.state.people.push_back({{2.5, 0}, {0, 0}, 0.3});
   for (int column = 0; column < 200; ++column)  // a corridor that leaves no space beside
@@ -212,12 +201,12 @@ TEST(MppiPlanner, StopsForAPersonWhoStandsOnThePath) {
 
 TEST(MppiPlanner, DrivesAwayFromAPersonWhoStandsTooNear) {
   const auto planner = make_mppi_planner({});
-  planner->set_path(straight({}, 3), {});
+  planner->set_path(straight_path({}, 3), {});
   Ideal world;
   world.state.people.push_back({{-0.7, 0}, {0, 0}, 0.3});  // 0.29 m behind its rear
   EXPECT_TRUE(world.run(*planner, 20));
   world.state.pose = {};
-  planner->set_path(straight({}, 3), {});
+  planner->set_path(straight_path({}, 3), {});
   world.state.people[0].position_m = {0.7, 0};  // before it
   world.state.people.push_back({{0, 0.75}, {0, 0}, 0.3});
   world.state.people.push_back({{0, -0.75}, {0, 0}, 0.3});
@@ -227,7 +216,7 @@ TEST(MppiPlanner, DrivesAwayFromAPersonWhoStandsTooNear) {
 
 TEST(MppiPlanner, ShowsCandidatesOnlyWhenWanted) {
   const auto planner = make_mppi_planner({});
-  planner->set_path(straight({}, 5), {});
+  planner->set_path(straight_path({}, 5), {});
   const CostGrid costs = empty_grid();
   const auto with = planner->command(costs, chassis(), {}, 0.05, true);
   ASSERT_TRUE(with);
