@@ -18,7 +18,6 @@ using Eigen::Vector2d;
 
 constexpr std::size_t kMaxCorners = 100;
 constexpr double kMaxRadius = 10;  // [m]
-constexpr double kMinArea = 1e-4;  // [m^2]
 constexpr double kOnEdge = 1e-9;   // [m]
 constexpr double kMitreLimit = 2;  // times the margin
 constexpr int kCircleCorners = 16;
@@ -68,7 +67,7 @@ std::optional<Polygon> moved_edges(const Polygon& polygon, double margin_m) {
     moved.push_back(corners[i].end);
     if (corners[i].begin != corners[i].end) moved.push_back(corners[i].begin);
   }
-  if (!is_simple(moved) || signed_area_m2(moved) < kMinArea) return std::nullopt;
+  if (!is_simple(moved) || signed_area_m2(moved) < kSmallestArea_m2) return std::nullopt;
   return moved;
 }
 

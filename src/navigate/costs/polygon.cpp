@@ -11,8 +11,6 @@ namespace {
 
 using Eigen::Vector2d;
 
-constexpr double kMinArea = 1e-4;  // [m^2]
-
 /// Above 0: c is to the left of the line from a to b.
 double side(const Vector2d& a, const Vector2d& b, const Vector2d& c) {
   return cross(b - a, c - a);
@@ -178,7 +176,7 @@ Result<Polygon> make_polygon(Polygon corners_m, std::size_t max_corners) {
                   std::to_string(corners_m.size()));
   const double area_m2 = signed_area_m2(corners_m);
   if (!is_simple(corners_m)) return refuse("its edges must not cross or touch");
-  if (!(std::abs(area_m2) >= kMinArea)) return refuse("its area must be 1e-4 m^2 or more");
+  if (!(std::abs(area_m2) >= kSmallestArea_m2)) return refuse("its area must be 1e-4 m^2 or more");
   if (area_m2 < 0) std::reverse(corners_m.begin(), corners_m.end());
   return corners_m;
 }

@@ -11,6 +11,8 @@ namespace extperfc::navigate {
 
 /// Corners of a polygon [m]; the last is joined with the first.
 using Polygon = std::vector<Eigen::Vector2d>;
+/// What is smaller is no outline [m^2].
+inline constexpr double kSmallestArea_m2 = 1e-4;
 
 /// Above 0: b is to the left of the ray from `origin` through a.
 [[nodiscard]] inline double cross(const Eigen::Vector2d& a, const Eigen::Vector2d& b) {
@@ -33,7 +35,7 @@ using Polygon = std::vector<Eigen::Vector2d>;
 /// worst.
 [[nodiscard]] std::vector<Polygon> convex_parts(const Polygon& polygon);
 /// Without repeated corners and counter-clockwise. Errors: fewer than 3 or more than `max_corners` corners,
-/// not finite, edges that cross or touch, an area below 1e-4 m^2.
+/// not finite, edges that cross or touch, an area below kSmallestArea_m2.
 [[nodiscard]] Result<Polygon> make_polygon(Polygon corners_m, std::size_t max_corners);
 
 }  // namespace extperfc::navigate

@@ -15,7 +15,7 @@ namespace extperfc::navigate {
 
 namespace {
 
-constexpr std::size_t kMaxSide = 1U << 28U;  // [cells]
+constexpr std::size_t kMaxCells = 1U << 28U;  // [cells]
 
 CostOfValue costs_of_values(const StaticParams& params) {
   constexpr int kMaxScaled = kInscribedCost - 1;
@@ -35,7 +35,7 @@ CostOfValue costs_of_values(const StaticParams& params) {
 
 std::string problem_of(const OccupancyGrid& map) {
   if (map.width == 0 || map.height == 0) return "the map has no cells";
-  if (map.width > kMaxSide || map.height > kMaxSide || map.cells.size() != map.width * map.height)
+  if (map.width > kMaxCells || map.height > kMaxCells || map.cells.size() != map.width * map.height)
     return "the map must have width times height cells";
   if (!is_finite(map.origin) || !std::isfinite(map.resolution_m) || map.resolution_m <= 0)
     return "the map's origin must be finite and its resolution above 0";

@@ -10,8 +10,8 @@ namespace extperfc::navigate {
 
 namespace {
 
-constexpr int kSteps = 24;  // to either side
-constexpr double kStep_rad = 0.025;
+constexpr int kYaws = 24;  // to either side
+constexpr double kYawStep_rad = 0.025;
 constexpr double kPrice_m_per_rad = 0.03;  // of a rotation from the pose's heading
 
 /// Middles of the blocked cells around a place, from it.
@@ -54,10 +54,10 @@ Pose2 widest_line(const CostGrid& costs, const BlockedCosts& is_blocked, const P
   const auto blocked = blocked_around(costs, is_blocked, {within.x, within.y}, 1.5 * reach_m);
   Pose2 best = within;
   double best_m = 0;
-  for (int step = -kSteps; step <= kSteps; ++step) {
-    const double yaw = within.yaw + step * kStep_rad;
+  for (int step = -kYaws; step <= kYaws; ++step) {
+    const double yaw = within.yaw + step * kYawStep_rad;
     const Strip strip = strip_beside(blocked, yaw, reach_m);
-    const double worth_m = strip.left_m + strip.right_m - kPrice_m_per_rad * std::abs(step) * kStep_rad;
+    const double worth_m = strip.left_m + strip.right_m - kPrice_m_per_rad * std::abs(step) * kYawStep_rad;
     if (worth_m <= best_m) continue;
     best_m = worth_m;
     const double beside_m = 0.5 * (strip.left_m - strip.right_m);

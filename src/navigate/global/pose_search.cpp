@@ -13,11 +13,11 @@ namespace {
 
 constexpr int kMaxExpanded = 15000;  // a passage that takes more is given up, for every kSpan_m of its path
 constexpr double kSpan_m = 2.5;
-constexpr double kPoseStep_m = 0.08;  // of the path, about
-constexpr double kMaxWeight = 2;      // of cells: in a narrow passage all are dear
-constexpr double kGreed = 1.5;        // multiplies a holonomic base's estimate of the rest
-constexpr double kBackwards = 2;      // times the cost of a step forwards
-constexpr double kConnect_m = 0.5;    // a differential base drives straight to the end from here
+constexpr double kPoseStep_m = 0.08;     // of the path, about
+constexpr double kMaxWeight = 2;         // of cells: in a narrow passage all are dear
+constexpr double kHolonomicGreed = 1.5;  // multiplies a holonomic base's estimate of the rest
+constexpr double kBackwards = 2;         // times the cost of a step forwards
+constexpr double kConnect_m = 0.5;       // a differential base drives straight to the end from here
 constexpr double kConnect_rad = 0.35;
 /// Directions of a differential base's steps [cells of the lattice].
 constexpr std::array<std::array<int, 2>, 16> kDirections{{{{1, 0}},
@@ -117,7 +117,7 @@ bool PoseSearch::is_free(std::int32_t node) {
 }
 
 float PoseSearch::rest_of(const Pose2& pose) const {
-  const double greed = base_ == BaseKind::kHolonomic ? kGreed : 1.0;
+  const double greed = base_ == BaseKind::kHolonomic ? kHolonomicGreed : 1.0;
   return static_cast<float>(greed *
                             (distance_m(pose, goal_) + kRotationPrice_m_per_rad * apart_rad(pose, goal_)));
 }

@@ -18,7 +18,7 @@ namespace {
 
 constexpr double kNever = std::numeric_limits<double>::infinity();
 constexpr double kStraight_rad_s = 1e-6;  // slower rotations count as straight motion
-constexpr double kStop = 0.05;            // commands slowed to less than this part are stops
+constexpr double kStopFactor = 0.05;      // commands slowed to less than this part are stops
 constexpr float kSmoothed_m = 1.2F;       // nearer ranges are smoothed
 constexpr float kSameSurface_m = 0.1F;    // returns with a larger difference are of another surface
 constexpr std::size_t kBeside = 2;        // rays on either side
@@ -186,7 +186,7 @@ GuardedCommand CollisionGuard::admit(const Footprint& footprint, const Twist2& v
   result.time_s = time_to_contact(near_m_, footprint, params_.margin_m, command, params_.horizon_s);
   if (!result.time_s || *result.time_s >= params_.min_time_s) return result;
   const double factor = *result.time_s / params_.min_time_s;
-  if (factor < kStop) {
+  if (factor < kStopFactor) {
     result.velocity = {};
     result.action = GuardAction::kStopped;
     result.reason = "an obstacle is close ahead: move away from it";

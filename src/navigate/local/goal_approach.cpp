@@ -12,16 +12,17 @@ namespace extperfc::navigate {
 namespace {
 
 constexpr double kNear_m = 0.45;
-constexpr double kGain_per_s = 1.6;      // stable for delays up to 0.6 s, no overshoot up to 0.2 s
-constexpr double kBrakingPart = 0.5;     // of the accelerations
-constexpr double kInside = 0.5;          // part of the tolerance in which the base stops
-constexpr double kSlowest_m_s = 0.04;    // gets there in a finite time
-constexpr double kSlowest_rad_s = 0.08;  // the same
+constexpr double kGain_per_s = 1.6;         // stable for delays up to 0.6 s, no overshoot up to 0.2 s
+constexpr double kApproachPart = 0.5;       // of the accelerations
+constexpr double kInside = 0.5;             // part of the tolerance in which the base stops
+constexpr double kFinalSlowest_m_s = 0.04;  // gets there in a finite time
+constexpr double kSlowest_rad_s = 0.08;     // the same
 constexpr double kSameGoal_m = 0.3;
 constexpr double kSameGoal_rad = 0.3;
 
 double falling(double error, double acceleration, double slowest) {
-  return std::max(slowest, std::min(kGain_per_s * error, std::sqrt(2 * kBrakingPart * acceleration * error)));
+  return std::max(slowest,
+                  std::min(kGain_per_s * error, std::sqrt(2 * kApproachPart * acceleration * error)));
 }
 
 }  // namespace
@@ -49,7 +50,7 @@ bool GoalApproach::within(const Pose2& pose) const {
 }
 
 double GoalApproach::speed(double distance_m) const {
-  return falling(distance_m, std::min(limits_.acc_x_m_s2, limits_.acc_y_m_s2), kSlowest_m_s);
+  return falling(distance_m, std::min(limits_.acc_x_m_s2, limits_.acc_y_m_s2), kFinalSlowest_m_s);
 }
 
 double GoalApproach::rotation(double error_rad) const {

@@ -13,7 +13,7 @@ namespace {
 constexpr double kBehind_m = 0.3;      // of the last place that is searched
 constexpr double kAhead_m = 1.0;       // the same
 constexpr double kFreshStart_m = 1.5;  // of a new path's beginning that is searched
-constexpr double kFar_m = 0.7;         // neither stretch is near: the whole path is searched
+constexpr double kLost_m = 0.7;        // neither stretch is near: the whole path is searched
 constexpr double kSwitch_m = 0.1;      // the old place must be nearer by this than the beginning
 
 double step_m(const Pose2& a, const Pose2& b) {
@@ -70,7 +70,7 @@ void PathWindow::locate(const Pose2& robot) {
   } else {
     best = match(robot, at_m_ - kBehind_m, at_m_ + kAhead_m);
   }
-  if (best.distance_m > kFar_m) {
+  if (best.distance_m > kLost_m) {
     const Match anywhere = match(robot, 0, lengths_.back());
     if (anywhere.distance_m + kSwitch_m < best.distance_m) best = anywhere;
   }

@@ -15,8 +15,8 @@ using arm::JointVector;
 
 namespace {
 
-constexpr double kMoved = 0.005;     ///< of another joint of the robot: the checker is rebuilt [rad]
-constexpr double kCorrection = 4.0;  ///< velocity per deviation from the wanted position [1/s]
+constexpr double kOtherMoved = 0.005;  ///< of another joint of the robot: the checker is rebuilt [rad]
+constexpr double kCorrection = 4.0;    ///< velocity per deviation from the wanted position [1/s]
 
 double now_s() {
   return ros::SteadyTime::now().toSec();
@@ -121,7 +121,7 @@ bool JogServer::refresh(Session& session, const arm::JointPositions& positions) 
     const auto now = positions.find(joint.first);
     const bool ours =
         std::find(group_.joints.begin(), group_.joints.end(), joint.first) != group_.joints.end();
-    return !ours && now != positions.end() && std::abs(now->second - joint.second) > kMoved;
+    return !ours && now != positions.end() && std::abs(now->second - joint.second) > kOtherMoved;
   };
   const auto version = shared_.scene.version();
   if (session.jogger && session.scene == version &&

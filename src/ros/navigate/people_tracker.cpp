@@ -14,8 +14,8 @@ constexpr double kWalksMS = 0.25;  // who never was faster is furniture: part of
 constexpr double kFastestMS = 2.5;
 constexpr double kFarM = 1.0;
 constexpr double kPositionSigmaM = 0.06;
-constexpr double kNewS = 2.5;   // after this time in sight who walks has walked kFarM
-constexpr double kNearM = 2.5;  // what is nearer counts as an obstacle at once
+constexpr double kNewS = 2.5;    // after this time in sight who walks has walked kFarM
+constexpr double kCloseM = 2.5;  // what is nearer counts as an obstacle at once
 constexpr double kOldS = 1.0;
 constexpr double kRadiusM = 0.25;  // of a person, at least
 constexpr double kHeightM = 1.7;
@@ -93,7 +93,7 @@ void PeopleTracker::note_newcomers(const std::vector<navigate::MovingCandidate>&
   newcomers_.clear();
   for (const auto& track : tracker_.tracks()) {
     const Eigen::Vector2d at_m = track.point.position_m().head<2>();
-    if (stamp_s_ - track.first_seen_s >= kNewS || (at_m - robot_m).norm() < kNearM) continue;
+    if (stamp_s_ - track.first_seen_s >= kNewS || (at_m - robot_m).norm() < kCloseM) continue;
     newcomers_.push_back({at_m, {0, 0}, radius_of(track, candidates)});
   }
 }

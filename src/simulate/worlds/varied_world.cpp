@@ -17,7 +17,7 @@ namespace extperfc::simulate {
 
 namespace {
 
-constexpr int kTries = 25;
+constexpr int kPlacementTries = 25;
 constexpr double kCeiling_m = 2.6;
 
 struct Placed {
@@ -118,7 +118,7 @@ class Ground {
   bool find_gap(Placed& placed) {
     Rng& rng = scene_.rng();
     if ((top_.half_m.array() < placed.reach_m).any()) return false;
-    for (int attempt = 0; attempt < kTries; ++attempt) {
+    for (int attempt = 0; attempt < kPlacementTries; ++attempt) {
       placed.at_m = random_point(rng, placed.reach_m);
       if (!placed_.empty() && rng.chance(0.6)) {
         const Placed& other = any_placed(rng);
