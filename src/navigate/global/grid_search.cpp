@@ -13,7 +13,7 @@ constexpr double kMaxLine_cells = 200;
 /// Multiplies the estimate of the rest, so that of paths of almost the same cost the search follows one.
 /// Blocks weigh their mean, so the estimate may be too large and the path's cost is not bounded by this
 /// factor.
-constexpr double kBlockGreed = 1.02;
+constexpr double kCellGreed = 1.02;
 /// The same for the search over blocks, of the straight line to the start at the weight of free cells: in
 /// buildings, where paths go round corners and beside walls, that is still less than what they cost.
 constexpr double kBlockGreed = 1.1;
@@ -49,7 +49,7 @@ class BlockEstimate {
     const Eigen::Vector2d here = CellSpace::middle_of(cell) / blocks_.block_cells();
     const double span = (BlockSpace::middle_of(block) - from).norm();
     const double weight = span > 0 ? (static_cast<double>(reached.path_cost) - rest) / span : 1.0;
-    return static_cast<float>(kBlockGreed * blocks_.block_cells() * (rest + weight * (here - from).norm()));
+    return static_cast<float>(kCellGreed * blocks_.block_cells() * (rest + weight * (here - from).norm()));
   }
 
   [[nodiscard]] bool interrupted() const { return interrupted_; }

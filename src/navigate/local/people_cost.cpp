@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 namespace extperfc::navigate {
 
@@ -12,38 +13,54 @@ constexpr float kFront_s = 0.7F;      // the same in front, as the distance walk
 constexpr float kSpread_m_s = 0.12F;  // growth of a position's uncertainty
 constexpr float kMaxSpread_m = 0.25F;
 constexpr float kCutOff = 3.0F;  // standard deviations
+constexpr float kWalks_m_s = 0.1F;
+constexpr float kStops_m = 0.25F;  // between a person and a robot that stands in the path
+
+/// How far a person at `at_m` about the robot's middle walks along `heading` until the robot, as large as it
+/// is now, is in the path.
+float free_walk_m(const Eigen::Vector2f& at_m, const Eigen::Vector2f& heading, float touch_m, float stop_m) {
+  const float along_m = -at_m.dot(heading);
+  const float across_m = std::abs(at_m.x() * heading.y() - at_m.y() * heading.x());
+  if (along_m <= 0 || across_m >= touch_m) return std::numeric_limits<float>::infinity();
+  return std::max(0.0F, along_m - std::sqrt(stop_m * stop_m - across_m * across_m));
+}
 
 }  // namespace
 
 void PeopleCost::set(const std::vector<MovingObstacle>& people, const Eigen::Vector2d& middle_m, float body_m,
                      float inscribed_m, int steps, float step_s) {
   persons_ = people.size();
-  places_.clear();
-  for (int step = 0; step < steps; ++step)
-    for (const MovingObstacle& person : people) {
+  places_.resize(persons_ * static_cast<std::size_t>(steps));
+  for (std::size_t i = 0; i < persons_; ++i) {
+    const MovingObstacle& person = people[i];
+    const Eigen::Vector2f from_m = (person.position_m - middle_m).cast<float>();
+    const auto radius_m = static_cast<float>(person.radius_m);
+    const auto speed = static_cast<float>(person.velocity_m_s.norm());
+    const bool walks = speed > kWalks_m_s;
+    const Eigen::Vector2f heading =
+        walks ? Eigen::Vector2f(person.velocity_m_s.cast<float>() / speed) : Eigen::Vector2f(0, 0);
+    const float touch_m = inscribed_m + radius_m + 0.05F;
+    const float until_m = walks ? free_walk_m(from_m, heading, touch_m, body_m + radius_m + kStops_m) : 0.0F;
+    for (int step = 0; step < steps; ++step) {
       const float time_s = static_cast<float>(step + 1) * step_s;
-      const Eigen::Vector2f at_m =
-          (person.position_m - middle_m).cast<float>() + time_s * person.velocity_m_s.cast<float>();
-      const auto speed = static_cast<float>(person.velocity_m_s.norm());
-      const float spread_m = speed > 0.1F ? std::min(kMaxSpread_m, kSpread_m_s * time_s) : 0.0F;
-      Place place;
+      const bool stopped = time_s * speed >= until_m;
+      const float spread_m = walks ? std::min(kMaxSpread_m, kSpread_m_s * time_s) : 0.0F;
+      const Eigen::Vector2f at_m = from_m + std::min(time_s * speed, until_m) * heading;
+      Place& place = places_[static_cast<std::size_t>(step) * persons_ + i];
       place.x = at_m.x();
       place.y = at_m.y();
-      if (speed > 0.1F) {
-        place.heading_x = static_cast<float>(person.velocity_m_s.x()) / speed;
-        place.heading_y = static_cast<float>(person.velocity_m_s.y()) / speed;
-      }
-      const auto radius_m = static_cast<float>(person.radius_m);
-      place.touch2_m2 = (inscribed_m + radius_m + 0.05F) * (inscribed_m + radius_m + 0.05F);
+      place.heading_x = heading.x();
+      place.heading_y = heading.y();
+      place.touch2_m2 = touch_m * touch_m;
       place.body_m = body_m + radius_m;
       const float side_m = kSide_m + spread_m;
-      const float front_m = side_m + kFront_s * std::min(speed, 1.5F);
+      const float front_m = side_m + (stopped ? 0.0F : kFront_s * std::min(speed, 1.5F));
       place.inverse_side_m = 1 / side_m;
       place.inverse_front_m = 1 / front_m;
       const float far_m = place.body_m + kCutOff * front_m;
       place.far2_m2 = far_m * far_m;
-      places_.push_back(place);
     }
+  }
 }
 
 float PeopleCost::at(std::size_t step, float x_m, float y_m) const {

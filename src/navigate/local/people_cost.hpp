@@ -9,7 +9,9 @@
 
 namespace extperfc::navigate {
 
-/// Costs of being near people at a time: each goes on with its velocity, less and less surely.
+/// Costs of being near people at a time: each goes on with its velocity, less and less surely. Who comes
+/// straight to the robot is expected to stop before it: a robot that expected to be run into would give
+/// ground to who follows only because it does.
 class PeopleCost {
  public:
   /// Precomputes where everybody is after each step, about `middle_m`. `body_m` is the robot's radius: the

@@ -191,5 +191,37 @@ TEST(Drive, DoesNotGiveGroundToWhoStandsBeforeIt) {
     EXPECT_LT(ground_given_m(person_x_m), 0.05) << person_x_m;
 }
 
+/// How far a base at rest in a narrow corridor goes back before a person who comes along it and stops a metre
+/// before the base's middle, whose velocity is known half a second late.
+double ground_given_to_who_comes_m(double speed_m_s) {
+  const auto planner = make_mppi_planner({});
+  planner->set_path(straight_path({}, 6), {});
+  CostGrid costs = make_cost_grid(240, 240, 0.05, {-6, -6}, kFreeCost);
+  for (int column = 0; column < 240; ++column)
+    for (const double wall_m : {-0.8, 0.8})
+      costs.at({column, costs.cell_around({0, wall_m}).row}) = kLethalCost;
+  LocalState state;
+  state.people = {{{4, 0}, {-speed_m_s, 0}, 0.25}};
+  MovingObstacle& person = state.people.front();
+  double back_m = 0;
+  for (int i = 0; i < 240; ++i) {
+    const bool waits = (person.position_m - Eigen::Vector2d(state.pose.x, state.pose.y)).norm() < 1;
+    if (!waits) person.position_m.x() -= 0.05 * speed_m_s;
+    person.velocity_m_s.x() += 0.1 * ((waits ? 0 : -speed_m_s) - person.velocity_m_s.x());
+    const auto command = planner->command(costs, chassis(), state, 0.05, false);
+    EXPECT_TRUE(command) << command.error().message;
+    state.velocity = command->velocity;
+    const double before_m = state.pose.x;
+    state.pose = advance(state.pose, command->velocity, 0.05);
+    back_m += std::max(0.0, before_m - state.pose.x);
+  }
+  return back_m;
+}
+
+TEST(Drive, DoesNotGiveGroundToWhoComes) {
+  for (const double speed_m_s : {0.3, 0.6, 0.9})
+    EXPECT_LT(ground_given_to_who_comes_m(speed_m_s), 0.15) << speed_m_s;
+}
+
 }  // namespace
 }  // namespace extperfc::navigate
