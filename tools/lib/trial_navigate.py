@@ -36,6 +36,9 @@ def parse_arguments(argv):
     parser = argparse.ArgumentParser(prog="tools/trial_navigate", description=__doc__,
                                      formatter_class=argparse.RawTextHelpFormatter)
     parser.add_argument("--goals", type=int, default=10, metavar="N", help="default: 10")
+    parser.add_argument("--goal", type=float, nargs=3, action="append", metavar=("X", "Y", "YAW"),
+                        help="instead of random goals [m, rad]; of several, one after the other and again from the first;\n"
+                        "repeatable")
     parser.add_argument("--world", default="office", metavar="NAME",
                         help="of config/worlds, random_floor, or a file; default: office")
     parser.add_argument("--seed", type=int, default=1, metavar="N",
@@ -282,7 +285,7 @@ def run(options, robot, true_map, world):
           flush=True)
     drives, rows = [], []
     for number in range(1, options.goals + 1):
-        goal = random_goal(rng, places, robot.pose())
+        goal = Pose(*options.goal[(number - 1) % len(options.goal)]) if options.goal else random_goal(rng, places, robot.pose())
         closer = DoorCloser(robot, doors) if options.close_door else None
         drives.append(robot.drive(goal, options.limit, meanwhile=closer))
         rows.append(row_of(number, drives[-1], true_map))
