@@ -104,7 +104,6 @@ struct DriveResult {
   double jerk_m_s2{0};          ///< RMS of the second difference of commands / control period: roughness
   std::vector<double> cycle_s;  ///< CPU time of each command
   Pose2 end;
-  double nearest_person_m{std::numeric_limits<double>::infinity()};  ///< between the middles
 };
 
 /// A base in a building with a lidar and a rolling cost map: closes the loop around a local planner. All
@@ -230,9 +229,6 @@ class DriveSimulation {
     });
     if (person_touches && !person_touches_ && moves) ++result_.person_contacts;
     person_touches_ = person_touches;
-    for (const Pedestrian& person : people)
-      result_.nearest_person_m =
-          std::min(result_.nearest_person_m, (person.at_m - Eigen::Vector2d(pose_.x, pose_.y)).norm());
     const Pose2& goal = path_.poses.back();
     const double left = std::hypot(goal.x - pose_.x, goal.y - pose_.y);
     if (left < 0.3 && approach_s_ < 0) {

@@ -150,7 +150,6 @@ class MppiPlanner : public LocalPlanner {
   MppiParams params_;
   BrakingRules braking_;
   PathWindow window_;
-  OncomingPeople oncoming_;
   PathShift shift_;
   GoalApproach approach_;
   Rollouts rollouts_;
@@ -278,8 +277,6 @@ bool MppiPlanner::find_passage(Cycle& cycle) {
   const double half_side_m =
       params_.limits.max_vx_m_s * params_.horizon_s + footprint(cycle).circumscribed_radius_m() + 0.5;
   field_.build(cycle.costs, {pose.x, pose.y}, half_side_m, cycle.state.people);
-  oncoming_.set(cycle.state.people, {pose.x, pose.y},
-                static_cast<float>(footprint(cycle).inscribed_radius_m()));
   const std::size_t own = cycle.depth;
   const std::size_t deepest = is_beside_person(cycle.state) ? kMaxDoubtBeside : kMaxDoubt;
   bool blocked = prepare_stations(cycle);
@@ -302,7 +299,7 @@ bool MppiPlanner::prepare_stations(const Cycle& cycle) {
   const std::size_t all = stations_.size();
   drop_stations_outside(cycle);
   const bool whole = stations_.size() == all;
-  const auto blocked = shift_.apply({field_, outline_, footprint(cycle), pose, oncoming_},
+  const auto blocked = shift_.apply({field_, outline_, footprint(cycle), pose},
                                     {params_.max_shift_m, params_.base == BaseKind::kHolonomic},
                                     window_.remaining_m(), stations_);
   const double narrow_m_s = (cycle.depth > 0 ? kGapPart : 1) * params_.narrow_speed_m_s;

@@ -14,7 +14,6 @@ constexpr float kEnough_m = 0.2F;     // clearance that is not worth a detour
 constexpr float kShiftWeight = 1.0F;  // per m^2
 constexpr float kYawWeight = 0.5F;    // per rad^2
 constexpr float kClearanceWeight = 0.15F;
-constexpr float kPassingWeight = 15;      // per m^2 that is missing beside who comes along the path
 constexpr float kKeepWeight = 0.5F;       // per m^2: stays where it was
 constexpr float kKeepYawWeight = 0.2F;    // per rad^2
 constexpr float kSlopeWeight = 0.25F;     // per (m/m)^2
@@ -59,9 +58,7 @@ float PathShift::node_cost(const Surroundings& around, const Station& at, const 
   }
   const float lack = std::max(0.0F, kEnough_m - clearance_m) / kEnough_m;
   const float end = kEndWeight * std::max(0.0F, 1 - static_cast<float>(remaining_m) / kEnd_m);
-  const float passing =
-      around.oncoming.empty() ? 0.0F : around.oncoming.lack2_m2({x, y}, {normal.y, -normal.x});
-  return kPassingWeight * passing + (kShiftWeight + end) * offset.shift_m * offset.shift_m +
+  return (kShiftWeight + end) * offset.shift_m * offset.shift_m +
          (kYawWeight + end) * offset.yaw_rad * offset.yaw_rad + kClearanceWeight * lack * lack;
 }
 

@@ -5,16 +5,14 @@
 #include <vector>
 
 #include "navigate/local/clearance_field.hpp"
-#include "navigate/local/oncoming_people.hpp"
 #include "navigate/local/path_window.hpp"
 
 namespace extperfc::navigate {
 
 /// Moves the path ahead sideways, by up to `max_shift_m`, and rotates its headings a little, to where the
 /// footprint has clearance: the middle of a door that the map shows a little elsewhere, along its walls; the
-/// free side of a chair that the map does not show; the side of a corridor when a person comes along it.
-/// Least sum over stations by dynamic programming (Viterbi) over shifts of kShiftStep_m and headings of
-/// kYawStep_rad. O(stations * shifts * headings).
+/// free side of a chair that the map does not show. Least sum over stations by dynamic programming (Viterbi)
+/// over shifts of kShiftStep_m and headings of kYawStep_rad. O(stations * shifts * headings).
 class PathShift {
  public:
   static constexpr double kShiftStep_m = 0.025;
@@ -27,7 +25,6 @@ class PathShift {
     const Outline& outline;
     const Footprint& footprint;
     Pose2 robot;  ///< stations are about its position
-    const OncomingPeople& oncoming;
   };
   struct Limits {
     double max_shift_m{0};

@@ -168,22 +168,6 @@ TEST(Drive, PassesWhoComesAlongACorridor) {
   expect_to_pass(person);
 }
 
-TEST(Drive, KeepsToTheSideForWhoComesAlongACorridor) {
-  const Corridor corridor;
-  for (std::uint64_t seed = 1; seed <= 3; ++seed) {
-    DriveSimulation simulation(corridor.building, chassis(), {}, seed);
-    Pedestrian person;
-    person.route_m = {{8.5, 1.7}, {1.0, 1.7}};
-    person.speed_m_s = 0.7;
-    simulation.people = {person};
-    const auto planner = make_mppi_planner({});
-    const DriveResult result = simulation.drive(*planner, corridor.path, {}, corridor.path.poses.front());
-    EXPECT_TRUE(result.reached) << seed;
-    EXPECT_EQ(result.contacts, 0) << seed;
-    EXPECT_GT(result.nearest_person_m, 1.0) << seed;
-  }
-}
-
 /// How far a base at rest goes back within 3 s before a person who stands on its path.
 double ground_given_m(double person_x_m) {
   const auto planner = make_mppi_planner({});
