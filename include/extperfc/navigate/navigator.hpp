@@ -39,8 +39,6 @@ struct NavigatorParams {
   GoalTolerance goal;
   VelocityLimits limits;
   RecoveryParams recovery;
-  double detour_patience_s{6.0};  ///< that it waits where a person blocks the path before it takes another
-                                  ///< one, which is longer by what is driven in this time, or more, [0, 3600]
 };
 
 /// An error that names the first parameter out of its range.
@@ -155,10 +153,7 @@ class Navigator {
   void ask_for_plan(const NavigatorInput& input, Output& output);
   void take_answer(const NavigatorInput& input, Output& output);
   [[nodiscard]] bool prefers(const Path& path, bool current_blocked) const;
-  [[nodiscard]] bool waits_instead(const Path& path, const std::optional<Pose2>& blocked_at,
-                                   const NavigatorInput& input);
-  [[nodiscard]] bool waits_for_person() const;
-  void note_detour(const Path& path, const std::optional<Pose2>& blocked_at, Output& output);
+  void note_detour(const Path& path, const std::optional<Pose2>& blocked_at);
   [[nodiscard]] std::vector<AvoidedPlace> avoided_now() const;
   void take_path(const Path& path, Output& output);
   void plan_failed(const NavError& error, const std::optional<Pose2>& blocked_at, const NavigatorInput& input,
@@ -203,8 +198,7 @@ class Navigator {
     double until_s;
   };
   std::deque<Detour> detours_;
-  std::optional<double> detour_since_s_;  ///< a person blocks the path, and another path is a detour
-  std::deque<Pose2> trail_;               ///< in odom
+  std::deque<Pose2> trail_;  ///< in odom
   Twist2 last_command_;
   std::string reason_;
 

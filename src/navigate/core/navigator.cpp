@@ -39,19 +39,6 @@ bool is_of_data(NavCode code) {
   return static_cast<int>(code) >= static_cast<int>(NavCode::kNoOdometry);
 }
 
-/// `place` in the frame map.
-bool is_near_person(const Pose2& place, const NavigatorInput& input, double near_m) {
-  const Pose2 map_T_odom = compose(input.map_T_base, inverse(input.odom_T_base));
-  return std::any_of(input.people.begin(), input.people.end(), [&](const MovingObstacle& person) {
-    const Pose2 at = compose(map_T_odom, {person.position_m.x(), person.position_m.y(), 0});
-    return distance_m(at, place) <= near_m;
-  });
-}
-
-std::string metres_text(double metres) {
-  return std::to_string(std::lround(metres)) + " m";
-}
-
 }  // namespace
 
 const char* to_string(NavState state) {
@@ -87,7 +74,6 @@ Result<void> validate(const NavigatorParams& params) {
       {within(params.deviation_m, 1e-3, 100), "path_deviation"},
       {within(params.shorter_ratio, 1e-3, 1), "shorter_ratio"},
       {within(params.detour_memory_s, 0, 3600), "detour_memory"},
-      {within(params.detour_patience_s, 0, 3600), "detour_patience"},
       {within(params.tolerance_m, 0, 10), "default_tolerance"},
       {within(params.goal.xy_m, 1e-3, 10), "xy_goal_tolerance"},
       {within(params.goal.yaw_rad, 1e-3, 3.2), "yaw_goal_tolerance"}};
@@ -157,7 +143,6 @@ void Navigator::begin_goal() {
   progress_.restart(clock_s_);
   avoided_.clear();
   detours_.clear();
-  detour_since_s_.reset();
   planner_->reset();
   asked_plan_.reset();
   answer_.reset();
@@ -316,9 +301,7 @@ void Navigator::take_answer(const NavigatorInput& input, Output& output) {
                        input, output);
   no_plan_since_s_.reset();
   if (!prefers(*answer.path, answer.blocked_at.has_value())) return;
-  const auto blocked_at = blocked_ahead_ ? blocked_ahead_ : answer.blocked_at;
-  if (waits_instead(*answer.path, blocked_at, input)) return;
-  note_detour(*answer.path, blocked_at, output);
+  note_detour(*answer.path, blocked_ahead_ ? blocked_ahead_ : answer.blocked_at);
   take_path(*answer.path, output);
 }
 
@@ -329,32 +312,11 @@ bool Navigator::prefers(const Path& path, bool current_blocked) const {
   return length_m(path) < params_.shorter_ratio * tracker_.rest_m() - kTrailStepM;
 }
 
-/// Who blocks a passage has mostly left it before the robot would have driven round it.
-bool Navigator::waits_instead(const Path& path, const std::optional<Pose2>& blocked_at,
-                              const NavigatorInput& input) {
-  const double farther_m = params_.detour_patience_s * params_.limits.max_vx_m_s;
-  const bool worth = !tracker_.empty() && blocked_at && length_m(path) > tracker_.rest_m() + farther_m &&
-                     is_near_person(*blocked_at, input, params_.recovery.avoid_person_m);
-  if (!worth)
-    detour_since_s_.reset();
-  else if (!detour_since_s_)
-    detour_since_s_ = clock_s_;
-  return waits_for_person();
-}
-
-bool Navigator::waits_for_person() const {
-  return detour_since_s_ && clock_s_ - *detour_since_s_ < params_.detour_patience_s;
-}
-
 /// Who stands in a passage and walks on a moment later made the robot turn round; it shall not turn round
 /// again as soon as it does not see them any more.
-void Navigator::note_detour(const Path& path, const std::optional<Pose2>& blocked_at, Output& output) {
-  if (tracker_.empty() || !blocked_at) return;
+void Navigator::note_detour(const Path& path, const std::optional<Pose2>& blocked_at) {
+  if (tracker_.empty() || !blocked_at || params_.detour_memory_s <= 0) return;
   if (length_m(path) <= kDetourRatio * tracker_.rest_m() + kDetourM) return;
-  output.event = "a detour of " + metres_text(length_m(path)) + " instead of " +
-                 metres_text(tracker_.rest_m()) + ", because the path is blocked at " +
-                 place_text(*blocked_at);
-  if (params_.detour_memory_s <= 0) return;
   if (detours_.size() >= kMaxDetours) detours_.pop_front();
   detours_.push_back({{{blocked_at->x, blocked_at->y}, params_.recovery.avoid_person_m},
                       clock_s_ + params_.detour_memory_s});
@@ -369,7 +331,6 @@ std::vector<AvoidedPlace> Navigator::avoided_now() const {
 
 void Navigator::take_path(const Path& path, Output& output) {
   coast_.clear();
-  detour_since_s_.reset();
   tracker_.set(path);
   path_is_new_ = true;
   map_changed_ = false;
@@ -447,8 +408,7 @@ void Navigator::give_path(const Pose2& odom_T_map) {
 void Navigator::no_velocity(const NavError& error, const NavigatorInput& input, Output& output) {
   reason_ = error.message;
   if (!no_velocity_since_s_) no_velocity_since_s_ = clock_s_;
-  if (clock_s_ - *no_velocity_since_s_ >= params_.controller_patience_s && !waits_for_person())
-    recover(error, input, output);
+  if (clock_s_ - *no_velocity_since_s_ >= params_.controller_patience_s) recover(error, input, output);
 }
 
 void Navigator::watch_progress(const NavigatorInput& input, Output& output) {

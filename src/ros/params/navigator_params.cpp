@@ -62,7 +62,6 @@ void read_behaviour(ParamReader& reader, NavigatorNodeParams& params) {
   reader.read("path_deviation_m", navigator.deviation_m, {0.001, 100.0});
   reader.read("shorter_ratio", navigator.shorter_ratio, {0.001, 1.0});
   reader.read("detour_memory", navigator.detour_memory_s, {0.0, 3600.0});
-  reader.read("detour_patience", navigator.detour_patience_s, {0.0, 3600.0});
   reader.read("xy_goal_tolerance", navigator.goal.xy_m, {0.001, 10.0});
   reader.read("yaw_goal_tolerance", navigator.goal.yaw_rad, {0.001, 3.15});
   auto& recovery = navigator.recovery;

@@ -211,27 +211,6 @@ TEST(Navigator, APlaceThatMadeItTakeADetourIsAvoidedForAWhile) {
   EXPECT_TRUE(robot.wishes.back().avoid.empty());
 }
 
-TEST(Navigator, WaitsForAPersonBeforeItTakesALongDetour) {
-  for (const bool person : {true, false}) {
-    NavigatorParams params;
-    params.planner_frequency_hz = 5;
-    params.detour_patience_s = 2;
-    params.oscillation_timeout_s = 0;
-    FakeRobot robot(params);
-    stand_on_a_path(robot);
-    if (person) robot.input.people.push_back({{2.2, 0.3}, {0, 0}, 0.3});
-    robot.via = Pose2{1.75, 2.8, 0};
-    robot.block({2.0, 0}, 0.1);
-    const auto length = [&robot] { return length_m(robot.control->path); };
-    robot.run_for(1.5);
-    EXPECT_EQ(length() < 4, person);
-    robot.run_for(1.5);
-    EXPECT_GT(length(), 4) << "not for ever";
-    ASSERT_FALSE(robot.events.empty());
-    EXPECT_NE(robot.events.back().find("a detour of"), std::string::npos) << robot.events.back();
-  }
-}
-
 TEST(Navigator, WhatBlocksThePathNearTheRobotIsWhereTheDetourLeadsAround) {
   NavigatorParams params;
   params.oscillation_timeout_s = 0;
