@@ -45,8 +45,9 @@ class MovingObjectDetector {
   /// Without a map no return is explained. As MapExplanation::set_map(). `stamp_s`: when it came; one that is
   /// before the last map's begins anew.
   void set_map(const OccupancyGrid& map, double stamp_s = 0);
-  /// `pedestrians`: who walks, where they should be now in the map's frame. Precondition: validate(scan) has
-  /// a value. O(rays) without clusters, which are few.
+  /// `pedestrians`: who walks, where they should be now in the map's frame. Returns near two of them are two
+  /// candidates, however close they pass each other. Precondition: validate(scan) has a value. O(rays)
+  /// without clusters, which are few.
   [[nodiscard]] std::vector<MovingCandidate> detect(
       const LaserScan& scan, const Pose2& map_T_base,
       const std::vector<MovingObstacle>& pedestrians = {}) const;
@@ -61,7 +62,8 @@ class MovingObjectDetector {
                                               const std::vector<MovingObstacle>& pedestrians) const;
   [[nodiscard]] bool is_explained(const Eigen::Vector2d& point_m,
                                   const std::vector<MovingObstacle>& pedestrians) const;
-  void join(std::vector<Cluster>& clusters) const;
+  void split(std::vector<Cluster>& clusters, const std::vector<MovingObstacle>& pedestrians) const;
+  void join(std::vector<Cluster>& clusters, const std::vector<MovingObstacle>& pedestrians) const;
 
   MovingObjectParams params_;
   std::deque<DatedMap> maps_;  ///< the last is the newest, the first the newest of those that are old enough

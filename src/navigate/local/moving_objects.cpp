@@ -16,6 +16,8 @@ namespace {
 
 constexpr double kBetweenMapsS = 0.5;
 constexpr double kPersonMarginM = 0.15;
+constexpr double kOwnM = 0.45;   // returns of a pedestrian are nearer to where they should be
+constexpr double kApartM = 0.4;  // between two people side by side; tracks that are nearer are one's legs
 
 /// The smallest circle's stand-in: about the middle of the box around the points.
 struct Extent {
@@ -40,6 +42,28 @@ bool is_person(const Eigen::Vector2d& point_m, const std::vector<MovingObstacle>
   return std::any_of(people.begin(), people.end(), [&point_m](const MovingObstacle& person) {
     return (point_m - person.position_m).norm() <= person.radius_m + kPersonMarginM;
   });
+}
+
+/// Whose return a point is: the nearest pedestrian.
+std::optional<std::size_t> owner_of(const Eigen::Vector2d& point_m,
+                                    const std::vector<MovingObstacle>& pedestrians) {
+  std::optional<std::size_t> owner;
+  double nearest_m = kOwnM;
+  for (std::size_t i = 0; i < pedestrians.size(); ++i) {
+    const double away_m = (point_m - pedestrians[i].position_m).norm();
+    if (away_m >= nearest_m) continue;
+    nearest_m = away_m;
+    owner = i;
+  }
+  return owner;
+}
+
+/// Whether two points are returns of two pedestrians, not of one who has two tracks.
+bool are_of_two(const Eigen::Vector2d& a_m, const Eigen::Vector2d& b_m,
+                const std::vector<MovingObstacle>& pedestrians) {
+  const auto a = owner_of(a_m, pedestrians);
+  const auto b = owner_of(b_m, pedestrians);
+  return a && b && *a != *b && (pedestrians[*a].position_m - pedestrians[*b].position_m).norm() >= kApartM;
 }
 
 Eigen::Vector2d point_of(const LaserScan& scan, std::size_t ray, const Pose2& map_T_sensor) {
@@ -128,16 +152,40 @@ std::vector<MovingObjectDetector::Cluster> MovingObjectDetector::clusters(
   return result;
 }
 
+/// People who pass each other closely make one cluster; each gets their own part of it.
+void MovingObjectDetector::split(std::vector<Cluster>& clusters,
+                                 const std::vector<MovingObstacle>& pedestrians) const {
+  const std::size_t count = clusters.size();
+  for (std::size_t i = 0; i < count; ++i) {
+    const std::vector<Eigen::Vector2d> points = clusters[i].points_m;
+    const auto other = std::find_if(points.begin(), points.end(), [&](const Eigen::Vector2d& point) {
+      return are_of_two(points.front(), point, pedestrians);
+    });
+    if (other == points.end()) continue;
+    Cluster first;
+    Cluster second;
+    for (const Eigen::Vector2d& point : points) {
+      Cluster& part = are_of_two(points.front(), point, pedestrians) ? second : first;
+      part.points_m.push_back(point);
+      if (is_explained(point, pedestrians)) ++part.explained;
+    }
+    clusters[i] = std::move(first);
+    clusters.push_back(std::move(second));
+  }
+}
+
 /// Two legs are one person: the nearest clusters of a person's size are joined while their union has that
-/// size.
-void MovingObjectDetector::join(std::vector<Cluster>& clusters) const {
+/// size, but not those of two people who are known.
+void MovingObjectDetector::join(std::vector<Cluster>& clusters,
+                                const std::vector<MovingObstacle>& pedestrians) const {
   for (std::size_t i = 0; i < clusters.size(); ++i)
     for (std::size_t j = i + 1; j < clusters.size();) {
       std::vector<Eigen::Vector2d> both = clusters[i].points_m;
       both.insert(both.end(), clusters[j].points_m.begin(), clusters[j].points_m.end());
-      const double apart_m =
-          (extent_of(clusters[i].points_m).middle_m - extent_of(clusters[j].points_m).middle_m).norm();
-      if (apart_m > params_.join_m || extent_of(both).radius_m > params_.max_radius_m) {
+      const Eigen::Vector2d a_m = extent_of(clusters[i].points_m).middle_m;
+      const Eigen::Vector2d b_m = extent_of(clusters[j].points_m).middle_m;
+      if ((a_m - b_m).norm() > params_.join_m || extent_of(both).radius_m > params_.max_radius_m ||
+          are_of_two(a_m, b_m, pedestrians)) {
         ++j;
         continue;
       }
@@ -149,13 +197,14 @@ void MovingObjectDetector::join(std::vector<Cluster>& clusters) const {
 std::vector<MovingCandidate> MovingObjectDetector::detect(
     const LaserScan& scan, const Pose2& map_T_base, const std::vector<MovingObstacle>& pedestrians) const {
   std::vector<Cluster> found = clusters(scan, map_T_base, pedestrians);
+  split(found, pedestrians);
   const auto is_other = [this](const Cluster& cluster) {
     const auto returns = static_cast<double>(cluster.points_m.size());
     return cluster.explained > params_.max_explained * returns ||
            extent_of(cluster.points_m).radius_m > params_.max_radius_m;
   };
   found.erase(std::remove_if(found.begin(), found.end(), is_other), found.end());
-  join(found);
+  join(found, pedestrians);
   std::vector<MovingCandidate> candidates;
   candidates.reserve(found.size());
   for (const Cluster& cluster : found) {

@@ -1,3 +1,4 @@
+#include <algorithm>
 #include <cmath>
 #include <stdexcept>
 
@@ -129,6 +130,38 @@ TEST(MovingObjects, TwoLegsAreOnePersonAndTwoPeopleAreTwo) {
     const bool second = (candidate.centre_m - Eigen::Vector2d(2.1, 4.55)).norm() < 0.2;
     EXPECT_TRUE(first || second) << candidate.centre_m.transpose();
   }
+}
+
+TEST(MovingObjects, PeopleWhoPassEachOtherStayTwo) {
+  MovingObjectDetector detector({});
+  detector.set_map(Room8().map());
+  Rng rng(8);
+  for (int i = 0; i < 20; ++i) {
+    Room8 room;
+    const Eigen::Vector2d middle(rng.uniform(3, 5), rng.uniform(2.2, 3.8));
+    const double angle = rng.uniform(1.2, 1.9);  // side by side as the scanner sees them
+    const Eigen::Vector2d half = rng.uniform(0.23, 0.3) * Eigen::Vector2d(std::cos(angle), std::sin(angle));
+    room.discs = {{middle + half, 0.2}, {middle - half, 0.2}};
+    const std::vector<MovingObstacle> known{{middle + half, {0.5, 0}, 0.25}, {middle - half, {0.7, 0}, 0.25}};
+    const auto candidates = detector.detect(room.scan({1, 3, 0}, rng), {1, 3, 0}, known);
+    ASSERT_EQ(candidates.size(), 2U) << i;
+    for (const MovingObstacle& person : known) {
+      const auto is_near = [&](const MovingCandidate& one) {
+        return (one.centre_m - person.position_m).norm() < 0.2;
+      };
+      EXPECT_EQ(std::count_if(candidates.begin(), candidates.end(), is_near), 1) << i;
+    }
+  }
+}
+
+TEST(MovingObjects, TwoTracksOfOnePersonAreOneCandidate) {
+  Room8 room;
+  room.discs = {{{3.0, 2.9}, 0.07}, {{3.1, 3.2}, 0.07}};
+  MovingObjectDetector detector({});
+  detector.set_map(room.map());
+  Rng rng(10);
+  const std::vector<MovingObstacle> tracks{{{3.0, 2.9}, {0.5, 0}, 0.25}, {{3.1, 3.2}, {0.5, 0}, 0.25}};
+  EXPECT_EQ(detector.detect(room.scan({1, 3, 0}, rng), {1, 3, 0}, tracks).size(), 1U);
 }
 
 TEST(MovingObjects, WithoutPeopleWhatElseWasSeenStays) {
