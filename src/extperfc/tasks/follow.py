@@ -23,7 +23,7 @@ TRANSFORM_S = 0.1    # of real time
 RETRY_S = 2.0        # of ROS time, between attempts at one that was not reached
 ARRIVED_M = 0.4
 FARTHER_M, MAX_FARTHER_M = 0.4, 2.0  # from the leader, after each goal that was not reached
-AHEAD_S, CLOSEST_M = 1.2, 0.7  # a goal is so much nearer to who walks, but never nearer than this
+AHEAD_S, CLOSEST_M = 1.2, 0.7  # a goal is so much nearer to who walks away, but never nearer than this
 DETOUR_M = 6.0       # who is in sight is not followed on a path that is so much longer than the straight line:
 DETOUR_WAIT_S = 8.0  # what stands between, mostly a person, goes away within this time of ROS
 LAST_SEEN_M = 0.3    # who is lost is sought from so near to where they were seen last
@@ -147,8 +147,7 @@ class Follow(Leaf):
         if unseen > self.lost_s:
             raise ValueError(f"{who} is out of sight for {unseen:.0f} s")
         seek = lost and not self.leader.stands
-        ahead_m = AHEAD_S * math.hypot(*self.leader.velocity)  # who walks is not there any more when the base arrives
-        distance_m = LAST_SEEN_M if seek else max(CLOSEST_M, self.distance_m - ahead_m)
+        distance_m = LAST_SEEN_M if seek else self._apart_m(robot)
         goal = self.leader.behind(robot[:2], distance_m + self._farther_m, in_sight=not lost)
         failed = self._failed(robot)
         if not lost and self._would_leave(robot, now):
@@ -159,6 +158,16 @@ class Follow(Leaf):
             self._next = now + rospy.Duration(RETRY_S if failed else SEND_S)
             self.goal = goal
             self._motion = GoTo(goal, FRAME).motion()
+
+    def _apart_m(self, robot):
+        """Between the base's next goal and where the leader is now: less from who walks away and will be gone when the base
+        arrives; who comes is waited for."""
+        dx, dy = self.leader.position[0] - robot[0], self.leader.position[1] - robot[1]
+        apart_m = max(1e-6, math.hypot(dx, dy))
+        leaves_m_s = (dx * self.leader.velocity[0] + dy * self.leader.velocity[1]) / apart_m
+        if leaves_m_s < -WALKS_M_S:
+            return max(self.distance_m, apart_m)
+        return max(CLOSEST_M, self.distance_m - AHEAD_S * max(0.0, leaves_m_s))
 
     def _would_leave(self, robot, now):
         """The robot has begun a long detour to who is in sight, and has not yet waited for the direct path."""

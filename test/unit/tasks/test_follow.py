@@ -269,6 +269,15 @@ class TheLeaf(unittest.TestCase):
         self.assertLess(len(self.goals), len(distances) / 6)
         self.assertTrue(all(b[0] - a[0] > 0.65 for a, b in zip(self.goals, self.goals[1:])))
 
+    def test_who_comes_is_not_driven_to_nearer_than_the_distance(self):
+        leaf = tasks.Follow(distance_m=1.2)
+        distances = self.lead(leaf, [(3.4, 0.0), (1.6, 0.0)])
+        self.people = [Person(3, (1.6, 0.0), (0.0, 0.0))]
+        for _ in range(20):
+            self.tick(leaf)
+            distances.append(math.dist((1.6, 0.0), self.robot[:2]))
+        self.assertGreater(min(distances), 1.1)
+
     def test_it_waits_for_who_walks_before_it(self):
         leaf = tasks.Follow()
         for person in (Person(1, (-2.0, 0.0), (0.6, 0.0)), Person(2, (2.0, 0.0), (0.1, 0.0)), Person(3, (9.0, 0.0), (0.6, 0.0)),
