@@ -2,6 +2,8 @@
 
 #include <cstddef>
 #include <deque>
+#include <optional>
+#include <utility>
 #include <vector>
 
 #include <Eigen/Core>
@@ -45,9 +47,9 @@ class MovingObjectDetector {
   /// Without a map no return is explained. As MapExplanation::set_map(). `stamp_s`: when it came; one that is
   /// before the last map's begins anew.
   void set_map(const OccupancyGrid& map, double stamp_s = 0);
-  /// `pedestrians`: who walks, where they should be now in the map's frame. Returns near two of them are two
-  /// candidates, however close they pass each other. Precondition: validate(scan) has a value. O(rays)
-  /// without clusters, which are few.
+  /// `pedestrians`: who walks, where they should be now in the map's frame. What is near one of them is
+  /// a candidate of its own, however closely another or a wall is passed. Precondition: validate(scan) has a
+  /// value. O(rays) without clusters, which are few.
   [[nodiscard]] std::vector<MovingCandidate> detect(
       const LaserScan& scan, const Pose2& map_T_base,
       const std::vector<MovingObstacle>& pedestrians = {}) const;
@@ -64,6 +66,9 @@ class MovingObjectDetector {
                                   const std::vector<MovingObstacle>& pedestrians) const;
   void split(std::vector<Cluster>& clusters, const std::vector<MovingObstacle>& pedestrians) const;
   void join(std::vector<Cluster>& clusters, const std::vector<MovingObstacle>& pedestrians) const;
+
+  [[nodiscard]] std::optional<std::pair<std::size_t, std::size_t>> nearest_pair(
+      const std::vector<Cluster>& clusters, const std::vector<MovingObstacle>& pedestrians) const;
 
   MovingObjectParams params_;
   std::deque<DatedMap> maps_;  ///< the last is the newest, the first the newest of those that are old enough

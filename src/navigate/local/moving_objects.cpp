@@ -16,7 +16,7 @@ namespace {
 
 constexpr double kBetweenMapsS = 0.5;
 constexpr double kPersonMarginM = 0.15;
-constexpr double kOwnM = 0.45;   // returns of a pedestrian are nearer to where they should be
+constexpr double kOwnM = 0.4;    // returns of a pedestrian are nearer to where they should be
 constexpr double kApartM = 0.4;  // between two people side by side; tracks that are nearer are one's legs
 
 /// The smallest circle's stand-in: about the middle of the box around the points.
@@ -58,12 +58,14 @@ std::optional<std::size_t> owner_of(const Eigen::Vector2d& point_m,
   return owner;
 }
 
-/// Whether two points are returns of two pedestrians, not of one who has two tracks.
+/// Whether one of two points is a return of a pedestrian, and the other is not, or of another one. One who
+/// has two tracks is one.
 bool are_of_two(const Eigen::Vector2d& a_m, const Eigen::Vector2d& b_m,
                 const std::vector<MovingObstacle>& pedestrians) {
   const auto a = owner_of(a_m, pedestrians);
   const auto b = owner_of(b_m, pedestrians);
-  return a && b && *a != *b && (pedestrians[*a].position_m - pedestrians[*b].position_m).norm() >= kApartM;
+  if (a == b) return false;
+  return !a || !b || (pedestrians[*a].position_m - pedestrians[*b].position_m).norm() >= kApartM;
 }
 
 Eigen::Vector2d point_of(const LaserScan& scan, std::size_t ray, const Pose2& map_T_sensor) {
@@ -152,11 +154,10 @@ std::vector<MovingObjectDetector::Cluster> MovingObjectDetector::clusters(
   return result;
 }
 
-/// People who pass each other closely make one cluster; each gets their own part of it.
+/// People who pass each other, or a wall, closely make one cluster with it; each gets their own part.
 void MovingObjectDetector::split(std::vector<Cluster>& clusters,
                                  const std::vector<MovingObstacle>& pedestrians) const {
-  const std::size_t count = clusters.size();
-  for (std::size_t i = 0; i < count; ++i) {
+  for (std::size_t i = 0; i < clusters.size(); ++i) {
     const std::vector<Eigen::Vector2d> points = clusters[i].points_m;
     const auto other = std::find_if(points.begin(), points.end(), [&](const Eigen::Vector2d& point) {
       return are_of_two(points.front(), point, pedestrians);
@@ -174,24 +175,38 @@ void MovingObjectDetector::split(std::vector<Cluster>& clusters,
   }
 }
 
-/// Two legs are one person: the nearest clusters of a person's size are joined while their union has that
-/// size, but not those of two people who are known.
+/// Two legs are one person: clusters are joined, the nearest ones first, while their union has a person's
+/// size; what belongs to a known pedestrian with nothing else.
 void MovingObjectDetector::join(std::vector<Cluster>& clusters,
                                 const std::vector<MovingObstacle>& pedestrians) const {
+  while (const auto pair = nearest_pair(clusters, pedestrians)) {
+    Cluster& into = clusters[pair->first];
+    const Cluster& from = clusters[pair->second];
+    into.points_m.insert(into.points_m.end(), from.points_m.begin(), from.points_m.end());
+    into.explained += from.explained;
+    clusters.erase(clusters.begin() + static_cast<std::ptrdiff_t>(pair->second));
+  }
+}
+
+/// The two clusters to join next, the first of them before the second.
+std::optional<std::pair<std::size_t, std::size_t>> MovingObjectDetector::nearest_pair(
+    const std::vector<Cluster>& clusters, const std::vector<MovingObstacle>& pedestrians) const {
+  std::vector<Eigen::Vector2d> middles_m;
+  middles_m.reserve(clusters.size());
+  for (const Cluster& cluster : clusters) middles_m.push_back(extent_of(cluster.points_m).middle_m);
+  std::optional<std::pair<std::size_t, std::size_t>> pair;
+  double nearest_m = params_.join_m;
   for (std::size_t i = 0; i < clusters.size(); ++i)
-    for (std::size_t j = i + 1; j < clusters.size();) {
+    for (std::size_t j = i + 1; j < clusters.size(); ++j) {
+      const double apart_m = (middles_m[i] - middles_m[j]).norm();
+      if (apart_m > nearest_m || are_of_two(middles_m[i], middles_m[j], pedestrians)) continue;
       std::vector<Eigen::Vector2d> both = clusters[i].points_m;
       both.insert(both.end(), clusters[j].points_m.begin(), clusters[j].points_m.end());
-      const Eigen::Vector2d a_m = extent_of(clusters[i].points_m).middle_m;
-      const Eigen::Vector2d b_m = extent_of(clusters[j].points_m).middle_m;
-      if ((a_m - b_m).norm() > params_.join_m || extent_of(both).radius_m > params_.max_radius_m ||
-          are_of_two(a_m, b_m, pedestrians)) {
-        ++j;
-        continue;
-      }
-      clusters[i].points_m = std::move(both);
-      clusters.erase(clusters.begin() + static_cast<std::ptrdiff_t>(j));
+      if (extent_of(both).radius_m > params_.max_radius_m) continue;
+      nearest_m = apart_m;
+      pair.emplace(i, j);
     }
+  return pair;
 }
 
 std::vector<MovingCandidate> MovingObjectDetector::detect(

@@ -164,6 +164,25 @@ TEST(MovingObjects, TwoTracksOfOnePersonAreOneCandidate) {
   EXPECT_EQ(detector.detect(room.scan({1, 3, 0}, rng), {1, 3, 0}, tracks).size(), 1U);
 }
 
+TEST(MovingObjects, WhoPassesAWallIsNoPartOfWhatHangsThere) {
+  MovingObjectDetector detector({});
+  detector.set_map(Room8().map());
+  Rng rng(11);
+  for (int i = 0; i < 20; ++i) {
+    Room8 room;
+    const Eigen::Vector2d person(rng.uniform(2.7, 3.3), rng.uniform(2.945, 2.975));
+    room.building.add(2.7, 3.38, 3.3, 3.42);  // a board that the map does not show
+    room.discs = {{person, 0.2}, {person + Eigen::Vector2d(-0.05, -0.24), 0.05}};
+    const Pose2 pose{rng.uniform(0.6, 1.2), rng.uniform(2.5, 3.1), 0};
+    const std::vector<MovingObstacle> known{{person + Eigen::Vector2d(0.05, 0), {0.7, 0}, 0.25}};
+    const auto candidates = detector.detect(room.scan(pose, rng), pose, known);
+    const auto is_person = [&](const MovingCandidate& one) {
+      return (one.centre_m - person).norm() < 0.2 && one.radius_m < 0.35;
+    };
+    EXPECT_EQ(std::count_if(candidates.begin(), candidates.end(), is_person), 1) << i;
+  }
+}
+
 TEST(MovingObjects, WithoutPeopleWhatElseWasSeenStays) {
   Room8 room;
   const Pose2 pose{1, 3, 0.4};
