@@ -64,9 +64,7 @@ class MovingObjectDetector {
                                               const std::vector<MovingObstacle>& pedestrians) const;
   [[nodiscard]] bool is_explained(const Eigen::Vector2d& point_m,
                                   const std::vector<MovingObstacle>& pedestrians) const;
-  void split(std::vector<Cluster>& clusters, const std::vector<MovingObstacle>& pedestrians) const;
   void join(std::vector<Cluster>& clusters, const std::vector<MovingObstacle>& pedestrians) const;
-
   [[nodiscard]] std::optional<std::pair<std::size_t, std::size_t>> nearest_pair(
       const std::vector<Cluster>& clusters, const std::vector<MovingObstacle>& pedestrians) const;
 

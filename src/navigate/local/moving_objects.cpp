@@ -132,7 +132,8 @@ std::vector<MovingObjectDetector::Cluster> MovingObjectDetector::clusters(
     const Eigen::Vector2d point = point_of(scan, ray, map_T_sensor);
     const double gap_m = std::max(params_.gap_m, between_rays * std::min(*range_m, before_m));
     const bool same = !result.empty() && ray <= result.back().last_ray + 2 &&
-                      (point - result.back().points_m.back()).norm() <= gap_m;
+                      (point - result.back().points_m.back()).norm() <= gap_m &&
+                      !are_of_two(point, result.back().points_m.back(), pedestrians);
     if (!same) result.push_back({{}, 0, ray, ray});
     Cluster& cluster = result.back();
     cluster.points_m.push_back(point);
@@ -144,7 +145,8 @@ std::vector<MovingObjectDetector::Cluster> MovingObjectDetector::clusters(
   const double sweep = std::abs(scan.angle_increment) * static_cast<double>(scan.ranges.size());
   const bool closed = result.size() > 1 && sweep > kTwoPi - between_rays && result.front().first_ray < 2 &&
                       result.back().last_ray + 2 >= scan.ranges.size();
-  if (closed && (result.front().points_m.front() - result.back().points_m.back()).norm() <= params_.gap_m) {
+  if (closed && (result.front().points_m.front() - result.back().points_m.back()).norm() <= params_.gap_m &&
+      !are_of_two(result.front().points_m.front(), result.back().points_m.back(), pedestrians)) {
     Cluster& first = result.front();
     Cluster& last = result.back();
     first.points_m.insert(first.points_m.end(), last.points_m.begin(), last.points_m.end());
@@ -152,27 +154,6 @@ std::vector<MovingObjectDetector::Cluster> MovingObjectDetector::clusters(
     result.pop_back();
   }
   return result;
-}
-
-/// People who pass each other, or a wall, closely make one cluster with it; each gets their own part.
-void MovingObjectDetector::split(std::vector<Cluster>& clusters,
-                                 const std::vector<MovingObstacle>& pedestrians) const {
-  for (std::size_t i = 0; i < clusters.size(); ++i) {
-    const std::vector<Eigen::Vector2d> points = clusters[i].points_m;
-    const auto other = std::find_if(points.begin(), points.end(), [&](const Eigen::Vector2d& point) {
-      return are_of_two(points.front(), point, pedestrians);
-    });
-    if (other == points.end()) continue;
-    Cluster first;
-    Cluster second;
-    for (const Eigen::Vector2d& point : points) {
-      Cluster& part = are_of_two(points.front(), point, pedestrians) ? second : first;
-      part.points_m.push_back(point);
-      if (is_explained(point, pedestrians)) ++part.explained;
-    }
-    clusters[i] = std::move(first);
-    clusters.push_back(std::move(second));
-  }
 }
 
 /// Two legs are one person: clusters are joined, the nearest ones first, while their union has a person's
@@ -212,7 +193,6 @@ std::optional<std::pair<std::size_t, std::size_t>> MovingObjectDetector::nearest
 std::vector<MovingCandidate> MovingObjectDetector::detect(
     const LaserScan& scan, const Pose2& map_T_base, const std::vector<MovingObstacle>& pedestrians) const {
   std::vector<Cluster> found = clusters(scan, map_T_base, pedestrians);
-  split(found, pedestrians);
   const auto is_other = [this](const Cluster& cluster) {
     const auto returns = static_cast<double>(cluster.points_m.size());
     return cluster.explained > params_.max_explained * returns ||
