@@ -178,13 +178,27 @@ class Augmentation(unittest.TestCase):
         from unittest import mock
 
         from extperfc.training.shapes import store
-        with mock.patch.object(store, 'free_memory', return_value=4 * 3 * 192 * 256):
+        with mock.patch.object(store, 'free_memory', return_value=5 * 3 * 192 * 256):
             some = store.ImageStore(self.store.folder, 6, torch.device('cpu'))
         some.grow(6)
         self.assertEqual((len(some.images), len(self.store.images)), (3, 0))
         for numbers in ([0, 5, 2, 3, 3], [1, 2], [4, 3]):
             for one, other in zip(some.fetch(torch.tensor(numbers)), self.store.fetch(torch.tensor(numbers))):
                 self.assertTrue(torch.equal(one, other), numbers)
+
+    def test_a_store_reads_ahead_what_is_rendered_and_not_much_of_it(self):
+        from unittest import mock
+
+        from extperfc.training.shapes import store
+        Path(self.store.folder, 'Annotations', '000005.xml').rename(Path(self.store.folder, 'later.xml'))
+        for ahead, expected in ((2, 2), (9, 3)):
+            with mock.patch.object(store, 'AHEAD', ahead):
+                growing = store.ImageStore(self.store.folder, 6, torch.device('cpu'))
+                growing.grow(1)
+            self.assertEqual((growing.known, len(growing.coming)), (1, expected))
+        Path(self.store.folder, 'later.xml').rename(Path(self.store.folder, 'Annotations', '000005.xml'))
+        growing.grow(6)
+        self.assertTrue(torch.equal(growing.boxes, self.store.boxes))
 
     def test_a_store_on_a_growing_folder_names_what_it_misses(self):
         with self.assertRaisesRegex(SystemExit, '000007.xml does not exist: render'):
@@ -220,6 +234,28 @@ class Network(unittest.TestCase):
         good = sum(loss.detection_loss(logits, reach, centres, strides, truth, valid))
         bad = sum(loss.detection_loss(logits.roll(1, 1), reach + 1, centres, strides, truth, valid))
         self.assertLess(float(good), 0.3 * float(bad))
+
+    @unittest.skipUnless(torch is not None and torch.cuda.is_available(), 'no GPU')
+    def test_recorded_losses_and_gradients_are_those_of_the_network(self):
+        from extperfc.training.shapes import network, train
+        torch.manual_seed(0)
+        device = torch.device('cuda')
+        images = 255 * torch.rand(2, 3, 64, 96, device=device)
+        boxes = torch.full((2, 40, 5), -2.0, device=device)
+        boxes[:, 0] = torch.tensor([1.0, 20, 10, 60, 50], device=device)
+        results = []
+        for recorded in (False, True):
+            torch.manual_seed(1)
+            net = network.ShapeNet().to(device, memory_format=torch.channels_last)
+            losses = train.Losses(net, (96, 64), device, False)
+            if recorded:
+                losses.record(images, boxes)
+                self.assertEqual(float(net.backbone.to4[0][1].running_mean.abs().max()), 0.0)
+            values = losses(images, boxes)
+            values.sum().backward()
+            results.append([values.detach(), net.backbone.to4[0][0].weight.grad, net.backbone.to4[0][1].running_mean])
+        for one, other in zip(*results):
+            torch.testing.assert_close(one, other, rtol=0.02, atol=1e-4)
 
     def test_a_resumed_run_has_the_same_weights(self):
         from extperfc.training.shapes.train import Recipe, Trainer

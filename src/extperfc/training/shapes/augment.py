@@ -16,6 +16,11 @@ MIRRORED, SWAPPED, GREY, COVERED = 0.5, 0.06, 0.09, 0.2  # fractions of samples;
 COVERS = 4  # patches in a covered sample, at most
 
 
+def sent(values, device):
+    """Drawn values (on the CPU) on a device. A GPU is not waited for, as it would be without the pinned memory."""
+    return values.pin_memory().to(device, non_blocking=True) if device.type == 'cuda' else values
+
+
 @dataclass
 class Placing:
     """Where images go: source pixel (x, y) lands on scale * (x, y) + shift, mirrored before; seen within area only."""
@@ -26,7 +31,7 @@ class Placing:
 
     def to(self, device):
         """The same on a device."""
-        return Placing(*(part.to(device, non_blocking=True) for part in vars(self).values()))
+        return Placing(*(sent(part, device) for part in vars(self).values()))
 
 
 def place_boxes(boxes, width, placing):
@@ -118,7 +123,7 @@ class Augmenter:
         for corners in ((none, none, x, y), (x, none, right, y), (none, y, x, bottom), (x, y, right, bottom)):
             area = torch.stack(corners, 1)
             part, more = self._paste(rng, pool, area, torch.empty(count).uniform_(-0.9, 0.1, generator=rng).exp())
-            seen = inside(area.to(self.store.device), columns, rows)
+            seen = inside(sent(area, self.store.device), columns, rows)
             whole = part if whole is None else torch.where(seen[:, None], part, whole)
             boxes.append(more)
         return whole, first_objects(torch.cat(boxes, 1))
@@ -133,7 +138,7 @@ class Augmenter:
         mixing[(kind >= SWAPPED) & (kind < GREY)] = torch.tensor([0.299, 0.587, 0.114])
         gain = torch.exp(0.12 * torch.randn(count, 1, generator=rng) + 0.05 * torch.randn(count, 3, generator=rng))
         offset = 8 * torch.randn(count, 1, 1, generator=rng)
-        mixing, offset = [part.to(images.device, non_blocking=True) for part in (mixing * gain[..., None], offset)]
+        mixing, offset = [sent(part, images.device) for part in (mixing * gain[..., None], offset)]
         return torch.baddbmm(offset, mixing, images.flatten(2)).clamp_(0, 255).view_as(images)
 
     def _cover(self, rng, images, boxes):
@@ -141,11 +146,12 @@ class Augmenter:
         width, height = self.size
         count = int(COVERED * len(images))
         columns, rows = torch.arange(width, device=images.device), torch.arange(height, device=images.device)
-        chosen = torch.randperm(len(images), generator=rng)[:count].to(images.device)
+        chosen = sent(torch.randperm(len(images), generator=rng)[:count], images.device)
         for _ in range(COVERS):
             corner = torch.rand(count, 2, generator=rng) * torch.tensor([width - 6.0, height - 6.0])
-            patch = torch.cat([corner, corner + torch.empty(count, 2).uniform_(6, 50, generator=rng)], 1).to(images.device)
-            colour = (255 * torch.rand(count, 3, 1, 1, generator=rng)).to(images.device)
+            patch = torch.cat([corner, corner + torch.empty(count, 2).uniform_(6, 50, generator=rng)], 1)
+            patch = sent(patch, images.device)
+            colour = sent(255 * torch.rand(count, 3, 1, 1, generator=rng), images.device)
             low = torch.maximum(boxes[chosen, :, 1:3], patch[:, None, :2])
             high = torch.minimum(boxes[chosen, :, 3:], patch[:, None, 2:])
             size = boxes[chosen, :, 3:] - boxes[chosen, :, 1:3]

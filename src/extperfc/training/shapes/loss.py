@@ -7,12 +7,17 @@ from .network import CLASS_COUNT, corners
 TOP = 10  # cells per object
 
 
+def area(sides):
+    """Product of width and height (..., 2). prod() would do, but its gradient makes a GPU wait."""
+    return sides[..., 0] * sides[..., 1]
+
+
 def overlap(a, b):
     """IoU and GIoU of boxes (..., 4) x0, y0, x1, y1, broadcast."""
     low, high = torch.maximum(a[..., :2], b[..., :2]), torch.minimum(a[..., 2:], b[..., 2:])
-    common = (high - low).clamp(min=0).prod(-1)
-    union = (a[..., 2:] - a[..., :2]).clamp(min=0).prod(-1) + (b[..., 2:] - b[..., :2]).prod(-1) - common + 1e-6
-    outer = (torch.maximum(a[..., 2:], b[..., 2:]) - torch.minimum(a[..., :2], b[..., :2])).prod(-1) + 1e-6
+    common = area((high - low).clamp(min=0))
+    union = area((a[..., 2:] - a[..., :2]).clamp(min=0)) + area(b[..., 2:] - b[..., :2]) - common + 1e-6
+    outer = area(torch.maximum(a[..., 2:], b[..., 2:]) - torch.minimum(a[..., :2], b[..., :2])) + 1e-6
     iou = common / union
     return iou, iou - (outer - union) / outer
 

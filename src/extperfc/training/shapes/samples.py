@@ -28,12 +28,17 @@ def read_boxes(folder, number):
     return np.array(rows, np.float32).reshape(-1, 5)
 
 
+def is_rendered(folder, number):
+    """Whether an image and its boxes are there."""
+    return (Path(folder) / 'Annotations' / f'{number + 1:06d}.xml').exists()  # written after the image
+
+
 def wait_for(folder, number, wait_s=0.0):
     """Waits for an image that is still to be rendered, `wait_s` at most; then ends with what to do."""
     end = time.monotonic() + wait_s
-    notes = Path(folder) / 'Annotations' / f'{number + 1:06d}.xml'  # written after the image
-    while not notes.exists():
+    while not is_rendered(folder, number):
         if time.monotonic() > end:
+            notes = Path(folder) / 'Annotations' / f'{number + 1:06d}.xml'
             raise SystemExit(f'{notes} does not exist: render the images first (tools/train_shapes render)')
         time.sleep(0.2)
 
@@ -44,7 +49,7 @@ def load(folder, number, wait_s=0.0):
     image = cv2.imread(str(image_file(folder, number)), cv2.IMREAD_COLOR)
     if image is None:
         raise SystemExit(f'{image_file(folder, number)} cannot be read: render the folder anew')
-    return image[..., ::-1], read_boxes(folder, number)
+    return cv2.cvtColor(image, cv2.COLOR_BGR2RGB), read_boxes(folder, number)
 
 
 def placement(width, height, size):

@@ -1,14 +1,16 @@
 """The rendered images of a training run. A GPU keeps in its memory what fits, so that its input does not wait for files."""
+from collections import deque
 from concurrent.futures import ThreadPoolExecutor
 
 import cv2
 import numpy as np
 import torch
 
-from .samples import load, read_boxes, wait_for
+from .samples import is_rendered, load, read_boxes, wait_for
 
 OBJECTS = 40  # maximum of objects in one image or sample
 NONE = -2  # label of an unused row of boxes; -1 is an ignored object
+AHEAD = 256  # images that are read before they are asked for, at most
 
 
 def rows_of(boxes):
@@ -26,23 +28,34 @@ class ImageStore:
     they are asked for.
     """
 
-    def __init__(self, folder, capacity, device, wait_s=0.0, threads=2, fraction=0.75):
+    def __init__(self, folder, capacity, device, wait_s=0.0, threads=2, fraction=0.7):
         self.folder, self.device, self.wait_s, self.known = folder, device, wait_s, 0
         cv2.setNumThreads(1)  # once: the readers are the threads
         self.readers = ThreadPoolExecutor(threads)
+        self.coming, self.asked = deque(), 0  # what is being read, in turn, and the number of the next
         self.height, self.width = load(folder, 0, wait_s)[0].shape[:2]
         self.boxes = torch.empty(capacity, OBJECTS, 5, device=device)
         kept = min(capacity, int(fraction * free_memory(device) / (3 * self.height * self.width)))
         self.images = torch.empty(kept, self.height, self.width, 3, dtype=torch.uint8, device=device)
 
     def grow(self, count):
-        """Makes the first `count` images known; waits for those that are still to be rendered."""
-        fresh = range(self.known, count)
-        for number, (image, boxes) in zip(fresh, self.readers.map(self._read, fresh)):
-            self.boxes[number] = boxes.to(self.device)
+        """Makes the first `count` images known; waits for those that are still to be rendered. Rendered ones that follow are
+        read ahead.
+        """
+        for number in range(self.known, count):
+            self._ask(number + 1)
+            image, boxes = self.coming.popleft().result()
+            self.boxes[number] = boxes.to(self.device, non_blocking=True)
             if image is not None:
                 self.images[number] = image.to(self.device, non_blocking=True)
         self.known = max(count, self.known)
+
+    def _ask(self, needed):
+        """Lets readers read up to `needed`, and what is rendered of those that follow."""
+        end = min(needed + AHEAD, len(self.boxes))
+        while self.asked < needed or (self.asked < end and is_rendered(self.folder, self.asked)):
+            self.coming.append(self.readers.submit(self._read, self.asked))
+            self.asked += 1
 
     def fetch(self, numbers):
         """Images (N, H, W, 3) uint8 and boxes (N, OBJECTS, 5) of known images, on the device."""
@@ -58,12 +71,15 @@ class ImageStore:
         return images, self.boxes[places]
 
     def _image(self, number):
-        return torch.from_numpy(np.ascontiguousarray(load(self.folder, number)[0]))
+        return torch.from_numpy(load(self.folder, number)[0])
 
     def _read(self, number):
         wait_for(self.folder, number, self.wait_s)
         image = self._image(number) if number < len(self.images) else None
-        return image, rows_of(read_boxes(self.folder, number))
+        boxes = rows_of(read_boxes(self.folder, number))
+        if self.device.type != 'cuda':
+            return image, boxes
+        return None if image is None else image.pin_memory(), boxes.pin_memory()  # a copy that nothing waits for
 
 
 def free_memory(device):

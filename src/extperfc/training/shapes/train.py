@@ -4,6 +4,7 @@ What is learnt at a step depends on the recipe and the step alone, so that a run
 another machine, goes the same way as one that was not (up to rounding, which differs between processors).
 """
 import copy
+import gc
 from dataclasses import asdict, dataclass
 from pathlib import Path
 
@@ -86,6 +87,33 @@ class Average:
             a.copy_(b)
 
 
+class Losses(torch.nn.Module):
+    """Losses (2,), of scores and boxes, of one network for images of one size (width, height)."""
+
+    def __init__(self, net, size, device, bfloat16):
+        super().__init__()
+        self.net, self.device_type, self.bfloat16 = net, device.type, bfloat16
+        centres, strides = network.cells(*size)
+        self.register_buffer('centres', centres.to(device))
+        self.register_buffer('strides', strides.to(device))
+
+    def forward(self, images, boxes):
+        """Images (B, 3, H, W), 0 to 255, and boxes (B, OBJECTS, 5) of an Augmenter."""
+        images = images.mul(1 / 255).contiguous(memory_format=torch.channels_last)
+        with torch.autocast(self.device_type, torch.bfloat16, enabled=self.bfloat16, cache_enabled=False):
+            logits, reach = self.net(images)
+        return torch.stack(detection_loss(logits, reach, self.centres, self.strides, boxes, boxes[..., 0] > NONE))
+
+    def record(self, images, boxes):
+        """Makes CUDA graphs of both passes, for batches of this shape: a GPU then waits for no call. Statistics stay."""
+        gc.collect()  # the graphs of an earlier phase, with their memory
+        torch.cuda.empty_cache()
+        statistics = [buffer.clone() for buffer in self.buffers()]
+        torch.cuda.make_graphed_callables(self, (images, boxes))
+        for buffer, before in zip(self.buffers(), statistics):  # recording runs the network a few times
+            buffer.copy_(before)
+
+
 def optimiser(net, recipe):
     """AdamW with decay on convolution weights only."""
     plain = [p for p in net.parameters() if p.ndim == 1]
@@ -138,21 +166,18 @@ class Trainer:
                     'before': self.before}, partial)
         partial.rename(self.checkpoint)
 
-    def one_step(self, images, boxes, cells):
+    def one_step(self, losses, images, boxes):
         """Learns from one batch; returns both losses (2,), on the device."""
-        images = images.mul(1 / 255).contiguous(memory_format=torch.channels_last)
         for group in self.solver.param_groups:
             group['lr'] = self.recipe.learning_rate(self.step)
-        with torch.autocast(self.device.type, torch.bfloat16, enabled=self.options.bfloat16):
-            logits, reach = self.net(images)
-        losses = torch.stack(detection_loss(logits, reach, *cells, boxes, boxes[..., 0] > NONE))
+        values = losses(images, boxes)
         self.solver.zero_grad(set_to_none=True)
-        losses.sum().backward()
+        values.sum().backward()
         torch.nn.utils.clip_grad_norm_(self.net.parameters(), 10.0)
         self.solver.step()
         self.step += 1
         self.average.follow(self.step)
-        return losses.detach()
+        return values.detach()
 
     def run(self):
         """Trains to the last step."""
@@ -161,13 +186,17 @@ class Trainer:
         progress, smooth, text = Progress(recipe.steps, self.step), None, ''
         while self.step < recipe.steps:
             end, size = recipe.phase_end(self.step), recipe.input_size(self.step)
-            cells = [part.to(self.device) for part in network.cells(*size)]
-            augmenter = Augmenter(store, size, recipe.seed, recipe.batch)
+            losses = Losses(self.net, size, self.device, options.bfloat16)
+            augmenter, to_record = Augmenter(store, size, recipe.seed, recipe.batch), self.device.type == 'cuda'
             while self.step < end:
                 pool = recipe.pool(self.step)
                 store.grow(pool)
-                losses = self.one_step(*augmenter.samples(self.step, pool, recipe.mosaics(self.step)), cells)
-                smooth = losses.lerp(losses if smooth is None else smooth, 0.98)
+                batch = augmenter.samples(self.step, pool, recipe.mosaics(self.step))
+                if to_record:
+                    losses.record(*batch)
+                    to_record = False
+                values = self.one_step(losses, *batch)
+                smooth = values.lerp(values if smooth is None else smooth, 0.98)
                 if self.step % 50 == 0:  # what is on the device is read now and then only
                     text = 'score {:.3f}, box {:.3f}'.format(*smooth.tolist())
                 progress.step(text)
