@@ -1,4 +1,4 @@
-"""The shape detector's network: residual backbone, pyramid neck on strides 8, 16, 32, anchor-free head."""
+"""The shape detector's network: residual backbone, pyramid neck on strides 8, 16, 32, anchor-free decoupled head."""
 import torch
 from torch import nn
 from torch.nn import functional
@@ -59,15 +59,15 @@ class Pool(nn.Module):
 
 
 class Backbone(nn.Module):
-    """Maps at strides 8, 16 and 32 of an image (B, 3, H, W); `depths`: residual blocks at these strides."""
+    """Maps at strides 8, 16 and 32 of an image (B, 3, H, W)."""
 
-    def __init__(self, widths, depths):
+    def __init__(self, widths):
         super().__init__()
         stem, c4, c8, c16, c32 = widths
-        self.to4 = nn.Sequential(Unit(3, stem, 3, 2), Unit(stem, c4, 3, 2))
-        self.to8 = nn.Sequential(Unit(c4, c8, 3, 2), Stage(c8, c8, depths[0]))
-        self.to16 = nn.Sequential(Unit(c8, c16, 3, 2), Stage(c16, c16, depths[1]))
-        self.to32 = nn.Sequential(Unit(c16, c32, 3, 2), Stage(c32, c32, depths[2]), Pool(c32))
+        self.to4 = nn.Sequential(Unit(3, stem, 3, 2), Unit(stem, c4, 3, 2), Stage(c4, c4, 1))
+        self.to8 = nn.Sequential(Unit(c4, c8, 3, 2), Stage(c8, c8, 2))
+        self.to16 = nn.Sequential(Unit(c8, c16, 3, 2), Stage(c16, c16, 2))
+        self.to32 = nn.Sequential(Unit(c16, c32, 3, 2), Stage(c32, c32, 1), Pool(c32))
 
     def forward(self, x):
         c8 = self.to8(self.to4(x))
@@ -76,15 +76,14 @@ class Backbone(nn.Module):
 
 
 class Neck(nn.Module):
-    """Mixes the three maps from coarse to fine and back; they get `widths` channels."""
+    """Mixes the three maps from coarse to fine and back; all get `width` channels."""
 
-    def __init__(self, channels, widths):
+    def __init__(self, channels, width):
         super().__init__()
-        w8, w16, w32 = widths
-        self.side = nn.ModuleList([Unit(c, w, 1) for c, w in zip(channels, widths)])
-        self.down = nn.ModuleList([Stage(w16 + w32, w16, 1, False), Stage(w8 + w16, w8, 1, False)])
-        self.stride = nn.ModuleList([Unit(w8, w8, 3, 2), Unit(w16, w16, 3, 2)])
-        self.up = nn.ModuleList([Stage(w16 + w8, w16, 1, False), Stage(w32 + w16, w32, 1, False)])
+        self.side = nn.ModuleList([Unit(c, width, 1) for c in channels])
+        self.down = nn.ModuleList([Stage(2 * width, width, 1, False) for _ in range(2)])
+        self.stride = nn.ModuleList([Unit(width, width, 3, 2) for _ in range(2)])
+        self.up = nn.ModuleList([Stage(2 * width, width, 1, False) for _ in range(2)])
 
     def forward(self, maps):
         fine, middle, coarse = [side(m) for side, m in zip(self.side, maps)]
@@ -100,23 +99,23 @@ class Head(nn.Module):
 
     def __init__(self, width):
         super().__init__()
-        self.body, self.score, self.reach = Unit(width, width), nn.Conv2d(width, CLASS_COUNT, 1), nn.Conv2d(width, 4, 1)
-        nn.init.constant_(self.score.bias, -4.0)
-        nn.init.constant_(self.reach.bias, 0.7)
+        self.score = nn.Sequential(Unit(width, width), nn.Conv2d(width, CLASS_COUNT, 1))
+        self.reach = nn.Sequential(Unit(width, width), nn.Conv2d(width, 4, 1))
+        nn.init.constant_(self.score[-1].bias, -4.0)
+        nn.init.constant_(self.reach[-1].bias, 0.7)
 
     def forward(self, x):
-        x = self.body(x)
         return self.score(x), self.reach(x)
 
 
 class ShapeNet(nn.Module):
     """The detector; `forward` gives logits (B, 3, N) and log distances (B, 4, N) of all N cells."""
 
-    def __init__(self, widths=(16, 32, 64, 160, 320), depths=(3, 4, 3), neck=(64, 96, 128)):
+    def __init__(self, widths=(16, 32, 72, 144, 224), neck=72):
         super().__init__()
-        self.backbone = Backbone(widths, depths)
+        self.backbone = Backbone(widths)
         self.neck = Neck(widths[2:], neck)
-        self.heads = nn.ModuleList([Head(width) for width in neck])
+        self.heads = nn.ModuleList([Head(neck) for _ in STRIDES])
 
     def forward(self, x):
         outputs = [head(m) for head, m in zip(self.heads, self.neck(self.backbone(x)))]
