@@ -205,13 +205,13 @@ void Navigator::cycle(const NavigatorInput& input, Output& output) {
   if (task_ && state_ == NavState::kPlanning) coast(input, output);
 }
 
-/// A goal that replaces another does not stop the base: it drives on by the old path until the first plan.
+/// A goal that replaces another does not stop the base: it drives on by the old path until the first plan. What
+/// is in that path is the local planner's task, as it is with any other: who walks ahead is no reason to stop.
 void Navigator::coast(const NavigatorInput& input, Output& output) {
   if (coast_.empty()) return;
   coast_.update(input.map_T_base);
   const Pose2 odom_T_map = compose(input.odom_T_base, inverse(input.map_T_base));
-  if (clock_s_ > coast_until_s_ || input.guard_stopped || block_of(coast_, input, odom_T_map))
-    return coast_.clear();
+  if (clock_s_ > coast_until_s_ || input.guard_stopped) return coast_.clear();
   planner_->set_path(coast_.rest_in(odom_T_map), params_.goal);
   const LocalState local{input.odom_T_base, input.velocity, input.people, input.speed_factor};
   const auto wanted = planner_->command(*input.costs, *input.footprint, local, dt_s_, false);

@@ -156,6 +156,17 @@ TEST(Navigator, AGoalThatReplacesAnotherDoesNotStopTheBase) {
   EXPECT_NEAR(robot.pose.y, 1, 0.2);
 }
 
+TEST(Navigator, AGoalThatReplacesAnotherDoesNotStopTheBaseBehindWhoWalksAhead) {
+  FakeRobot robot;
+  robot.drive_to({5, 0, 0});
+  robot.run_for(2);
+  robot.block({robot.pose.x + 2, 0}, 0.1);
+  robot.answers = false;
+  robot.drive_to({5, 1, 0});
+  robot.run_for(0.4);
+  EXPECT_NEAR(robot.velocity.vx, 0.5, 0.01);
+}
+
 TEST(Navigator, WithoutAPlanToTheNewGoalItStops) {
   FakeRobot robot;
   robot.drive_to({3, 0, 0});
