@@ -23,14 +23,14 @@ NODES = {  # node: the parts that end with it, and a topic that shows that they 
 
 
 class Listener:
-    """What health publishes, and when the topics of NODES brought a message (time.monotonic())."""
+    """What health publishes, and when topics, by default those of NODES, brought a message (time.monotonic())."""
 
-    def __init__(self):
+    def __init__(self, topics=tuple({topic for _, topic in NODES.values() if topic})):
         self.summary, self.messages, self.tree, self.arrivals = None, [], [], {}
         self.lock = threading.Lock()
         rospy.Subscriber("diagnostics_toplevel_state", DiagnosticStatus, self._on_summary)
         rospy.Subscriber("diagnostics_agg", DiagnosticArray, self._on_tree)
-        for topic in {topic for _, topic in NODES.values() if topic}:
+        for topic in topics:
             rospy.Subscriber(topic, rospy.AnyMsg, self._on_message, topic)
 
     def _on_summary(self, message):

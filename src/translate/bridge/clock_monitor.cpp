@@ -19,6 +19,7 @@ ClockOffset::Params offset_params(const ClockParams& clocks) {
 
 ClockMonitor::ClockMonitor(BridgeContext& context, Resolver& resolver)
     : context_(context), offset_(offset_params(context.params.clocks)) {
+  if (context_.params.clock) return;  // simulated time has no offset to measure
   const auto& clocks = context_.params.clocks;
   for (const auto& topic : clocks.reference_topics) watch_topic(topic);
   if (clocks.ntp_server.empty()) return;
