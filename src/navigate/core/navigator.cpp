@@ -205,8 +205,9 @@ void Navigator::cycle(const NavigatorInput& input, Output& output) {
   if (task_ && state_ == NavState::kPlanning) coast(input, output);
 }
 
-/// A goal that replaces another does not stop the base: it drives on by the old path until the first plan. What
-/// is in that path is the local planner's task, as it is with any other: who walks ahead is no reason to stop.
+/// A goal that replaces another does not stop the base: it drives on by the old path until the first plan.
+/// What is in that path is the local planner's task, as it is with any other: who walks ahead is no reason to
+/// stop.
 void Navigator::coast(const NavigatorInput& input, Output& output) {
   if (coast_.empty()) return;
   coast_.update(input.map_T_base);
