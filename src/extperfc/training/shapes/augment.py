@@ -18,7 +18,7 @@ COVERS = 4  # patches in a covered sample, at most
 
 def sent(values, device):
     """Drawn values (on the CPU) on a device. A GPU is not waited for, as it would be without the pinned memory."""
-    return values.pin_memory().to(device, non_blocking=True) if device.type == 'cuda' else values
+    return values.contiguous().pin_memory().to(device, non_blocking=True) if device.type == 'cuda' else values
 
 
 @dataclass
