@@ -1,7 +1,7 @@
 """bringup.launch beside a robot with a master of its own, whose definitions are Indigo's: the translator is between them.
 
 The robot is the simulated Baxter with base, lidar and camera, and a node that is compiled with Indigo's definitions. That what
-the simulator publishes and hears is the same in Indigo is a test, too.
+the simulator publishes is the same in Indigo is a test, too.
 """
 
 import json
@@ -85,7 +85,7 @@ class TranslatedRobot(unittest.TestCase):
         self.assertEqual(PARTS, {value.key for value in self.listener.summary.values})
 
     def test_2_the_robot_speaks_indigo(self):
-        """Whatever the simulator publishes has Indigo's definition, or the robot here would not be one of Indigo's."""
+        """What the simulator publishes has Indigo's definition, or the robot here would not be one of Indigo's."""
         command = [processes.PROGRAMS / "extperfc-translate", "check", "--config", processes.REPO / "config" / "translate", "--json",
                    "--all", "--robot", self.robot.uri, "--to-set", "indigo"]
         answer = subprocess.run(command, capture_output=True, text=True, timeout=60, check=False)

@@ -32,11 +32,19 @@ PASSAGE_M = 0.44         # of the robot's middle to what stands around on its pa
 COLUMNS = ("goal", "result", "end", "time", "planned", "driven", "ratio", "speed", "touched", "people")
 
 
+def finite(text):
+    """A number of the command line, not nan or inf."""
+    value = float(text)
+    if not math.isfinite(value):
+        raise argparse.ArgumentTypeError(f"{text} is no place")
+    return value
+
+
 def parse_arguments(argv):
     parser = argparse.ArgumentParser(prog="tools/trial_navigate", description=__doc__,
                                      formatter_class=argparse.RawTextHelpFormatter)
     parser.add_argument("--goals", type=int, default=10, metavar="N", help="default: 10")
-    parser.add_argument("--goal", type=float, nargs=3, action="append", metavar=("X", "Y", "YAW"),
+    parser.add_argument("--goal", type=finite, nargs=3, action="append", metavar=("X", "Y", "YAW"),
                         help="instead of random goals [m, rad]; of several, one after the other and again from the first;\n"
                         "repeatable")
     parser.add_argument("--world", default="office", metavar="NAME",

@@ -105,13 +105,17 @@ class Losses(torch.nn.Module):
         return torch.stack(detection_loss(logits, reach, self.centres, self.strides, boxes, boxes[..., 0] > NONE))
 
     def record(self, images, boxes):
-        """Makes CUDA graphs of both passes, for batches of this shape: a GPU then waits for no call. Statistics stay."""
+        """Makes CUDA graphs of both passes, for batches of this shape: a GPU then waits for no call. Statistics stay.
+        RuntimeError where that is not possible.
+        """
         gc.collect()  # the graphs of an earlier phase, with their memory
         torch.cuda.empty_cache()
         statistics = [buffer.clone() for buffer in self.buffers()]
-        torch.cuda.make_graphed_callables(self, (images, boxes))
-        for buffer, before in zip(self.buffers(), statistics):  # recording runs the network a few times
-            buffer.copy_(before)
+        try:
+            torch.cuda.make_graphed_callables(self, (images, boxes))
+        finally:
+            for buffer, before in zip(self.buffers(), statistics):  # recording runs the network a few times
+                buffer.copy_(before)
 
 
 def optimiser(net, recipe):
@@ -166,6 +170,14 @@ class Trainer:
                     'before': self.before}, partial)
         partial.rename(self.checkpoint)
 
+    @staticmethod
+    def record(losses, batch):
+        """Makes the steps to come quicker where that is possible."""
+        try:
+            losses.record(*batch)
+        except RuntimeError as error:
+            print(f'CUDA graphs are not possible here ({str(error).splitlines()[0]}); going on without', flush=True)
+
     def one_step(self, losses, images, boxes):
         """Learns from one batch; returns both losses (2,), on the device."""
         for group in self.solver.param_groups:
@@ -193,7 +205,7 @@ class Trainer:
                 store.grow(pool)
                 batch = augmenter.samples(self.step, pool, recipe.mosaics(self.step))
                 if to_record:
-                    losses.record(*batch)
+                    self.record(losses, batch)
                     to_record = False
                 values = self.one_step(losses, *batch)
                 smooth = values.lerp(values if smooth is None else smooth, 0.98)
