@@ -2,12 +2,26 @@
 
 import os
 import tempfile
+import time
 
 import rospy
 from demo import wait_for_master
 from ros_session import RosSession
 
+DEADLINE_S = 120.0  # of what health is waited to say
 QUICK = 4.0  # simulated seconds per second where only the end of a motion matters
+
+
+class Supervised:
+    """Of test cases that wait for what health says: they have a `session` and a robot_health.Listener `listener`."""
+
+    @classmethod
+    def wait(cls, condition, what):
+        deadline = time.monotonic() + DEADLINE_S
+        while not condition():
+            if time.monotonic() > deadline or not cls.session.alive():
+                raise AssertionError(f"waited for {what}: {cls.listener.summary}, {cls.session.errors()}")
+            time.sleep(0.02)
 
 
 def launch(case, node, launch_file, **arguments):

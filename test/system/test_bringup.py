@@ -25,7 +25,7 @@ HANGS = "/navigation_manager"
 GOAL = Pose(0.1, 1.1, 0.0)  # free floor beside the start, where the simulator and the mapper began anew
 
 
-class Bringup(unittest.TestCase):
+class Bringup(simulated_robot.Supervised, unittest.TestCase):
     @classmethod
     def setUpClass(cls):
         begin = time.monotonic()
@@ -35,14 +35,6 @@ class Bringup(unittest.TestCase):
         cls.table = ProcessTable(os.environ["ROS_MASTER_URI"])
         cls.wait(lambda: cls.listener.complete, "a complete robot")
         cls.start_s = time.monotonic() - begin
-
-    @classmethod
-    def wait(cls, condition, what):
-        deadline = time.monotonic() + DEADLINE_S
-        while not condition():
-            if time.monotonic() > deadline or not cls.session.alive():
-                raise AssertionError(f"waited for {what}: {cls.listener.summary}, {cls.session.errors()}")
-            time.sleep(0.02)
 
     def disturb(self, node, number):
         """Sends a signal to a node's process; returns how many summaries came before."""

@@ -23,8 +23,8 @@ from extperfc.health.processes import ProcessTable
 from nav_robot import NavRobot
 from pose_errors import Pose
 from robot_health import Listener, named, runs
-from ros_session import RosSession
-from simulated_robot import wait_for_master
+from ros_session import RosSession, end_launch
+from simulated_robot import DEADLINE_S, Supervised, wait_for_master
 
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[1] / "translator"))
 
@@ -33,12 +33,11 @@ from harness import eras, network, processes  # noqa: E402
 HERE = pathlib.Path(__file__).resolve().parent
 PARTS = {"robot_state_publisher", "translator", "cloud_to_scan", "detector", "box_depth", "mapper", "navigator", "cmd_vel_mux", "arm"}
 GOAL = Pose(0.1, 1.1, 0.0)  # free floor beside the start
-DEADLINE_S = 120.0
 RETURN_LIMIT_S = 5.0  # what is aimed at, printed beside the measured time
 HEAD_RAD = 0.4
 
 
-class TranslatedRobot(unittest.TestCase):
+class TranslatedRobot(Supervised, unittest.TestCase):
     @classmethod
     def setUpClass(cls):
         cls.folder = processes.Folder()
@@ -50,7 +49,7 @@ class TranslatedRobot(unittest.TestCase):
             cls.simulator = subprocess.Popen(
                 ["roslaunch", "extperfc", "sim.launch", "rviz:=false", "scan:=false", "start_pose:=tuck", "publish_map_frame:=false"],
                 stdout=log, stderr=subprocess.STDOUT, stdin=subprocess.DEVNULL, env=cls.robot.environment())
-        cls.addClassCleanup(cls.end_simulator)
+        cls.addClassCleanup(end_launch, cls.simulator)
         cls.indigo = processes.Puppet("battery", "indigo", "cpp", cls.robot)
         cls.addClassCleanup(cls.indigo.end)
         cls.session = RosSession(os.path.join(cls.folder.path, "launch.log"))
@@ -61,23 +60,6 @@ class TranslatedRobot(unittest.TestCase):
         rospy.init_node("test_bringup_translated", disable_signals=True)
         cls.addClassCleanup(rospy.signal_shutdown, "the tests are over")
         cls.listener, cls.begin = Listener(topics=()), time.monotonic()
-
-    @classmethod
-    def end_simulator(cls):
-        cls.simulator.send_signal(signal.SIGINT)
-        try:
-            cls.simulator.wait(15)
-        except subprocess.TimeoutExpired:
-            cls.simulator.kill()
-            cls.simulator.wait()
-
-    @classmethod
-    def wait(cls, condition, what):
-        deadline = time.monotonic() + DEADLINE_S
-        while not condition():
-            if time.monotonic() > deadline or not cls.session.alive():
-                raise AssertionError(f"waited for {what}: {cls.listener.summary}, {cls.session.errors()}")
-            time.sleep(0.02)
 
     def test_1_comes_up_complete(self):
         self.wait(lambda: self.listener.complete, "a complete robot")

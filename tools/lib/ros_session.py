@@ -23,6 +23,16 @@ def free_port():
         return probe.getsockname()[1]
 
 
+def end_launch(process):
+    """Ends a roslaunch with its nodes: politely first, for good after 15 s."""
+    process.send_signal(signal.SIGINT)
+    try:
+        process.wait(15)
+    except subprocess.TimeoutExpired:
+        process.kill()
+        process.wait()
+
+
 class RosSession:
     """Runs `roslaunch` with a private master; use as a context manager."""
 
@@ -56,14 +66,9 @@ class RosSession:
         return found
 
     def close(self):
-        """Ends what was started: politely first, for good after 15 s."""
+        """Ends what was started."""
         if self.alive():
-            self.process.send_signal(signal.SIGINT)
-            try:
-                self.process.wait(15)
-            except subprocess.TimeoutExpired:
-                self.process.kill()
-                self.process.wait()
+            end_launch(self.process)
         self.home.cleanup()
 
     def __enter__(self):

@@ -3,6 +3,7 @@
 import numpy as np
 import torch
 
+from .cuda_graphs import recorded
 from .data.torch_dataset import prepare
 from .evaluation import Detections, Truth
 
@@ -70,10 +71,4 @@ class LossModule(torch.nn.Module):
     def record(self, images):
         """Makes one CUDA graph of the network's forward and one of its backward pass, for images of this shape. Statistics
         and weights stay; the network's training mode must, too. RuntimeError where that is not possible."""
-        statistics = [buffer.clone() for buffer in self.network.buffers()]
-        pixels = prepare(images, self.network.preprocessing)
-        try:
-            self.network_pass = torch.cuda.make_graphed_callables(self.network_pass, (pixels,), allow_unused_input=True)
-        finally:
-            for buffer, before in zip(self.network.buffers(), statistics):  # recording runs the network a few times
-                buffer.copy_(before)
+        self.network_pass = recorded(self.network_pass, (prepare(images, self.network.preprocessing),))

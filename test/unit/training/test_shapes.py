@@ -235,6 +235,19 @@ class Network(unittest.TestCase):
         bad = sum(loss.detection_loss(logits.roll(1, 1), reach + 1, centres, strides, truth, valid))
         self.assertLess(float(good), 0.3 * float(bad))
 
+    def test_recording_leaves_the_statistics_also_when_it_fails(self):
+        from unittest import mock
+
+        from extperfc.training import cuda_graphs
+        norm = torch.nn.BatchNorm1d(2)
+
+        def run_and_fail(module, inputs, **_):
+            module(*inputs)
+            raise RuntimeError('no graph')
+        with mock.patch.object(torch.cuda, 'make_graphed_callables', run_and_fail), self.assertRaises(RuntimeError):
+            cuda_graphs.recorded(norm, (torch.ones(3, 2),))
+        self.assertEqual((norm.running_mean.tolist(), int(norm.num_batches_tracked)), ([0.0, 0.0], 0))
+
     @unittest.skipUnless(torch is not None and torch.cuda.is_available(), 'no GPU')
     def test_recorded_losses_and_gradients_are_those_of_the_network(self):
         from extperfc.training.shapes import network, train

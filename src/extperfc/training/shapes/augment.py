@@ -8,7 +8,7 @@ import torch
 from torch.nn import functional
 
 from . import PAD
-from .store import NONE, OBJECTS
+from .store import NONE, OBJECTS, pinned
 
 MIN_SIDE = 8  # of an object that is asked for, at the network's input [px]
 KEPT = 0.35  # fraction of an object that has to be left to be asked for
@@ -17,8 +17,8 @@ COVERS = 4  # patches in a covered sample, at most
 
 
 def sent(values, device):
-    """Drawn values (on the CPU) on a device. A GPU is not waited for, as it would be without the pinned memory."""
-    return values.contiguous().pin_memory().to(device, non_blocking=True) if device.type == 'cuda' else values
+    """Drawn values (on the CPU) on a device."""
+    return pinned(values, device).to(device, non_blocking=True)
 
 
 @dataclass

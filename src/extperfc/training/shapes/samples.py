@@ -17,9 +17,14 @@ def image_file(folder, number):
     return Path(folder) / 'JPEGImages' / f'{number + 1:06d}.jpg'
 
 
+def notes_file(folder, number):
+    """What image `number` (from 0) shows; written after the image."""
+    return Path(folder) / 'Annotations' / f'{number + 1:06d}.xml'
+
+
 def read_boxes(folder, number):
     """Boxes (N, 5) of an image; what is marked difficult is ignored."""
-    root = ElementTree.parse(Path(folder) / 'Annotations' / f'{number + 1:06d}.xml').getroot()
+    root = ElementTree.parse(notes_file(folder, number)).getroot()
     rows = []
     for item in root.iter('object'):
         label = -1 if item.findtext('difficult') == '1' else CLASSES.index(item.findtext('name'))
@@ -28,17 +33,12 @@ def read_boxes(folder, number):
     return np.array(rows, np.float32).reshape(-1, 5)
 
 
-def is_rendered(folder, number):
-    """Whether an image and its boxes are there."""
-    return (Path(folder) / 'Annotations' / f'{number + 1:06d}.xml').exists()  # written after the image
-
-
 def wait_for(folder, number, wait_s=0.0):
     """Waits for an image that is still to be rendered, `wait_s` at most; then ends with what to do."""
     end = time.monotonic() + wait_s
-    while not is_rendered(folder, number):
+    notes = notes_file(folder, number)
+    while not notes.exists():
         if time.monotonic() > end:
-            notes = Path(folder) / 'Annotations' / f'{number + 1:06d}.xml'
             raise SystemExit(f'{notes} does not exist: render the images first (tools/train_shapes render)')
         time.sleep(0.2)
 

@@ -6,7 +6,7 @@ import cv2
 import numpy as np
 import torch
 
-from .samples import is_rendered, load, read_boxes, wait_for
+from .samples import load, notes_file, read_boxes, wait_for
 
 OBJECTS = 40  # maximum of objects in one image or sample
 NONE = -2  # label of an unused row of boxes; -1 is an ignored object
@@ -19,6 +19,11 @@ def rows_of(boxes):
     boxes = boxes[np.argsort(boxes[:, 0] < 0, kind='stable')][:OBJECTS]
     rows[:len(boxes)] = boxes
     return torch.from_numpy(rows)
+
+
+def pinned(values, device):
+    """Values on the CPU; those for a GPU in memory from which it copies without being waited for."""
+    return values.contiguous().pin_memory() if device.type == 'cuda' else values
 
 
 class ImageStore:
@@ -53,7 +58,7 @@ class ImageStore:
     def _ask(self, needed):
         """Lets readers read up to `needed`, and what is rendered of those that follow."""
         end = min(needed + AHEAD, len(self.boxes))
-        while self.asked < needed or (self.asked < end and is_rendered(self.folder, self.asked)):
+        while self.asked < needed or (self.asked < end and notes_file(self.folder, self.asked).exists()):
             self.coming.append(self.readers.submit(self._read, self.asked))
             self.asked += 1
 
@@ -75,11 +80,8 @@ class ImageStore:
 
     def _read(self, number):
         wait_for(self.folder, number, self.wait_s)
-        image = self._image(number) if number < len(self.images) else None
-        boxes = rows_of(read_boxes(self.folder, number))
-        if self.device.type != 'cuda':
-            return image, boxes
-        return None if image is None else image.pin_memory(), boxes.pin_memory()  # a copy that nothing waits for
+        image = pinned(self._image(number), self.device) if number < len(self.images) else None
+        return image, pinned(rows_of(read_boxes(self.folder, number)), self.device)
 
 
 def free_memory(device):

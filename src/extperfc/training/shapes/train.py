@@ -10,6 +10,7 @@ from pathlib import Path
 
 import torch
 
+from ..cuda_graphs import recorded
 from ..progress import Progress
 from . import HEIGHT, WIDTH, network
 from .augment import Augmenter
@@ -110,12 +111,7 @@ class Losses(torch.nn.Module):
         """
         gc.collect()  # the graphs of an earlier phase, with their memory
         torch.cuda.empty_cache()
-        statistics = [buffer.clone() for buffer in self.buffers()]
-        try:
-            torch.cuda.make_graphed_callables(self, (images, boxes))
-        finally:
-            for buffer, before in zip(self.buffers(), statistics):  # recording runs the network a few times
-                buffer.copy_(before)
+        recorded(self, (images, boxes))
 
 
 def optimiser(net, recipe):
