@@ -13,6 +13,7 @@
 #include "extperfc/base/rng.hpp"
 #include "extperfc/navigate/cost_grid.hpp"
 #include "extperfc/world/laser_scan.hpp"
+#include "extperfc/world/occupancy_grid.hpp"
 #include "extperfc/world/pose.hpp"
 
 namespace extperfc {
@@ -153,6 +154,39 @@ inline navigate::CostGrid rasterized(const Building& building, double resolution
       }
   }
   return grid;
+}
+
+/// The same as a map of cells of 5 cm.
+inline OccupancyGrid occupancy_of(const Building& building) {
+  const navigate::CostGrid costs = rasterized(building, 0.05);
+  OccupancyGrid map;
+  map.width = static_cast<std::size_t>(costs.width);
+  map.height = static_cast<std::size_t>(costs.height);
+  map.cells.reserve(costs.cells.size());
+  for (const navigate::Cost cost : costs.cells)
+    map.cells.push_back(cost == navigate::kLethalCost ? OccupancyGrid::kOccupied : OccupancyGrid::kFree);
+  return map;
+}
+
+/// What a scanner at the base's origin sees of a building and of what stands in it: 720 rays, noise of 1 cm.
+inline LaserScan scan_of(const Building& building, const std::vector<FloorDisc>& discs, const Pose2& pose,
+                         Rng& rng) {
+  LaserScan scan;
+  scan.angle_min = -kPi;
+  scan.angle_increment = kTwoPi / 720;
+  scan.range_min = 0.1;
+  scan.range_max = 12;
+  scan.ranges.reserve(720);
+  for (int ray = 0; ray < 720; ++ray) {
+    const double angle = pose.yaw + scan.angle_min + ray * scan.angle_increment;
+    const Eigen::Vector2d direction(std::cos(angle), std::sin(angle));
+    double range = INFINITY;
+    for (const FloorBox& box : building.boxes)
+      range = std::min(range, ray_range(box, {pose.x, pose.y}, direction));
+    for (const FloorDisc& disc : discs) range = std::min(range, ray_range(disc, {pose.x, pose.y}, direction));
+    scan.ranges.push_back(static_cast<float>(range + rng.normal(0, 0.01)));
+  }
+  return scan;
 }
 
 /// Walls around rooms that are split again and again, a door in each wall, and furniture.

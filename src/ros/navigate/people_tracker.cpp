@@ -13,6 +13,7 @@ namespace {
 constexpr double kWalksMS = 0.25;  // who never was faster is furniture: part of the cost maps
 constexpr double kFastestMS = 2.5;
 constexpr double kFarM = 1.0;
+constexpr double kPlaceM = 0.2;  // half a person's width: the size of a place that is looked through
 constexpr double kPositionSigmaM = 0.06;
 constexpr double kNewS = 2.5;    // after this time in sight who walks has walked kFarM
 constexpr double kCloseM = 2.5;  // what is nearer counts as an obstacle at once
@@ -39,6 +40,23 @@ double radius_of(const track::Track& track, const std::vector<navigate::MovingCa
   return track.observation ? std::max(kRadiusM, candidates[*track.observation].radius_m) : kRadiusM;
 }
 
+/// Whether the rays to a place in odom, and to what is beside it, end behind it. NaN says nothing: no.
+bool looks_through(const PlacedScan& placed, const Eigen::Vector2d& place_m) {
+  const LaserScan& scan = placed.scan;
+  const Pose2 at = between(compose(placed.odom_T_base, scan.base_T_sensor), {place_m.x(), place_m.y(), 0});
+  const double away_m = std::hypot(at.x, at.y);
+  const double half_rad = kPlaceM / std::max(away_m, kPlaceM);
+  const double bearing = std::atan2(at.y, at.x);
+  bool any = false;
+  for (std::size_t ray = 0; ray < scan.ranges.size(); ++ray) {
+    const double angle = scan.angle_min + static_cast<double>(ray) * scan.angle_increment;
+    if (std::abs(wrap_angle(angle - bearing)) > half_rad) continue;
+    if (!(scan.ranges[ray] > away_m + kPlaceM)) return false;
+    any = true;
+  }
+  return any;
+}
+
 }  // namespace
 
 PeopleTracker::PeopleTracker(const ros_params::PeopleParams& params)
@@ -61,7 +79,7 @@ void PeopleTracker::forget() {
 void PeopleTracker::update(const PlacedScan& placed) {
   if (!params_.enabled || !placed.map_T_odom) return;
   const std::lock_guard lock(mutex_);
-  auto pedestrians = at(placed.scan.stamp_s, true);
+  auto pedestrians = at(placed.scan.stamp_s, Which::kFar);
   for (auto& pedestrian : pedestrians) {
     const Pose2 place =
         compose(*placed.map_T_odom, {pedestrian.position_m.x(), pedestrian.position_m.y(), 0});
@@ -83,7 +101,7 @@ void PeopleTracker::update(const PlacedScan& placed) {
   if (tracker_.update(placed.scan.stamp_s, observations) == track::Tracker::Status::kTooOld) return;
   stamp_s_ = placed.scan.stamp_s;
   note_newcomers(candidates, {placed.odom_T_base.x, placed.odom_T_base.y});
-  note_people(candidates);
+  note_people(placed, candidates);
 }
 
 /// What marks the cost map before it is known to walk leaves marks where it does not stay, and hides them
@@ -98,8 +116,10 @@ void PeopleTracker::note_newcomers(const std::vector<navigate::MovingCandidate>&
   }
 }
 
-void PeopleTracker::note_people(const std::vector<navigate::MovingCandidate>& candidates) {
+void PeopleTracker::note_people(const PlacedScan& placed,
+                                const std::vector<navigate::MovingCandidate>& candidates) {
   people_.clear();
+  const Eigen::Vector2d robot_m(placed.odom_T_base.x, placed.odom_T_base.y);
   std::map<std::uint64_t, Walk> walking;
   for (const auto& track : tracker_.tracks()) {
     const Eigen::Vector2d velocity_m_s = track.point.velocity_m_s().head<2>();
@@ -109,15 +129,24 @@ void PeopleTracker::note_people(const std::vector<navigate::MovingCandidate>& ca
     Person person;
     person.state.position_m = track.point.position_m().head<2>();
     Walk& walk = walking[track.id] =
-        walks_.try_emplace(track.id, Walk{person.state.position_m}).first->second;
+        walks_.try_emplace(track.id, Walk{person.state.position_m, robot_m}).first->second;
     if (walks) walk.last_s = stamp_s_;
-    walk.far = walk.far || (person.state.position_m - walk.begin_m).norm() >= kFarM;
+    walk.far = walk.far || came_far(walk, person.state.position_m, placed);
+    if (!walks && !walk.far) continue;  // the edge of a table, of which another part came into sight
     if (walks) person.state.velocity_m_s = velocity_m_s;
+    person.far = walk.far;
     person.passes = passes(walk);
     person.state.radius_m = radius_of(track, candidates);
     people_.push_back(person);
   }
   walks_ = std::move(walking);
+}
+
+bool PeopleTracker::came_far(const Walk& walk, const Eigen::Vector2d& at_m, const PlacedScan& placed) {
+  const double moved_m = (at_m - walk.begin_m).norm();
+  if (moved_m < kFarM) return false;
+  const Eigen::Vector2d robot_m(placed.odom_T_base.x, placed.odom_T_base.y);
+  return moved_m >= kFarM + (robot_m - walk.robot_m).norm() || looks_through(placed, walk.begin_m);
 }
 
 bool PeopleTracker::passes(const Walk& walk) const {
@@ -126,21 +155,21 @@ bool PeopleTracker::passes(const Walk& walk) const {
 
 std::vector<navigate::MovingObstacle> PeopleTracker::people(double now_s) const {
   const std::lock_guard lock(mutex_);
-  return at(now_s, true);
+  return at(now_s, Which::kAll);
 }
 
 std::vector<navigate::MovingObstacle> PeopleTracker::passers(double now_s) const {
   const std::lock_guard lock(mutex_);
-  return at(now_s, false);
+  return at(now_s, Which::kPassers);
 }
 
-std::vector<navigate::MovingObstacle> PeopleTracker::at(double now_s, bool all) const {
+std::vector<navigate::MovingObstacle> PeopleTracker::at(double now_s, Which which) const {
   const double age_s = now_s - stamp_s_;
   if (std::abs(age_s) > kOldS) return {};
-  auto people = all ? std::vector<navigate::MovingObstacle>{} : newcomers_;
+  auto people = which == Which::kPassers ? newcomers_ : std::vector<navigate::MovingObstacle>{};
   people.reserve(people.size() + people_.size());
   for (const auto& person : people_) {
-    if (!all && !person.passes) continue;
+    if ((which == Which::kFar && !person.far) || (which == Which::kPassers && !person.passes)) continue;
     people.push_back(person.state);
     people.back().position_m += age_s * person.state.velocity_m_s;
   }

@@ -27,8 +27,8 @@ class PeopleTracker {
   void set_map(const OccupancyGrid& map);
   void update(const PlacedScan& placed);
   void forget();
-  /// Those who walk or have walked, in odom, where they are at `now_s`. Empty when the last scan is older
-  /// than 1 s.
+  /// Those who walk, or stand after they have come a metre, in odom, where they are at `now_s`. Empty when
+  /// the last scan is older than 1 s.
   [[nodiscard]] std::vector<navigate::MovingObstacle> people(double now_s) const;
   /// Of them, those who were seen to walk a metre and have not stood for PeopleParams::stand_s: soon they are
   /// elsewhere. And what has a person's size, is far off, and came into sight so recently that it may walk.
@@ -41,22 +41,32 @@ class PeopleTracker {
   struct Person {
     navigate::MovingObstacle state;  ///< at the stamp
     bool passes{false};
+    bool far{false};  ///< as Walk::far
   };
   struct Walk {
     Eigen::Vector2d begin_m{0, 0};
-    double last_s{0};  ///< when it walked last
-    bool far{
-        false};  ///< it came so far that it is no furniture, of which another part is seen from elsewhere
+    Eigen::Vector2d robot_m{0, 0};  ///< where the robot was then
+    double last_s{0};               ///< when it walked last
+    bool far{false};                ///< as came_far() said once
   };
 
   /// Will be elsewhere soon.
   [[nodiscard]] bool passes(const Walk& walk) const;
-  void note_people(const std::vector<navigate::MovingCandidate>& candidates);
+  void note_people(const PlacedScan& placed, const std::vector<navigate::MovingCandidate>& candidates);
+  /// It is no furniture, of which another part is seen from elsewhere: the place where the walk began is
+  /// empty now, or the robot has not moved as much.
+  [[nodiscard]] static bool came_far(const Walk& walk, const Eigen::Vector2d& at_m, const PlacedScan& placed);
   /// Those of the last scan.
   void note_newcomers(const std::vector<navigate::MovingCandidate>& candidates,
                       const Eigen::Vector2d& robot_m);
-  /// All people, or passers and newcomers. The mutex is held.
-  [[nodiscard]] std::vector<navigate::MovingObstacle> at(double now_s, bool all) const;
+  enum class Which {
+    kAll,
+    kFar,      ///< who has come far: certainly no furniture
+    kPassers,  ///< and newcomers
+  };
+
+  /// The mutex is held.
+  [[nodiscard]] std::vector<navigate::MovingObstacle> at(double now_s, Which which) const;
 
   const ros_params::PeopleParams params_;
   mutable std::mutex mutex_;  ///< guards what follows

@@ -27,35 +27,9 @@ struct Room8 {
     building.add(6.0, 4.0, 6.3, 4.3);  // a pillar: of a person's size, but on the map
   }
 
-  [[nodiscard]] OccupancyGrid map() const {
-    const CostGrid costs = rasterized(building, 0.05);
-    OccupancyGrid map;
-    map.width = static_cast<std::size_t>(costs.width);
-    map.height = static_cast<std::size_t>(costs.height);
-    map.cells.reserve(costs.cells.size());
-    for (const Cost cost : costs.cells)
-      map.cells.push_back(cost == kLethalCost ? OccupancyGrid::kOccupied : OccupancyGrid::kFree);
-    return map;
-  }
-
+  [[nodiscard]] OccupancyGrid map() const { return occupancy_of(building); }
   [[nodiscard]] LaserScan scan(const Pose2& pose, Rng& rng) const {
-    LaserScan scan;
-    scan.angle_min = -kPi;
-    scan.angle_increment = kTwoPi / 720;
-    scan.range_min = 0.1;
-    scan.range_max = 12;
-    scan.ranges.reserve(720);
-    for (int ray = 0; ray < 720; ++ray) {
-      const double angle = pose.yaw + scan.angle_min + ray * scan.angle_increment;
-      const Eigen::Vector2d direction(std::cos(angle), std::sin(angle));
-      double range = INFINITY;
-      for (const FloorBox& box : building.boxes)
-        range = std::min(range, ray_range(box, {pose.x, pose.y}, direction));
-      for (const FloorDisc& disc : discs)
-        range = std::min(range, ray_range(disc, {pose.x, pose.y}, direction));
-      scan.ranges.push_back(static_cast<float>(range + rng.normal(0, 0.01)));
-    }
-    return scan;
+    return scan_of(building, discs, pose, rng);
   }
 };
 
