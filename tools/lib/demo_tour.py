@@ -35,9 +35,10 @@ def tree(to):
         sequence("explore", tasks.Explore(time_limit=600.0, name="map the flat"), tasks.Say("the flat is mapped")),
         sequence("search", tasks.Search("cube", "seen", max_size_m=0.1),
                  tasks.Say("there is a cube at ({p.x:.2f}, {p.y:.2f}, {p.z:.2f})", p=tasks.Key("seen", "position"))),
-        sequence("fetch", py_trees.decorators.Retry("2 places", sequence(
-            "from a place before it", tasks.Approach(tasks.Key("seen")), tasks.SeeAround(), tasks.SeeSupport(tasks.Key("seen")),
-            tasks.pick_up("cube", frame="map")), num_failures=2), tasks.carry(), tasks.Say("got it")),
+        sequence("fetch", py_trees.decorators.Retry("3 places", sequence(
+            "from a place before it", tasks.Approach(tasks.Key("seen"), clear_m=tasks.CLEAR_M), tasks.SeeAround(),
+            tasks.SeeSupport(tasks.Key("seen")),
+            tasks.pick_up("cube", frame="map")), num_failures=3), tasks.carry(), tasks.Say("got it")),
         sequence("deliver", tasks.bring(to), tasks.MoveArm("both", "tuck"), tasks.Say("done")))
 
 

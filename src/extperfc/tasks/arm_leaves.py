@@ -5,7 +5,7 @@ import math
 import numpy
 import rospy
 
-from extperfc.arm import Arm, robot_state
+from extperfc.arm import Arm, ArmError, robot_state
 from extperfc.robot_description import rotation_about
 from extperfc.tasks.blackboard import Key, read, write
 from extperfc.tasks.find import DEPTH_FRAME
@@ -40,6 +40,42 @@ class MoveArm(ActionLeaf):
 
     def motion(self):
         return _arm(read(self.side)).move_to(read(self.goal), wait=False, **self.options)
+
+
+class ArmsTo(Leaf):
+    """Moves all arms to a goal as MoveArm does. Where they do not come there together, beside a wall say, each one that can
+    goes there alone, and one is enough."""
+
+    def __init__(self, goal, name=None):
+        super().__init__(name or "arms, as many as can")
+        self.goal = goal
+
+    def begin(self):
+        self._why, self._came, self._alone = "", False, None
+        self._motion = self._sent("both")
+
+    def step(self):
+        if not self._motion.done:
+            return None
+        try:
+            self._motion.result()
+            if self._alone is None:
+                return True
+            self._came = True
+        except ArmError as error:
+            self._why = self._why or str(error)
+        if self._alone is None:
+            sides = _arm("both").sides
+            self._alone = list(sides) if len(sides) > 1 else []
+        if self._alone:
+            self._motion = self._sent(self._alone.pop(0))
+            return None
+        if not self._came:
+            raise ValueError(self._why)
+        return True
+
+    def _sent(self, side):
+        return _arm(side).move_to(read(self.goal), wait=False)
 
 
 class MoveGrippers(Leaf):

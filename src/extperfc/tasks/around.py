@@ -3,7 +3,6 @@
 from extperfc.tasks.arm_leaves import scene
 from extperfc.tasks.leaf import Leaf
 from extperfc.tasks.search import Lidar, base_pose
-from extperfc.tasks.views import SQUARE_M, around
 
 NEAR_M, FAR_M = 0.55, 1.5   # from the base's middle: nearer is the robot itself, farther no arm comes
 PREFIX = "around_"          # of the names of these objects in the scene
@@ -23,9 +22,7 @@ class SeeAround(Leaf):
 
     def step(self):
         lidar = Lidar.of(self.frame)
-        tops = lidar.squares()
-        at = base_pose(self.frame)[:2]
-        boxes = lidar.boxes(at, NEAR_M, FAR_M, lambda x, y: is_beside(tops, x, y))
+        boxes = lidar.boxes(base_pose(self.frame)[:2], NEAR_M, FAR_M)
         arms = scene()
         for name in arms.objects:
             if name.startswith(PREFIX):
@@ -34,9 +31,3 @@ class SeeAround(Leaf):
             arms.add_box(f"{PREFIX}{number}", size, middle, self.frame)
         self.feedback_message = f"{len(boxes)} boxes"
         return True
-
-
-def is_beside(tops, x, y):
-    """Whether a place is on or at a square of a table."""
-    square = (int(x // SQUARE_M), int(y // SQUARE_M))
-    return square in tops or any(one in tops for one in around(square))

@@ -2,7 +2,7 @@
 
 import py_trees
 
-from extperfc.tasks.arm_leaves import InScene, MoveArm, Pick, Place, Show, StillHeld
+from extperfc.tasks.arm_leaves import ArmsTo, InScene, MoveArm, Pick, Place, Show, StillHeld
 from extperfc.tasks.around import SeeAround
 from extperfc.tasks.blackboard import Key
 from extperfc.tasks.find import Find
@@ -11,15 +11,19 @@ from extperfc.tasks.search import Approach
 from extperfc.tasks.support import SeeSupport
 
 
+CLEAR_M = 0.9  # from the base's middle to what stands around it: elbows stick out so far
+
+
 def _sequence(name, children):
     return py_trees.composites.Sequence(name, memory=True, children=children)
 
 
 def pick_up(label, found="found", held="held", place_at=None, frame=None, attempts=2, start="neutral", **finding):
     """The arms go where they hide nothing from the camera (a state of the SRDF), the object is found and picked; a failure
-    begins again, so many times in all. Writes a Found and a PickResult. finding: further arguments of Find."""
+    begins again, so many times in all. Beside a wall it is enough when one arm goes there. Writes a Found and a PickResult.
+    finding: further arguments of Find."""
     return py_trees.decorators.Retry(f"{attempts} attempts", _sequence(f"pick up the {label}", [
-        MoveArm("both", start, name=f"arms to {start}"),
+        ArmsTo(start, name=f"arms to {start}"),
         Find(label, found, **finding),
         InScene(label),
         Pick(label, key=held, place_at=place_at, frame=frame),
@@ -50,7 +54,7 @@ def bring(to, held="held", frame="map", attempts=3):
     return py_trees.decorators.Retry(f"{attempts} attempts", _sequence("bring it", [
         StillHeld(held),
         carry(held),
-        Approach(to, frame),
+        Approach(to, frame, clear_m=CLEAR_M),
         SeeAround(frame),
         SeeSupport(to, frame),
         Place((*to, 0.0, 0.0, 0.0), frame=frame),

@@ -19,7 +19,7 @@ from extperfc.tasks.find import Find, point_of
 from extperfc.tasks.leaf import Leaf
 from extperfc.tasks.solids import Solids
 from extperfc.tasks.tops import Tops
-from extperfc.tasks.views import Camera, Grid, Views
+from extperfc.tasks.views import SQUARE_M, Camera, Grid, Views, around
 
 BASE_FRAME = "base_footprint"
 WAIT_S = 10.0       # of real time, for a map or a transform
@@ -32,7 +32,9 @@ CLOUD_S = 1.0       # of ROS time, between clouds that are used
 ROBOT_M = 0.9       # from the lidar: what is nearer may be the robot
 TRANSFORM_S = 0.3   # of real time, that a cloud waits for its place in the map
 FARTHER_COSTS = 5.0  # metres of a drive that are as bad as one metre more from what shall be reached
-AGAIN_COSTS = 2.0    # of a pose where the robot stood for the same point before, in metres of a drive
+AGAIN_COSTS = 2.0    # of a pose where the robot stood for the same point before, or near it, in metres of a drive
+AGAIN_M = 0.3        # from such a pose: near it
+NARROW_COSTS = 10.0  # metres of a drive that are as bad as one metre less of clear_m beside the robot
 APPROACH_YAWS = 24  # directions from which an object is approached
 
 
@@ -181,10 +183,11 @@ class Lidar:
         with self._lock:
             return self._tops.squares()
 
-    def boxes(self, *arguments):
-        """As Solids.boxes()."""
+    def boxes(self, at, near_m, far_m):
+        """As Solids.boxes(), without what is at a table."""
         with self._lock:
-            return self._solids.boxes(*arguments)
+            tops = self._tops.squares()
+            return self._solids.boxes(at, near_m, far_m, lambda x, y: is_beside(tops, x, y))
 
     def _on_cloud(self, cloud):
         stamp = cloud.header.stamp
@@ -201,6 +204,12 @@ class Lidar:
         with self._lock:
             self._tops.add(points)
             self._solids.add(points)
+
+
+def is_beside(tops, x, y):
+    """Whether a place is on or at a square of a table."""
+    square = (int(x // SQUARE_M), int(y // SQUARE_M))
+    return square in tops or any(one in tops for one in around(square))
 
 
 def points_of(cloud):
@@ -245,12 +254,20 @@ class Approach(Leaf):
     is taken; one that stands farther from the point must save FARTHER_COSTS times that of the drive. When the robot does not
     arrive there, it is asked again which poses can be reached: from nearer it sees more. `attempts` in all. A leaf that runs
     again for the same point prefers another pose: from the last one something failed.
+
+    clear_m: poses nearer than this to what the lidar sees stand upright, walls and shelves, cost NARROW_COSTS more: arms need
+    the room. Above 0 it needs the topic `velodyne_points`.
     """
 
-    def __init__(self, point, frame="map", standoffs_m=(0.72, 0.78, 0.85), attempts=6, name=None):
+    def __init__(self, point, frame="map", standoffs_m=(0.72, 0.78, 0.85), attempts=6, name=None, clear_m=0.0):
         super().__init__(name or "approach")
         self.point, self.frame, self.standoffs_m, self.attempts = point, frame, standoffs_m, attempts
+        self.clear_m = clear_m
         self._plans, self._at, self._stood = Plans(frame), None, []
+
+    def setup(self, **_):
+        if self.clear_m > 0:
+            Lidar.of(self.frame)
 
     def begin(self):
         last, self._at = self._at, point_of(read(self.point))
@@ -277,13 +294,28 @@ class Approach(Leaf):
         if len(self._tried) == self.attempts:
             raise ValueError(f"{self._why} (the last of {self.attempts} places before the goal)")
         here = base_pose(self.frame)
+        boxes = Lidar.of(self.frame).boxes(self._at, 0.0, max(self.standoffs_m) + self.clear_m) if self.clear_m > 0 else []
         left = [pose for pose in poses_before(self._at, self.standoffs_m) if pose not in self._tried]
-        costs = [(length + FARTHER_COSTS * math.dist(pose[:2], self._at[:2]) + AGAIN_COSTS * self._stood.count(pose), pose)
+        costs = [(length + FARTHER_COSTS * math.dist(pose[:2], self._at[:2]) + AGAIN_COSTS * self._stood_near(pose)
+                  + NARROW_COSTS * self._missing_m(pose, boxes), pose)
                  for pose in left for length in [self._plans.length_m(here, pose)] if length is not None]
         if not costs:
             tried = f"; tried {len(self._tried)}, the last: {self._why}" if self._tried else ""
             raise ValueError(f"the navigator has no plan to a place before ({self._at[0]:.2f}, {self._at[1]:.2f}){tried}")
         return min(costs)[1]
+
+    def _stood_near(self, pose):
+        """How often the robot stood at a pose or near it."""
+        return sum(math.dist(pose[:2], one[:2]) < AGAIN_M for one in self._stood)
+
+    def _missing_m(self, pose, boxes):
+        """Of clear_m about a pose."""
+        return max(0.0, self.clear_m - min((distance_m(pose, box) for box in boxes), default=self.clear_m))
+
+
+def distance_m(at, box):
+    """From a place (x, y) to a box (size, middle) whose sides are along the axes."""
+    return math.hypot(*(max(abs(at[axis] - box[1][axis]) - box[0][axis] / 2, 0.0) for axis in (0, 1)))
 
 
 def poses_before(point, standoffs_m):

@@ -261,7 +261,7 @@ class MadeUpArm:
     """Picks and places succeed unless a test says otherwise; what was asked for is kept."""
 
     def __init__(self):
-        self.asked, self.failures, self.side = [], {}, "left"
+        self.asked, self.failures, self.side, self.sides = [], {}, "left", ["left", "right"]
         self.stood = geometry_msgs.msg.PoseStamped()
         self.stood.pose.position.x = 0.7
         self.scene = types.SimpleNamespace(objects={"cube_1": types.SimpleNamespace(label="cube", pose=self.stood, link="")})
@@ -308,6 +308,18 @@ class Recipes(unittest.TestCase):
         done, why = self.run_tree(tasks.pick_up("cube"))
         self.assertFalse(done)
         self.assertIn("slipped again", why)
+
+    def test_beside_a_wall_one_arm_makes_room(self):
+        self.arm.failures["move"] = ["the right elbow touches a wall", None, "the right elbow touches a wall"]
+        self.assertEqual((True, ""), self.run_tree(tasks.pick_up("cube")))
+        self.assertEqual(["move", "move", "move", "pick"], [name for name, _ in self.arm.asked], "both, left, right")
+
+    def test_between_walls_no_arm_makes_room(self):
+        self.arm.failures["move"] = 6 * ["both elbows touch a wall"]
+        done, why = self.run_tree(tasks.pick_up("cube"))
+        self.assertFalse(done)
+        self.assertIn("both elbows touch a wall", why)
+        self.assertEqual(6 * ["move"], [name for name, _ in self.arm.asked], "two attempts")
 
     def test_what_cannot_be_put_down_is_put_back(self):
         self.arm.failures["place"] = ["none can be reached"]
@@ -509,6 +521,16 @@ class Driving(unittest.TestCase):
             leaf.point = (2.0, 3.0, 0.7)
             self.run_leaf(leaf)
             self.assertEqual([leaf._tried[0]], leaf._stood)
+
+    def test_beside_a_wall_is_no_place_for_arms(self):
+        with self.plans(lambda x, y: True), mock.patch.object(search.Lidar, "of") as lidar:
+            lidar.return_value.boxes = lambda at, near_m, far_m: [((6.0, 0.1, 2.2), (2.0, 0.45, 1.1))]  # a wall at y = 0.4
+            leaf = tasks.Approach((2.0, 0.0, 0.7), clear_m=0.9)
+            self.run_leaf(leaf)
+            self.assertLess(leaf._tried[0][1], -0.4)
+            stood = leaf._tried[0]
+            self.run_leaf(leaf)
+            self.assertGreater(math.dist(stood[:2], leaf._tried[0][:2]), search.AGAIN_M, "elsewhere, not a hand's breadth aside")
 
     def test_a_point_that_is_never_reached(self):
         self.failing = set(range(100))
