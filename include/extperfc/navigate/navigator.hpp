@@ -64,6 +64,8 @@ struct PlanWish {
   PlanRequest request;                ///< in the frame map
   std::vector<AvoidedPlace> avoid{};  ///< to be given high costs
   Path current{};                     ///< the path that is followed now, from the robot on; perhaps empty
+  /// In place of the request's goal: to a place where this person can pass, in the frame map.
+  std::optional<Eigen::Vector2d> give_way_to_m{};
 };
 
 struct PlanAnswer {
@@ -159,6 +161,8 @@ class Navigator {
   void plan_failed(const NavError& error, const std::optional<Pose2>& blocked_at, const NavigatorInput& input,
                    Output& output);
   void wait_for_plan(const NavigatorInput& input, Output& output);
+  void give_way(const NavigatorInput& input);
+  void end_giving_way();
   void coast(const NavigatorInput& input, NavigatorOutput& output);
   void control(const NavigatorInput& input, Output& output);
   [[nodiscard]] std::optional<Pose2> block_of(const PathTracker& path, const NavigatorInput& input,
@@ -170,6 +174,7 @@ class Navigator {
   [[nodiscard]] RecoveryView view_of(const NavigatorInput& input) const;
   void recover(const NavError& cause, const NavigatorInput& input, Output& output);
   void continue_recovery(const NavigatorInput& input, Output& output);
+  void start_planning();
   void goal_done(const NavError& error, Output& output);
   [[nodiscard]] NavEnd end_task(const NavError& error);
 
@@ -201,6 +206,14 @@ class Navigator {
   std::deque<Pose2> trail_;  ///< in odom
   Twist2 last_command_;
   std::string reason_;
+
+  /// To a person who cannot pass the robot where it is.
+  struct GivingWay {
+    Eigen::Vector2d to_m;  ///< where the person was, in the frame map
+    double until_s;
+    std::optional<double> arrived_s{};
+  };
+  std::optional<GivingWay> giving_way_;
 
   std::uint64_t next_plan_{0};
   std::optional<std::uint64_t> asked_plan_;  ///< under way

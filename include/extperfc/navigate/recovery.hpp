@@ -19,9 +19,10 @@ enum class RecoveryStep {
   kBackOff,  ///< drive back to where it came from, as far as the footprint stays free
   kRotate,   ///< in place, as far as the footprint stays free
   kAvoid,    ///< replan with high costs at the blocked place
+  kGiveWay,  ///< drive to a place where a person in front can pass
 };
 
-/// "wait", "clear", "back off", "rotate", "avoid".
+/// "wait", "clear", "back off", "rotate", "avoid", "give way".
 [[nodiscard]] const char* to_string(RecoveryStep step);
 
 struct RecoveryParams {
@@ -58,14 +59,15 @@ struct AvoidedPlace {
 
 struct RecoveryOutput {
   Twist2 velocity;
-  std::optional<double> clear_beyond_m{};  ///< clear the cost maps now
-  std::optional<AvoidedPlace> avoid{};     ///< from now on, for this goal
-  bool done{false};                        ///< plan again
+  std::optional<double> clear_beyond_m{};          ///< clear the cost maps now
+  std::optional<AvoidedPlace> avoid{};             ///< from now on, for this goal
+  bool done{false};                                ///< plan again
+  std::optional<Eigen::Vector2d> give_way_to_m{};  ///< plan to a place where this person can pass, map
 };
 
-/// The ladder of a robot that is stuck: wait, clear, back off, avoid, rotate; with a person near, avoid comes
-/// after wait. A step that did not help at a place is never tried there again for this goal. One thread at a
-/// time.
+/// The ladder of a robot that is stuck: wait, clear, back off, avoid, rotate; with a person near, avoid and
+/// giving way come after wait, and where there is no path at all giving way comes first. A step that did not
+/// help at a place is never tried there again for this goal. One thread at a time.
 class Recovery {
  public:
   /// Throws std::invalid_argument for parameters out of their range.
@@ -79,6 +81,10 @@ class Recovery {
   [[nodiscard]] std::optional<std::string> begin(const NavError& cause, const RecoveryView& view);
   /// Precondition: begin() gave a step, and no update() since said done.
   [[nodiscard]] RecoveryOutput update(const RecoveryView& view);
+  /// Whether a person is near to whom the robot has not given way at this place.
+  [[nodiscard]] bool may_give_way(const RecoveryView& view) const {
+    return view.person_m && !tried(RecoveryStep::kGiveWay, view.map_T_base);
+  }
   /// The robot drives on after the last step: that step may be tried again here.
   void helped();
   /// The robot is nearer to the goal than ever: attempts are counted anew.

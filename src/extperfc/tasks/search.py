@@ -294,7 +294,7 @@ class Approach(Leaf):
         if len(self._tried) == self.attempts:
             raise ValueError(f"{self._why} (the last of {self.attempts} places before the goal)")
         here = base_pose(self.frame)
-        boxes = Lidar.of(self.frame).boxes(self._at, 0.0, max(self.standoffs_m) + self.clear_m) if self.clear_m > 0 else []
+        boxes = Lidar.of(self.frame).boxes(self._at[:2], 0.0, max(self.standoffs_m) + self.clear_m) if self.clear_m > 0 else []
         left = [pose for pose in poses_before(self._at, self.standoffs_m) if pose not in self._tried]
         costs = [(length + FARTHER_COSTS * math.dist(pose[:2], self._at[:2]) + AGAIN_COSTS * self._stood_near(pose)
                   + NARROW_COSTS * self._missing_m(pose, boxes), pose)

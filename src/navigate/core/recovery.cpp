@@ -23,6 +23,8 @@ std::vector<RecoveryStep> ladder(NavCode cause, bool person) {
   using S = RecoveryStep;
   switch (cause) {
     case NavCode::kNoPath:
+      if (person) return {S::kGiveWay, S::kClear, S::kWait, S::kRotate};
+      [[fallthrough]];
     case NavCode::kGoalBlocked:
     case NavCode::kPlanTimeout:
       return {S::kClear, S::kWait, S::kRotate};
@@ -31,7 +33,7 @@ std::vector<RecoveryStep> ladder(NavCode cause, bool person) {
       return {S::kWait, S::kClear, S::kBackOff, S::kRotate};
     default:
       // People walk up and down a passage for longer than a robot waits: there may be another one.
-      if (person) return {S::kWait, S::kAvoid, S::kClear, S::kBackOff, S::kRotate};
+      if (person) return {S::kWait, S::kAvoid, S::kGiveWay, S::kClear, S::kBackOff, S::kRotate};
       return {S::kWait, S::kClear, S::kBackOff, S::kAvoid, S::kRotate};
   }
 }
@@ -80,6 +82,8 @@ const char* to_string(RecoveryStep step) {
       return "rotate";
     case RecoveryStep::kAvoid:
       return "avoid";
+    case RecoveryStep::kGiveWay:
+      return "give way";
   }
   return "unknown";
 }
@@ -175,6 +179,10 @@ RecoveryOutput Recovery::update(const RecoveryView& view) {
       return rotate(view);
     case RecoveryStep::kAvoid:
       output.avoid = avoided(view);
+      output.done = true;
+      return output;
+    case RecoveryStep::kGiveWay:
+      output.give_way_to_m = view.person_m;
       output.done = true;
       return output;
   }

@@ -6,6 +6,7 @@
 
 #include "extperfc/base/stopwatch.hpp"
 #include "extperfc/navigate/escape_path.hpp"
+#include "extperfc/navigate/give_way.hpp"
 
 namespace extperfc::ros_navigate {
 
@@ -93,6 +94,14 @@ navigate::PlanAnswer PlanWorker::answer(const navigate::PlanWish& wish) {
   made.blocked_at = first_touch(*scene.costs, scene.footprint->padded(-kMarginM), wish.current);
   auto request = wish.request;
   request.cancel = &cancel_;
+  if (wish.give_way_to_m) {
+    const auto place = place_to_give_way(*scene.costs, *scene.footprint, request.start, *wish.give_way_to_m);
+    if (!place) {
+      made.path = navigate::nav_fail(NavCode::kNoPath, "no place near where the person could pass");
+      return made;
+    }
+    request.goal = *place;
+  }
   made.path = plan({with_avoided(scene.costs, wish.avoid), scene.footprint}, request);
   if (made.path)
     health_.done(watch.milliseconds(), watch.milliseconds());

@@ -524,7 +524,8 @@ class Driving(unittest.TestCase):
 
     def test_beside_a_wall_is_no_place_for_arms(self):
         with self.plans(lambda x, y: True), mock.patch.object(search.Lidar, "of") as lidar:
-            lidar.return_value.boxes = lambda at, near_m, far_m: [((6.0, 0.1, 2.2), (2.0, 0.45, 1.1))]  # a wall at y = 0.4
+            wall = (6.0, 0.1, 2.2), (2.0, 0.45, 1.1)
+            lidar.return_value.boxes = lambda at, near_m, far_m: [wall] if near_m <= math.dist(at, (2.0, 0.4)) <= far_m else []
             leaf = tasks.Approach((2.0, 0.0, 0.7), clear_m=0.9)
             self.run_leaf(leaf)
             self.assertLess(leaf._tried[0][1], -0.4)

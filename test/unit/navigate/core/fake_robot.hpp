@@ -88,6 +88,13 @@ class FakeRobot {
   PlanAnswer answer(const PlanWish& wish) const {
     PlanAnswer made;
     made.id = wish.id;
+    if (wish.give_way_to_m) {
+      if (aside)
+        made.path = straight(wish.request.start, *aside);
+      else
+        made.path = nav_fail(NavCode::kNoPath, "no place");
+      return made;
+    }
     if (current_blocked) made.blocked_at = wish.request.goal;
     if (plan_error)
       made.path = tl::unexpected(*plan_error);
@@ -129,7 +136,8 @@ class FakeRobot {
   double now_s{100};
   bool answers{true};
   std::optional<NavError> plan_error;
-  std::optional<Pose2> via;  ///< of plans
+  std::optional<Pose2> via;    ///< of plans
+  std::optional<Pose2> aside;  ///< where people can pass
   bool current_blocked{false};
   std::uint64_t tasks{0};
   std::vector<PlanWish> wishes;

@@ -126,6 +126,54 @@ TEST(Navigator, WhatNoRecoveryMendsEndsAtOnce) {
   }
 }
 
+TEST(Navigator, GivesWayToWhoCannotPassAndGoesOn) {
+  FakeRobot robot;
+  robot.aside = Pose2{-2, 1.5, 0};
+  robot.plan_error = NavError{NavCode::kNoPath, "a person in the corridor"};
+  robot.input.people = {{{1.2, 0}, {0, 0}, 0.25}};
+  robot.drive_to({3, 0, 0});
+  robot.run_for(NavigatorParams{}.planner_patience_s + 1);
+  ASSERT_TRUE(robot.wishes.back().give_way_to_m);
+  EXPECT_EQ(*robot.wishes.back().give_way_to_m, Eigen::Vector2d(1.2, 0));
+  const auto wishes = robot.wishes.size();
+  robot.run_for(8);
+  EXPECT_LT(distance_m(robot.pose, *robot.aside), 0.1);
+  EXPECT_TRUE(robot.ends.empty()) << "this is not the goal";
+  robot.input.people = {{{-0.5, 0}, {-0.6, 0}, 0.25}};  // comes by
+  robot.run_for(5);
+  EXPECT_LT(distance_m(robot.pose, *robot.aside), 0.1);
+  EXPECT_EQ(robot.wishes.size(), wishes) << "one plan to the place is enough";
+  robot.input.people = {{{-3, 0}, {-0.6, 0}, 0.25}};  // has passed
+  robot.plan_error.reset();
+  ASSERT_TRUE(robot.run(20));
+  EXPECT_EQ(robot.ends[0].error.code, NavCode::kSuccess);
+}
+
+TEST(Navigator, GivingWayEndsThoughThePersonStays) {
+  FakeRobot robot;
+  robot.aside = Pose2{-1, 1, 0};
+  robot.plan_error = NavError{NavCode::kNoPath, "a person in the corridor"};
+  robot.input.people = {{{0.5, 0}, {0, 0}, 0.25}};
+  robot.drive_to({3, 0, 0});
+  ASSERT_TRUE(robot.run(200));
+  EXPECT_EQ(robot.ends[0].error.code, NavCode::kNoPath);
+  const auto asked = std::count_if(robot.wishes.begin(), robot.wishes.end(),
+                                   [](const PlanWish& wish) { return wish.give_way_to_m.has_value(); });
+  EXPECT_GE(asked, 1);
+  EXPECT_LE(asked, 3) << "once at a place";
+}
+
+TEST(Navigator, WithoutAPlaceToGiveWayTheOtherRecoveriesFollow) {
+  FakeRobot robot;
+  robot.plan_error = NavError{NavCode::kNoPath, "a person in the corridor"};
+  robot.input.people = {{{1.2, 0}, {0, 0}, 0.25}};
+  robot.drive_to({3, 0, 0});
+  ASSERT_TRUE(robot.run(200));
+  EXPECT_EQ(robot.ends[0].error.code, NavCode::kNoPath);
+  EXPECT_EQ(distance_m(robot.pose, Pose2{}), 0);
+  EXPECT_GE(robot.events.size(), 3U);
+}
+
 TEST(Navigator, WithoutAPathItRecoversAndGivesUpWithTheCause) {
   FakeRobot robot;
   robot.plan_error = NavError{NavCode::kNoPath, "walls all around"};

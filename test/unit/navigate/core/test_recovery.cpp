@@ -147,6 +147,22 @@ TEST_F(RecoveryTest, APassageWithAPersonIsSoonAvoidedInItsWholeWidth) {
   ASSERT_TRUE(output.avoid);
   EXPECT_EQ(output.avoid->middle_m, Eigen::Vector2d(1.0, 0.5));
   EXPECT_EQ(output.avoid->radius_m, RecoveryParams{}.avoid_person_m);
+  EXPECT_TRUE(recovery_.may_give_way(seen));
+  ASSERT_TRUE(recovery_.begin(kCause, seen));
+  ASSERT_EQ(recovery_.step(), RecoveryStep::kGiveWay) << "where there is no other passage";
+  EXPECT_FALSE(recovery_.may_give_way(seen));
+  ASSERT_TRUE(recovery_.update(seen).give_way_to_m);
+  EXPECT_EQ(*recovery_.update(seen).give_way_to_m, Eigen::Vector2d(1.0, 0.5));
+}
+
+TEST_F(RecoveryTest, WithoutAPathItGivesWayFirstToAPerson) {
+  auto seen = view();
+  EXPECT_FALSE(recovery_.may_give_way(seen)) << "nobody is there";
+  seen.person_m = {1.0, 0.5};
+  ASSERT_TRUE(recovery_.begin({NavCode::kNoPath, "none"}, seen));
+  EXPECT_EQ(recovery_.step(), RecoveryStep::kGiveWay);
+  ASSERT_TRUE(recovery_.begin({NavCode::kNoPath, "none"}, seen));
+  EXPECT_EQ(recovery_.step(), RecoveryStep::kClear);
 }
 
 TEST_F(RecoveryTest, ReasonsNameStepPlaceAndCause) {

@@ -1,0 +1,102 @@
+// Where a robot lets a person pass.
+#include <cmath>
+
+#include <gtest/gtest.h>
+
+#include "extperfc/base/math.hpp"
+#include "extperfc/navigate/give_way.hpp"
+
+#include "test/support/building.hpp"
+
+namespace extperfc::navigate {
+namespace {
+
+Footprint base() {
+  return *Footprint::make({{0.4, 0.3}, {-0.4, 0.3}, {-0.4, -0.3}, {0.4, -0.3}});
+}
+
+/// With the costs that a robot of base() has around obstacles.
+CostGrid inflated(const Building& building) {
+  const auto obstacles = rasterized(building, 0.05);
+  CostGrid grid = obstacles;
+  Inflation inflation{base().inscribed_radius_m(), 0.8, 4};
+  for (int row = 0; row < grid.height; ++row)
+    for (int column = 0; column < grid.width; ++column) {
+      double nearest_m = 1;
+      const int reach = 16;
+      for (int r = std::max(0, row - reach); r <= std::min(grid.height - 1, row + reach); ++r)
+        for (int c = std::max(0, column - reach); c <= std::min(grid.width - 1, column + reach); ++c)
+          if (obstacles.at({c, r}) == kLethalCost)
+            nearest_m = std::min(nearest_m, 0.05 * std::hypot(r - row, c - column));
+      grid.at({column, row}) = inflation.cost_at(nearest_m);
+    }
+  grid.inflation = inflation;
+  return grid;
+}
+
+/// A corridor of 12 x 1.4 m along x between walls, at y from 4 to 5.4.
+Building corridor() {
+  Building building;
+  building.size_m = {12, 8};
+  building.add(0, 5.4, 12, 8);
+  return building;
+}
+
+double off_corridor_m(const Pose2& pose) {
+  return 4 - pose.y;
+}
+
+TEST(GiveWay, IntoTheRoomBehindIt) {
+  Building building = corridor();
+  building.add(0, 3.9, 5.0, 4.0);
+  building.add(6.1, 3.9, 12, 4.0);  // a door at x = 5 to 6.1
+  building.add(4, 0, 8, 0.1);
+  building.add(4, 0, 4.1, 4);
+  building.add(8, 0, 8.1, 4);
+  const CostGrid grid = inflated(building);
+  const Pose2 start{8.5, 4.7, 0};
+  const auto place = place_to_give_way(grid, base(), start, {9.6, 4.7});
+  ASSERT_TRUE(place);
+  EXPECT_EQ(contact(grid, base(), *place), Contact::kFree);
+  EXPECT_GT(off_corridor_m(*place), 0.3);
+}
+
+TEST(GiveWay, NeverPastThePerson) {
+  Building building = corridor();
+  building.add(0, 3.9, 8.0, 4.0);
+  building.add(9.1, 3.9, 12, 4.0);  // the only door is behind the person
+  const CostGrid grid = inflated(building);
+  EXPECT_FALSE(place_to_give_way(grid, base(), {5.5, 4.7, 0}, {6.6, 4.7}));
+}
+
+TEST(GiveWay, ACorridorWithoutAnythingBesideItHasNoPlace) {
+  Building building = corridor();
+  building.add(0, 3.9, 12, 4.0);
+  const CostGrid grid = inflated(building);
+  EXPECT_FALSE(place_to_give_way(grid, base(), {5.5, 4.7, 0}, {6.6, 4.7}));
+}
+
+TEST(GiveWay, InAWideRoomAStepAside) {
+  Building building;
+  building.size_m = {12, 8};
+  building.add(0, 0, 12, 0.1);
+  building.add(0, 7.9, 12, 8);
+  building.add(0, 0, 0.1, 8);
+  building.add(11.9, 0, 12, 8);
+  const CostGrid grid = inflated(building);
+  const Pose2 start{6, 4, 0.3};
+  const auto place = place_to_give_way(grid, base(), start, {7, 4});
+  ASSERT_TRUE(place);
+  EXPECT_LT(distance_m(*place, start), 2.5);
+  EXPECT_GT(distance_m(*place, start), kGiveWayM - 0.01);
+}
+
+TEST(GiveWay, NothingForWhatIsNotOnTheMap) {
+  const CostGrid grid = inflated(corridor());
+  EXPECT_FALSE(place_to_give_way(grid, base(), {-5, 4.7, 0}, {6.6, 4.7}));
+  EXPECT_FALSE(place_to_give_way(grid, base(), {NAN, 4.7, 0}, {6.6, 4.7}));
+  EXPECT_FALSE(place_to_give_way(grid, base(), {5, 4.7, 0}, {NAN, 4.7}));
+}
+
+}  // namespace
+}  // namespace extperfc::navigate
