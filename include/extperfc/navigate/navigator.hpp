@@ -65,7 +65,7 @@ struct PlanWish {
   std::vector<AvoidedPlace> avoid{};  ///< to be given high costs
   Path current{};                     ///< the path that is followed now, from the robot on; perhaps empty
   /// In place of the request's goal: to a place where this person can pass, in the frame map.
-  std::optional<Eigen::Vector2d> give_way_to_m{};
+  std::optional<Eigen::Vector2d> yield_to_m{};
 };
 
 struct PlanAnswer {
@@ -161,8 +161,8 @@ class Navigator {
   void plan_failed(const NavError& error, const std::optional<Pose2>& blocked_at, const NavigatorInput& input,
                    Output& output);
   void wait_for_plan(const NavigatorInput& input, Output& output);
-  void give_way(const NavigatorInput& input);
-  void end_giving_way();
+  void yield_to_person(const NavigatorInput& input);
+  void end_yielding();
   void coast(const NavigatorInput& input, NavigatorOutput& output);
   void control(const NavigatorInput& input, Output& output);
   [[nodiscard]] std::optional<Pose2> block_of(const PathTracker& path, const NavigatorInput& input,
@@ -208,12 +208,12 @@ class Navigator {
   std::string reason_;
 
   /// To a person who cannot pass the robot where it is.
-  struct GivingWay {
+  struct Yielding {
     Eigen::Vector2d to_m;  ///< where the person was, in the frame map
     double until_s;
     std::optional<double> arrived_s{};
   };
-  std::optional<GivingWay> giving_way_;
+  std::optional<Yielding> yielding_;
 
   std::uint64_t next_plan_{0};
   std::optional<std::uint64_t> asked_plan_;  ///< under way

@@ -19,15 +19,15 @@ enum class RecoveryStep {
   kBackOff,  ///< drive back to where it came from, as far as the footprint stays free
   kRotate,   ///< in place, as far as the footprint stays free
   kAvoid,    ///< replan with high costs at the blocked place
-  kGiveWay,  ///< drive to a place where a person in front can pass
+  kYield,    ///< drive to a place where a person in front can pass
 };
 
-/// "wait", "clear", "back off", "rotate", "avoid", "give way".
+/// "wait", "clear", "back off", "rotate", "avoid", "yield".
 [[nodiscard]] const char* to_string(RecoveryStep step);
 
 struct RecoveryParams {
   double wait_s{3.0};          ///< [0, 600]
-  double back_off_m{0.6};      ///< [0, 5]
+  double back_off_m{0.6};      ///< [0, 5]; 0: never, and never yields
   double back_off_m_s{0.15};   ///< (0, 1]
   double rotate_rad{1.6};      ///< [0, 6.3]
   double rotate_rad_s{0.5};    ///< (0, 3]
@@ -59,14 +59,14 @@ struct AvoidedPlace {
 
 struct RecoveryOutput {
   Twist2 velocity;
-  std::optional<double> clear_beyond_m{};          ///< clear the cost maps now
-  std::optional<AvoidedPlace> avoid{};             ///< from now on, for this goal
-  bool done{false};                                ///< plan again
-  std::optional<Eigen::Vector2d> give_way_to_m{};  ///< plan to a place where this person can pass, map
+  std::optional<double> clear_beyond_m{};       ///< clear the cost maps now
+  std::optional<AvoidedPlace> avoid{};          ///< from now on, for this goal
+  bool done{false};                             ///< plan again
+  std::optional<Eigen::Vector2d> yield_to_m{};  ///< plan to a place where this person can pass, map
 };
 
 /// The ladder of a robot that is stuck: wait, clear, back off, avoid, rotate; with a person near, avoid and
-/// giving way come after wait, and where there is no path at all giving way comes first. A step that did not
+/// yielding come after wait, and where there is no path at all yielding comes first. A step that did not
 /// help at a place is never tried there again for this goal. One thread at a time.
 class Recovery {
  public:
@@ -81,9 +81,9 @@ class Recovery {
   [[nodiscard]] std::optional<std::string> begin(const NavError& cause, const RecoveryView& view);
   /// Precondition: begin() gave a step, and no update() since said done.
   [[nodiscard]] RecoveryOutput update(const RecoveryView& view);
-  /// Whether a person is near to whom the robot has not given way at this place.
-  [[nodiscard]] bool may_give_way(const RecoveryView& view) const {
-    return view.person_m && !tried(RecoveryStep::kGiveWay, view.map_T_base);
+  /// Whether a person is near to whom the robot has not yielded at this place.
+  [[nodiscard]] bool may_yield(const RecoveryView& view) const {
+    return possible(RecoveryStep::kYield, view) && !tried(RecoveryStep::kYield, view.map_T_base);
   }
   /// The robot drives on after the last step: that step may be tried again here.
   void helped();

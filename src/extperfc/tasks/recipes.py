@@ -49,7 +49,7 @@ def put_down(pose, held="held", frame=None):
     return py_trees.composites.Selector("put down", memory=True, children=[Place(pose, frame=frame), put_back])
 
 
-def bring(to, held="held", frame="map", attempts=3):
+def bring(to, held="held", frame="map", attempts=5):
     """Drives the held object to a point (x, y, z) of its middle and places it there, seen from up to so many places."""
     return py_trees.decorators.Retry(f"{attempts} attempts", _sequence("bring it", [
         StillHeld(held),

@@ -34,7 +34,8 @@ TRANSFORM_S = 0.3   # of real time, that a cloud waits for its place in the map
 FARTHER_COSTS = 5.0  # metres of a drive that are as bad as one metre more from what shall be reached
 AGAIN_COSTS = 2.0    # of a pose where the robot stood for the same point before, or near it, in metres of a drive
 AGAIN_M = 0.3        # from such a pose: near it
-NARROW_COSTS = 10.0  # metres of a drive that are as bad as one metre less of clear_m beside the robot
+NARROW_COSTS = 5.0   # metres of a drive that are as bad as one metre less of clear_m beside the robot
+AHEAD_RAD = 1.0      # from where a robot looks: what is there is before it, not beside it
 APPROACH_YAWS = 24  # directions from which an object is approached
 
 
@@ -255,8 +256,8 @@ class Approach(Leaf):
     arrive there, it is asked again which poses can be reached: from nearer it sees more. `attempts` in all. A leaf that runs
     again for the same point prefers another pose: from the last one something failed.
 
-    clear_m: poses nearer than this to what the lidar sees stand upright, walls and shelves, cost NARROW_COSTS more: arms need
-    the room. Above 0 it needs the topic `velodyne_points`.
+    clear_m: poses that have what the lidar sees stand upright, walls and shelves, nearer than this beside or behind them cost
+    NARROW_COSTS more: arms need the room. Above 0 it needs the topic `velodyne_points`.
     """
 
     def __init__(self, point, frame="map", standoffs_m=(0.72, 0.78, 0.85), attempts=6, name=None, clear_m=0.0):
@@ -310,12 +311,14 @@ class Approach(Leaf):
 
     def _missing_m(self, pose, boxes):
         """Of clear_m about a pose."""
-        return max(0.0, self.clear_m - min((distance_m(pose, box) for box in boxes), default=self.clear_m))
+        return max(0.0, self.clear_m - min((beside_m(pose, box) for box in boxes), default=self.clear_m))
 
 
-def distance_m(at, box):
-    """From a place (x, y) to a box (size, middle) whose sides are along the axes."""
-    return math.hypot(*(max(abs(at[axis] - box[1][axis]) - box[0][axis] / 2, 0.0) for axis in (0, 1)))
+def beside_m(pose, box):
+    """From a pose (x, y, yaw) to a box (size, middle) whose sides are along the axes; infinity when its nearest point is ahead."""
+    away = [middle + min(max(at - middle, -size / 2), size / 2) - at for at, size, middle in zip(pose[:2], *box)]
+    ahead = abs(math.remainder(math.atan2(away[1], away[0]) - pose[2], 2 * math.pi)) < AHEAD_RAD
+    return math.inf if ahead and any(away) else math.hypot(*away)
 
 
 def poses_before(point, standoffs_m):

@@ -23,8 +23,8 @@ constexpr double kMovedRad = 0.005;
 constexpr double kDetourRatio = 1.25;  // of lengths; a path that is longer and by kDetourM is a detour
 constexpr double kDetourM = 1.0;
 constexpr std::size_t kMaxDetours = 8;  // that are remembered
-constexpr double kGiveWayS = 30.0;      // until the robot goes on in any case
-constexpr double kPassS = 4.0;          // a person takes, who is out of sight of where the robot gives way
+constexpr double kYieldS = 30.0;        // until the robot goes on in any case
+constexpr double kPassS = 4.0;          // a person takes, who is out of sight of where the robot yields
 constexpr double kLeavesMS = 0.2;       // away from the robot: a person who has passed
 constexpr double kPersonNearM = 2.5;    // a person farther away is not the cause
 constexpr double kNearGoalM = 1.0;      // where the yaw counts as a part of what is left
@@ -148,7 +148,7 @@ void Navigator::begin_goal() {
   avoided_.clear();
   detours_.clear();
   planner_->reset();
-  giving_way_.reset();
+  yielding_.reset();
   asked_plan_.reset();
   answer_.reset();
   plan_now_ = true;
@@ -202,7 +202,7 @@ void Navigator::cycle(const NavigatorInput& input, Output& output) {
   if (state_ == NavState::kRecovering) return continue_recovery(input, output);
   if (answer_) take_answer(input, output);
   if (!task_ || state_ == NavState::kRecovering) return;
-  if (giving_way_) give_way(input);
+  if (yielding_) yield_to_person(input);
   plan_when_due(input, output);
   if (state_ == NavState::kControlling)
     control(input, output);
@@ -276,10 +276,10 @@ void Navigator::end_fault() {
 }
 
 void Navigator::plan_when_due(const NavigatorInput& input, Output& output) {
-  if (giving_way_ && giving_way_->arrived_s) return;
+  if (yielding_ && yielding_->arrived_s) return;
   const double since_s = clock_s_ - asked_s_;
-  const bool periodic = state_ == NavState::kControlling && !giving_way_ &&
-                        params_.planner_frequency_hz > 0 && since_s * params_.planner_frequency_hz >= 1;
+  const bool periodic = state_ == NavState::kControlling && !yielding_ && params_.planner_frequency_hz > 0 &&
+                        since_s * params_.planner_frequency_hz >= 1;
   const bool urgent = (plan_now_ || blocked_ahead_ || state_ == NavState::kPlanning) && !asked_plan_;
   const bool first = plan_now_ && tracker_.empty() && !asked_plan_;
   if (first || (urgent && since_s >= kReplanS) || (periodic && !asked_plan_)) ask_for_plan(input, output);
@@ -294,8 +294,8 @@ void Navigator::ask_for_plan(const NavigatorInput& input, Output& output) {
   wish.request.start = input.map_T_base;
   wish.request.goal = *goal();
   wish.request.tolerance_m = params_.tolerance_m;
-  if (giving_way_)
-    wish.give_way_to_m = giving_way_->to_m;
+  if (yielding_)
+    wish.yield_to_m = yielding_->to_m;
   else
     wish.avoid = avoided_now();
   if (!tracker_.empty()) wish.current = tracker_.rest_in(Pose2{});
@@ -306,7 +306,7 @@ void Navigator::take_answer(const NavigatorInput& input, Output& output) {
   const auto answer = std::move(*answer_);
   answer_.reset();
   asked_plan_.reset();
-  if (giving_way_ && !answer.path) return end_giving_way();
+  if (yielding_ && !answer.path) return end_yielding();
   if (!answer.path) return plan_failed(answer.path.error(), answer.blocked_at, input, output);
   if (answer.path->poses.empty() || !all_finite(answer.path->poses))
     return plan_failed({NavCode::kNoPath, "the planner's path is empty or not finite"}, answer.blocked_at,
@@ -348,7 +348,7 @@ void Navigator::take_path(const Path& path, Output& output) {
   map_changed_ = false;
   blocked_ahead_.reset();
   state_ = NavState::kControlling;
-  if (!giving_way_) progress_.path_changed(tracker_.rest_m(), clock_s_);
+  if (!yielding_) progress_.path_changed(tracker_.rest_m(), clock_s_);
   output.new_path = path;
 }
 
@@ -368,8 +368,8 @@ void Navigator::plan_failed(const NavError& error, const std::optional<Pose2>& b
   }
   reason_ = error.message;
   if (!no_plan_since_s_) no_plan_since_s_ = clock_s_;
-  const bool gives_way = error.code == NavCode::kNoPath && recovery_.may_give_way(view_of(input));
-  const bool waits = !input.people.empty() && !gives_way;
+  const bool yields = error.code == NavCode::kNoPath && recovery_.may_yield(view_of(input));
+  const bool waits = !input.people.empty() && !yields;
   const double patience_s =
       waits ? std::max(params_.planner_patience_s, params_.people_patience_s) : params_.planner_patience_s;
   if (clock_s_ - *no_plan_since_s_ >= patience_s) recover(error, input, output);
@@ -382,28 +382,28 @@ void Navigator::wait_for_plan(const NavigatorInput& input, Output& output) {
 }
 
 /// Stands where a person can pass until nobody is near who does not walk away.
-void Navigator::give_way(const NavigatorInput& input) {
+void Navigator::yield_to_person(const NavigatorInput& input) {
   const auto is_waited_for = [&](const MovingObstacle& person) {
     const Eigen::Vector2d away_m =
         person.position_m - Eigen::Vector2d(input.odom_T_base.x, input.odom_T_base.y);
     return away_m.norm() < kPersonNearM && person.velocity_m_s.dot(away_m.normalized()) < kLeavesMS;
   };
-  const auto& arrived_s = giving_way_->arrived_s;
+  const auto& arrived_s = yielding_->arrived_s;
   const bool passed = arrived_s && clock_s_ - *arrived_s >= kPassS &&
                       std::none_of(input.people.begin(), input.people.end(), is_waited_for);
-  if (passed || clock_s_ >= giving_way_->until_s) end_giving_way();
+  if (passed || clock_s_ >= yielding_->until_s) end_yielding();
 }
 
 /// Plans to the goal again; when that fails, the next recovery begins.
-void Navigator::end_giving_way() {
-  giving_way_.reset();
+void Navigator::end_yielding() {
+  yielding_.reset();
   asked_plan_.reset();
   answer_.reset();
   start_planning();
 }
 
 void Navigator::control(const NavigatorInput& input, Output& output) {
-  if (giving_way_ && giving_way_->arrived_s) return;
+  if (yielding_ && yielding_->arrived_s) return;
   tracker_.update(input.map_T_base);
   const Pose2 odom_T_map = compose(input.odom_T_base, inverse(input.map_T_base));
   blocked_ahead_ = block_of(tracker_, input, odom_T_map);
@@ -417,8 +417,8 @@ void Navigator::control(const NavigatorInput& input, Output& output) {
   else
     no_velocity_since_s_.reset();
   if (state_ != NavState::kControlling) return;
-  if (wanted->at_goal && giving_way_) {
-    giving_way_->arrived_s = clock_s_;
+  if (wanted->at_goal && yielding_) {
+    yielding_->arrived_s = clock_s_;
     return;
   }
   if (wanted->at_goal) return goal_done({NavCode::kSuccess, "goal reached"}, output);
@@ -451,7 +451,7 @@ void Navigator::no_velocity(const NavError& error, const NavigatorInput& input, 
 }
 
 void Navigator::watch_progress(const NavigatorInput& input, Output& output) {
-  if (giving_way_) return;
+  if (yielding_) return;
   double rest_m = tracker_.rest_m();
   if (rest_m < kNearGoalM)
     rest_m += kMetresPerRad * std::abs(wrap_angle(tracker_.path().poses.back().yaw - input.map_T_base.yaw));
@@ -486,7 +486,7 @@ RecoveryView Navigator::view_of(const NavigatorInput& input) const {
 }
 
 void Navigator::recover(const NavError& cause, const NavigatorInput& input, Output& output) {
-  giving_way_.reset();
+  yielding_.reset();
   const auto begun =
       params_.recovery_enabled ? recovery_.begin(cause, view_of(input)) : std::optional<std::string>();
   if (!begun) {
@@ -508,7 +508,7 @@ void Navigator::continue_recovery(const NavigatorInput& input, Output& output) {
   output.command = smoothed(step.velocity);
   output.clear_beyond_m = step.clear_beyond_m;
   if (step.avoid) avoided_.push_back(*step.avoid);
-  if (step.give_way_to_m) giving_way_ = GivingWay{*step.give_way_to_m, clock_s_ + kGiveWayS};
+  if (step.yield_to_m) yielding_ = Yielding{*step.yield_to_m, clock_s_ + kYieldS};
   if (!step.done) return;
   output.command = {};
   recovered_ = true;

@@ -23,7 +23,7 @@ std::vector<RecoveryStep> ladder(NavCode cause, bool person) {
   using S = RecoveryStep;
   switch (cause) {
     case NavCode::kNoPath:
-      if (person) return {S::kGiveWay, S::kClear, S::kWait, S::kRotate};
+      if (person) return {S::kYield, S::kClear, S::kWait, S::kRotate};
       [[fallthrough]];
     case NavCode::kGoalBlocked:
     case NavCode::kPlanTimeout:
@@ -33,7 +33,7 @@ std::vector<RecoveryStep> ladder(NavCode cause, bool person) {
       return {S::kWait, S::kClear, S::kBackOff, S::kRotate};
     default:
       // People walk up and down a passage for longer than a robot waits: there may be another one.
-      if (person) return {S::kWait, S::kAvoid, S::kGiveWay, S::kClear, S::kBackOff, S::kRotate};
+      if (person) return {S::kWait, S::kAvoid, S::kYield, S::kClear, S::kBackOff, S::kRotate};
       return {S::kWait, S::kClear, S::kBackOff, S::kAvoid, S::kRotate};
   }
 }
@@ -82,8 +82,8 @@ const char* to_string(RecoveryStep step) {
       return "rotate";
     case RecoveryStep::kAvoid:
       return "avoid";
-    case RecoveryStep::kGiveWay:
-      return "give way";
+    case RecoveryStep::kYield:
+      return "yield";
   }
   return "unknown";
 }
@@ -133,6 +133,7 @@ bool Recovery::possible(RecoveryStep step, const RecoveryView& view) const {
   if (step == RecoveryStep::kRotate)
     return params_.rotate_rad > 0 && view.costs != nullptr &&
            (is_safe(view, {0, 0, params_.rotate_rad_s}) || is_safe(view, {0, 0, -params_.rotate_rad_s}));
+  if (step == RecoveryStep::kYield) return view.person_m && params_.back_off_m > 0;
   return step != RecoveryStep::kWait || params_.wait_s > 0;
 }
 
@@ -181,8 +182,8 @@ RecoveryOutput Recovery::update(const RecoveryView& view) {
       output.avoid = avoided(view);
       output.done = true;
       return output;
-    case RecoveryStep::kGiveWay:
-      output.give_way_to_m = view.person_m;
+    case RecoveryStep::kYield:
+      output.yield_to_m = view.person_m;
       output.done = true;
       return output;
   }

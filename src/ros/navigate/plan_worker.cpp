@@ -6,7 +6,7 @@
 
 #include "extperfc/base/stopwatch.hpp"
 #include "extperfc/navigate/escape_path.hpp"
-#include "extperfc/navigate/give_way.hpp"
+#include "extperfc/navigate/yield_place.hpp"
 
 namespace extperfc::ros_navigate {
 
@@ -94,8 +94,8 @@ navigate::PlanAnswer PlanWorker::answer(const navigate::PlanWish& wish) {
   made.blocked_at = first_touch(*scene.costs, scene.footprint->padded(-kMarginM), wish.current);
   auto request = wish.request;
   request.cancel = &cancel_;
-  if (wish.give_way_to_m) {
-    const auto place = place_to_give_way(*scene.costs, *scene.footprint, request.start, *wish.give_way_to_m);
+  if (wish.yield_to_m) {
+    const auto place = yield_place(*scene.costs, *scene.footprint, request.start, *wish.yield_to_m);
     if (!place) {
       made.path = navigate::nav_fail(NavCode::kNoPath, "no place near where the person could pass");
       return made;

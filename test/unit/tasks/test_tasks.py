@@ -533,6 +533,13 @@ class Driving(unittest.TestCase):
             self.run_leaf(leaf)
             self.assertGreater(math.dist(stood[:2], leaf._tried[0][:2]), search.AGAIN_M, "elsewhere, not a hand's breadth aside")
 
+    def test_what_is_ahead_is_not_beside(self):
+        wall = (0.1, 4.0, 2.2), (1.05, 0.0, 1.1)
+        self.assertEqual(math.inf, search.beside_m((0.0, 0.0, 0.0), wall))
+        for yaw in (math.pi / 2, -math.pi / 2, math.pi):
+            self.assertAlmostEqual(1.0, search.beside_m((0.0, 0.0, yaw), wall))
+        self.assertEqual(0.0, search.beside_m((1.05, 0.0, 0.0), wall))
+
     def test_a_point_that_is_never_reached(self):
         self.failing = set(range(100))
         with self.plans(lambda x, y: True):

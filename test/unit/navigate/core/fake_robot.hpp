@@ -88,7 +88,7 @@ class FakeRobot {
   PlanAnswer answer(const PlanWish& wish) const {
     PlanAnswer made;
     made.id = wish.id;
-    if (wish.give_way_to_m) {
+    if (wish.yield_to_m) {
       if (aside)
         made.path = straight(wish.request.start, *aside);
       else

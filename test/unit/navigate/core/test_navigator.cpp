@@ -126,15 +126,15 @@ TEST(Navigator, WhatNoRecoveryMendsEndsAtOnce) {
   }
 }
 
-TEST(Navigator, GivesWayToWhoCannotPassAndGoesOn) {
+TEST(Navigator, YieldsToWhoCannotPassAndGoesOn) {
   FakeRobot robot;
   robot.aside = Pose2{-2, 1.5, 0};
   robot.plan_error = NavError{NavCode::kNoPath, "a person in the corridor"};
   robot.input.people = {{{1.2, 0}, {0, 0}, 0.25}};
   robot.drive_to({3, 0, 0});
   robot.run_for(NavigatorParams{}.planner_patience_s + 1);
-  ASSERT_TRUE(robot.wishes.back().give_way_to_m);
-  EXPECT_EQ(*robot.wishes.back().give_way_to_m, Eigen::Vector2d(1.2, 0));
+  ASSERT_TRUE(robot.wishes.back().yield_to_m);
+  EXPECT_EQ(*robot.wishes.back().yield_to_m, Eigen::Vector2d(1.2, 0));
   const auto wishes = robot.wishes.size();
   robot.run_for(8);
   EXPECT_LT(distance_m(robot.pose, *robot.aside), 0.1);
@@ -149,7 +149,7 @@ TEST(Navigator, GivesWayToWhoCannotPassAndGoesOn) {
   EXPECT_EQ(robot.ends[0].error.code, NavCode::kSuccess);
 }
 
-TEST(Navigator, GivingWayEndsThoughThePersonStays) {
+TEST(Navigator, YieldingEndsThoughThePersonStays) {
   FakeRobot robot;
   robot.aside = Pose2{-1, 1, 0};
   robot.plan_error = NavError{NavCode::kNoPath, "a person in the corridor"};
@@ -158,12 +158,12 @@ TEST(Navigator, GivingWayEndsThoughThePersonStays) {
   ASSERT_TRUE(robot.run(200));
   EXPECT_EQ(robot.ends[0].error.code, NavCode::kNoPath);
   const auto asked = std::count_if(robot.wishes.begin(), robot.wishes.end(),
-                                   [](const PlanWish& wish) { return wish.give_way_to_m.has_value(); });
+                                   [](const PlanWish& wish) { return wish.yield_to_m.has_value(); });
   EXPECT_GE(asked, 1);
   EXPECT_LE(asked, 3) << "once at a place";
 }
 
-TEST(Navigator, WithoutAPlaceToGiveWayTheOtherRecoveriesFollow) {
+TEST(Navigator, WithoutAPlaceToYieldTheOtherRecoveriesFollow) {
   FakeRobot robot;
   robot.plan_error = NavError{NavCode::kNoPath, "a person in the corridor"};
   robot.input.people = {{{1.2, 0}, {0, 0}, 0.25}};

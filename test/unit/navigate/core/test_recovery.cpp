@@ -147,22 +147,25 @@ TEST_F(RecoveryTest, APassageWithAPersonIsSoonAvoidedInItsWholeWidth) {
   ASSERT_TRUE(output.avoid);
   EXPECT_EQ(output.avoid->middle_m, Eigen::Vector2d(1.0, 0.5));
   EXPECT_EQ(output.avoid->radius_m, RecoveryParams{}.avoid_person_m);
-  EXPECT_TRUE(recovery_.may_give_way(seen));
+  EXPECT_TRUE(recovery_.may_yield(seen));
   ASSERT_TRUE(recovery_.begin(kCause, seen));
-  ASSERT_EQ(recovery_.step(), RecoveryStep::kGiveWay) << "where there is no other passage";
-  EXPECT_FALSE(recovery_.may_give_way(seen));
-  ASSERT_TRUE(recovery_.update(seen).give_way_to_m);
-  EXPECT_EQ(*recovery_.update(seen).give_way_to_m, Eigen::Vector2d(1.0, 0.5));
+  ASSERT_EQ(recovery_.step(), RecoveryStep::kYield) << "where there is no other passage";
+  EXPECT_FALSE(recovery_.may_yield(seen));
+  ASSERT_TRUE(recovery_.update(seen).yield_to_m);
+  EXPECT_EQ(*recovery_.update(seen).yield_to_m, Eigen::Vector2d(1.0, 0.5));
 }
 
-TEST_F(RecoveryTest, WithoutAPathItGivesWayFirstToAPerson) {
+TEST_F(RecoveryTest, WithoutAPathItYieldsFirstToAPerson) {
   auto seen = view();
-  EXPECT_FALSE(recovery_.may_give_way(seen)) << "nobody is there";
+  EXPECT_FALSE(recovery_.may_yield(seen)) << "nobody is there";
   seen.person_m = {1.0, 0.5};
   ASSERT_TRUE(recovery_.begin({NavCode::kNoPath, "none"}, seen));
-  EXPECT_EQ(recovery_.step(), RecoveryStep::kGiveWay);
+  EXPECT_EQ(recovery_.step(), RecoveryStep::kYield);
   ASSERT_TRUE(recovery_.begin({NavCode::kNoPath, "none"}, seen));
   EXPECT_EQ(recovery_.step(), RecoveryStep::kClear);
+  RecoveryParams params;
+  params.back_off_m = 0;
+  EXPECT_FALSE(Recovery(params).may_yield(seen)) << "a robot that never drives back does not yield";
 }
 
 TEST_F(RecoveryTest, ReasonsNameStepPlaceAndCause) {

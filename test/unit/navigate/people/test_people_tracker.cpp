@@ -16,7 +16,7 @@ namespace {
 constexpr double kScanS = 0.1;
 
 /// A room of 8 x 6 m that is on the map, and a robot that looks about in it; odom is the map.
-struct Room {
+struct Hall {
   Building mapped;
   Building seen;  ///< with what the map does not have
   std::vector<FloorDisc> discs;
@@ -24,7 +24,7 @@ struct Room {
   double now_s{10};
   Rng rng{3};
 
-  Room() {
+  Hall() {
     mapped.size_m = {8, 6};
     mapped.add(0, 0, 8, 0.1);
     mapped.add(0, 5.9, 8, 6);
@@ -47,44 +47,44 @@ TEST(PeopleTracker, ATableIsNobody) {
   int looks = 0;
   int wrong = 0;
   for (int table = 0; table < 6; ++table) {
-    Room room;
-    room.rng = Rng(static_cast<std::uint64_t>(table) + 1);
-    const Eigen::Vector2d half_m(room.rng.uniform(0.3, 0.8), room.rng.uniform(0.25, 0.45));
-    const Eigen::Vector2d middle_m(room.rng.uniform(3.5, 4.5), room.rng.uniform(2.7, 3.3));
-    room.seen.boxes.push_back({{middle_m.x(), middle_m.y(), room.rng.uniform(-kPi, kPi)}, half_m});
+    Hall hall;
+    hall.rng = Rng(static_cast<std::uint64_t>(table) + 1);
+    const Eigen::Vector2d half_m(hall.rng.uniform(0.3, 0.8), hall.rng.uniform(0.25, 0.45));
+    const Eigen::Vector2d middle_m(hall.rng.uniform(3.5, 4.5), hall.rng.uniform(2.7, 3.3));
+    hall.seen.boxes.push_back({{middle_m.x(), middle_m.y(), hall.rng.uniform(-kPi, kPi)}, half_m});
     Pose2 pose;
-    const double around_rad = room.rng.uniform(-kPi, kPi);
-    const double away_m = half_m.norm() + room.rng.uniform(0.5, 0.9);
+    const double around_rad = hall.rng.uniform(-kPi, kPi);
+    const double away_m = half_m.norm() + hall.rng.uniform(0.5, 0.9);
     for (int step = 0; step < 250; ++step) {  // around the table at 0.5 m/s, looking here and there
       const double angle = around_rad + 0.5 * kScanS * step / away_m;
       pose = {middle_m.x() + away_m * std::cos(angle), middle_m.y() + away_m * std::sin(angle),
               wrap_angle(angle + kPi + std::sin(0.12 * step))};
-      room.look(pose);
+      hall.look(pose);
     }
     for (int step = 0; step < 100; ++step) {  // and stands before it
-      room.look(pose);
+      hall.look(pose);
       ++looks;
-      if (!room.tracker.people(room.now_s).empty()) ++wrong;
+      if (!hall.tracker.people(hall.now_s).empty()) ++wrong;
     }
   }
   EXPECT_LE(wrong, looks / 100) << "of " << looks;
 }
 
 TEST(PeopleTracker, WhoWalkedAndStandsBesideACupboardStaysAPerson) {
-  Room room;
-  room.seen.add(5.0, 2.3, 6.0, 2.6);
+  Hall hall;
+  hall.seen.add(5.0, 2.3, 6.0, 2.6);
   const Pose2 pose{2, 3, 0};
-  room.discs.push_back({{5.5, 5.0}, 0.22});
-  while (room.discs[0].at_m.y() > 2.95) {
-    room.look(pose);
-    room.discs[0].at_m.y() -= 0.6 * kScanS;
+  hall.discs.push_back({{5.5, 5.0}, 0.22});
+  while (hall.discs[0].at_m.y() > 2.95) {
+    hall.look(pose);
+    hall.discs[0].at_m.y() -= 0.6 * kScanS;
   }
-  for (int step = 0; step < 20; ++step) room.look(pose);  // the cupboard seems to walk where it is hidden
+  for (int step = 0; step < 20; ++step) hall.look(pose);  // the cupboard seems to walk where it is hidden
   for (int step = 0; step < 80; ++step) {
-    room.look(pose);
-    const auto people = room.tracker.people(room.now_s);
+    hall.look(pose);
+    const auto people = hall.tracker.people(hall.now_s);
     ASSERT_EQ(people.size(), 1U) << "after " << step * kScanS << " s";
-    EXPECT_LT((people[0].position_m - room.discs[0].at_m).norm(), 0.35);
+    EXPECT_LT((people[0].position_m - hall.discs[0].at_m).norm(), 0.35);
   }
 }
 

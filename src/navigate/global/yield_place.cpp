@@ -1,4 +1,4 @@
-#include "extperfc/navigate/give_way.hpp"
+#include "extperfc/navigate/yield_place.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -19,19 +19,19 @@ constexpr double kPersonM = 0.3;       // a person's radius, and a little
 constexpr double kBeyondM = 3.0;       // beyond the farthest place, what the person may want to reach counts
 constexpr double kEnoughLeft = 0.7;    // of what is behind the robot the person should still reach,
 constexpr double kBranchLeft = 0.5;    // and so much of each branch of what is behind the place
-constexpr double kLeastLeft = 0.5;     // without such a place: the least of what is behind the robot
+constexpr double kMinLeft = 0.5;       // without such a place: the least of what is behind the robot
 constexpr double kSmallBranch = 0.05;  // of all that can be reached: does not count
-constexpr int kYaws = 8;
+constexpr int kYawChoices = 8;
 
 /// What the base's middle reaches from a start, without passing a person.
-class Reach {
+class ReachableCells {
  public:
-  Reach(const CostGrid& costs, const Pose2& start, const Eigen::Vector2d& person_m, double person_radius_m)
+  ReachableCells(const CostGrid& costs, const Pose2& start, const Eigen::Vector2d& person_m,
+                 double person_radius_m)
       : costs_(costs),
         stride_(std::max(1, static_cast<int>(std::lround(kCoarseM / costs.resolution_m)))),
         start_m_(start.x, start.y) {
-    const int cells =
-        static_cast<int>(std::ceil((kGiveWayReachM + kBeyondM) / (stride_ * costs.resolution_m)));
+    const int cells = static_cast<int>(std::ceil((kYieldReachM + kBeyondM) / (stride_ * costs.resolution_m)));
     side_ = 2 * cells + 1;
     nodes_.resize(static_cast<std::size_t>(side_) * static_cast<std::size_t>(side_));
     search(person_m, person_radius_m);
@@ -51,12 +51,12 @@ class Reach {
       if (node % side_ % 2 == 0 && node / side_ % 2 == 0) nodes.push_back(node);
     return nodes;
   }
-  /// Marks what a person can still reach from the start who keeps kGiveWayM from a place.
+  /// Marks what a person can still reach from the start who keeps kYieldM from a place.
   void walk_past(const Eigen::Vector2d& place_m) {
     ++visit_;
     ++walks_;
     const auto may_walk = [&](int node) {
-      return reached(node) && (middle_m(node) - place_m).norm() >= kGiveWayM;
+      return reached(node) && (middle_m(node) - place_m).norm() >= kYieldM;
     };
     flood(start_node(), may_walk, [&](int node) { nodes_[static_cast<std::size_t>(node)].walked = walks_; });
   }
@@ -71,9 +71,9 @@ class Reach {
     return all > 0 ? static_cast<double>(left) / static_cast<double>(all) : 0;
   }
   /// The same of the branch of it that has least left; small ones do not count.
-  [[nodiscard]] double least_branch_left(double beyond_m) {
+  [[nodiscard]] double min_branch_left(double beyond_m) {
     ++visit_;
-    double least = 1;
+    double min_left = 1;
     const auto is_beyond = [&](int node) { return reached(node) && length_m(node) > beyond_m; };
     for (auto first = reached_.rbegin(); first != reached_.rend() && length_m(*first) > beyond_m; ++first) {
       if (nodes_[static_cast<std::size_t>(*first)].visit == visit_) continue;
@@ -84,9 +84,9 @@ class Reach {
         left += walked(node);
       });
       if (static_cast<double>(all) >= kSmallBranch * static_cast<double>(reached_.size()))
-        least = std::min(least, static_cast<double>(left) / static_cast<double>(all));
+        min_left = std::min(min_left, static_cast<double>(left) / static_cast<double>(all));
     }
-    return least;
+    return min_left;
   }
 
  private:
@@ -148,7 +148,7 @@ class Reach {
       for_each_neighbour(node, [&, from_m = length_m, at = node](int next, double step_m) {
         double& there_m = nodes_[static_cast<std::size_t>(next)].length_m;
         const double next_m = from_m + step_m;
-        if (next_m >= there_m || next_m > kGiveWayReachM + kBeyondM || !may_be_at(middle_m(next))) return;
+        if (next_m >= there_m || next_m > kYieldReachM + kBeyondM || !may_be_at(middle_m(next))) return;
         // Near the person a step away from them is none past them.
         const double away_m = (middle_m(next) - person_m).norm();
         if (away_m < person_radius_m && away_m < (middle_m(at) - person_m).norm()) return;
@@ -179,9 +179,9 @@ double distance_to_line_m(const Eigen::Vector2d& from_m, const Eigen::Vector2d& 
 /// The yaw nearest to the start's at which the footprint is free.
 std::optional<Pose2> free_pose_at(const CostGrid& costs, const Footprint& footprint,
                                   const Eigen::Vector2d& at_m, double yaw) {
-  for (int i = 0; i < kYaws; ++i) {
-    const int turn = (i + 1) / 2 * (i % 2 == 0 ? 1 : -1);
-    const Pose2 pose{at_m.x(), at_m.y(), wrap_angle(yaw + turn * kTwoPi / kYaws)};
+  for (int i = 0; i < kYawChoices; ++i) {
+    const int rotation = (i + 1) / 2 * (i % 2 == 0 ? 1 : -1);
+    const Pose2 pose{at_m.x(), at_m.y(), wrap_angle(yaw + rotation * kTwoPi / kYawChoices)};
     if (contact(costs, footprint, pose) == Contact::kFree) return pose;
   }
   return std::nullopt;
@@ -189,25 +189,25 @@ std::optional<Pose2> free_pose_at(const CostGrid& costs, const Footprint& footpr
 
 }  // namespace
 
-std::optional<Pose2> place_to_give_way(const CostGrid& costs, const Footprint& footprint, const Pose2& start,
-                                       const Eigen::Vector2d& person_m) {
+std::optional<Pose2> yield_place(const CostGrid& costs, const Footprint& footprint, const Pose2& start,
+                                 const Eigen::Vector2d& person_m) {
   if (!is_finite(start) || !person_m.allFinite() || !costs.cell_of({start.x, start.y})) return std::nullopt;
-  Reach reach(costs, start, person_m, kPersonM + footprint.inscribed_radius_m());
+  ReachableCells reach(costs, start, person_m, kPersonM + footprint.inscribed_radius_m());
   const Eigen::Vector2d start_m(start.x, start.y);
   std::optional<Pose2> best;
-  double most = kLeastLeft;
+  double max_left = kMinLeft;
   for (const int node : reach.by_length()) {
-    if (reach.length_m(node) > kGiveWayReachM) break;
+    if (reach.length_m(node) > kYieldReachM) break;
     const Eigen::Vector2d at_m = reach.middle_m(node);
-    if (distance_to_line_m(person_m, start_m, at_m) < kGiveWayM) continue;
+    if (distance_to_line_m(person_m, start_m, at_m) < kYieldM) continue;
     reach.walk_past(at_m);
     const double left = reach.part_left(reach.length_m(node) / 2);
-    const bool enough = left >= kEnoughLeft && reach.least_branch_left(reach.length_m(node)) >= kBranchLeft;
-    if (left <= most && !enough) continue;
+    const bool enough = left >= kEnoughLeft && reach.min_branch_left(reach.length_m(node)) >= kBranchLeft;
+    if (left <= max_left && !enough) continue;
     const auto pose = free_pose_at(costs, footprint, at_m, start.yaw);
     if (!pose) continue;
     best = pose;
-    most = left;
+    max_left = left;
     if (enough) break;
   }
   return best;

@@ -4,7 +4,7 @@
 #include <gtest/gtest.h>
 
 #include "extperfc/base/math.hpp"
-#include "extperfc/navigate/give_way.hpp"
+#include "extperfc/navigate/yield_place.hpp"
 
 #include "test/support/building.hpp"
 
@@ -46,7 +46,7 @@ double off_corridor_m(const Pose2& pose) {
   return 4 - pose.y;
 }
 
-TEST(GiveWay, IntoTheRoomBehindIt) {
+TEST(YieldPlace, IntoTheRoomBehindIt) {
   Building building = corridor();
   building.add(0, 3.9, 5.0, 4.0);
   building.add(6.1, 3.9, 12, 4.0);  // a door at x = 5 to 6.1
@@ -55,28 +55,28 @@ TEST(GiveWay, IntoTheRoomBehindIt) {
   building.add(8, 0, 8.1, 4);
   const CostGrid grid = inflated(building);
   const Pose2 start{8.5, 4.7, 0};
-  const auto place = place_to_give_way(grid, base(), start, {9.6, 4.7});
+  const auto place = yield_place(grid, base(), start, {9.6, 4.7});
   ASSERT_TRUE(place);
   EXPECT_EQ(contact(grid, base(), *place), Contact::kFree);
   EXPECT_GT(off_corridor_m(*place), 0.3);
 }
 
-TEST(GiveWay, NeverPastThePerson) {
+TEST(YieldPlace, NeverPastThePerson) {
   Building building = corridor();
   building.add(0, 3.9, 8.0, 4.0);
   building.add(9.1, 3.9, 12, 4.0);  // the only door is behind the person
   const CostGrid grid = inflated(building);
-  EXPECT_FALSE(place_to_give_way(grid, base(), {5.5, 4.7, 0}, {6.6, 4.7}));
+  EXPECT_FALSE(yield_place(grid, base(), {5.5, 4.7, 0}, {6.6, 4.7}));
 }
 
-TEST(GiveWay, ACorridorWithoutAnythingBesideItHasNoPlace) {
+TEST(YieldPlace, ACorridorWithoutAnythingBesideItHasNoPlace) {
   Building building = corridor();
   building.add(0, 3.9, 12, 4.0);
   const CostGrid grid = inflated(building);
-  EXPECT_FALSE(place_to_give_way(grid, base(), {5.5, 4.7, 0}, {6.6, 4.7}));
+  EXPECT_FALSE(yield_place(grid, base(), {5.5, 4.7, 0}, {6.6, 4.7}));
 }
 
-TEST(GiveWay, InAWideRoomAStepAside) {
+TEST(YieldPlace, InAWideRoomAStepAside) {
   Building building;
   building.size_m = {12, 8};
   building.add(0, 0, 12, 0.1);
@@ -85,17 +85,17 @@ TEST(GiveWay, InAWideRoomAStepAside) {
   building.add(11.9, 0, 12, 8);
   const CostGrid grid = inflated(building);
   const Pose2 start{6, 4, 0.3};
-  const auto place = place_to_give_way(grid, base(), start, {7, 4});
+  const auto place = yield_place(grid, base(), start, {7, 4});
   ASSERT_TRUE(place);
   EXPECT_LT(distance_m(*place, start), 2.5);
-  EXPECT_GT(distance_m(*place, start), kGiveWayM - 0.01);
+  EXPECT_GT(distance_m(*place, start), kYieldM - 0.01);
 }
 
-TEST(GiveWay, NothingForWhatIsNotOnTheMap) {
+TEST(YieldPlace, NothingForWhatIsNotOnTheMap) {
   const CostGrid grid = inflated(corridor());
-  EXPECT_FALSE(place_to_give_way(grid, base(), {-5, 4.7, 0}, {6.6, 4.7}));
-  EXPECT_FALSE(place_to_give_way(grid, base(), {NAN, 4.7, 0}, {6.6, 4.7}));
-  EXPECT_FALSE(place_to_give_way(grid, base(), {5, 4.7, 0}, {NAN, 4.7}));
+  EXPECT_FALSE(yield_place(grid, base(), {-5, 4.7, 0}, {6.6, 4.7}));
+  EXPECT_FALSE(yield_place(grid, base(), {NAN, 4.7, 0}, {6.6, 4.7}));
+  EXPECT_FALSE(yield_place(grid, base(), {5, 4.7, 0}, {NAN, 4.7}));
 }
 
 }  // namespace
