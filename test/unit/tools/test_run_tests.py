@@ -74,21 +74,24 @@ class Running(unittest.TestCase):
 
     def test_only_tests_that_mostly_wait_run_at_a_time_and_the_background_beside_all(self):
         running, seen, lock = set(), {}, threading.Lock()
-        meet, measured = threading.Barrier(3), threading.Event()
+        meet, began, measured = threading.Barrier(3), threading.Event(), threading.Event()
 
         def runner(name):
             def run(log):
                 with lock:
                     running.add(name)
                 if name == "background":
+                    began.set()
                     self.assertTrue(measured.wait(20))
-                elif name not in "cd":
-                    meet.wait(20)
+                elif name in "cd":
+                    self.assertTrue(began.wait(20))
                 else:
-                    measured.set()
+                    meet.wait(20)
                 with lock:
                     seen[name] = set(running)
                     running.remove(name)
+                if name in "cd":
+                    measured.set()
                 return Counts(1, 0, 0)
             return run
         tests = [Test(name, "ros", runner(name), False) for name in ("c", "a", "background", "b", "e", "d")]
