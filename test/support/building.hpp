@@ -38,6 +38,13 @@ struct Building {
   void add(double left, double bottom, double right, double top) {
     boxes.push_back({{(left + right) / 2, (bottom + top) / 2, 0}, {(right - left) / 2, (top - bottom) / 2}});
   }
+  /// Walls of 0.1 m all around.
+  void enclose() {
+    add(0, 0, size_m.x(), 0.1);
+    add(0, size_m.y() - 0.1, size_m.x(), size_m.y());
+    add(0, 0, 0.1, size_m.y());
+    add(size_m.x() - 0.1, 0, size_m.x(), size_m.y());
+  }
 };
 
 /// Distance along a ray to a box or a disc [m]; infinity without a hit.

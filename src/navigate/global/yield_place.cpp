@@ -149,7 +149,7 @@ class ReachableCells {
         double& there_m = nodes_[static_cast<std::size_t>(next)].length_m;
         const double next_m = from_m + step_m;
         if (next_m >= there_m || next_m > kYieldReachM + kBeyondM || !may_be_at(middle_m(next))) return;
-        // Near the person a step away from them is none past them.
+        // Near the person a step away from them does not pass them.
         const double away_m = (middle_m(next) - person_m).norm();
         if (away_m < person_radius_m && away_m < (middle_m(at) - person_m).norm()) return;
         there_m = next_m;

@@ -26,10 +26,7 @@ struct Hall {
 
   Hall() {
     mapped.size_m = {8, 6};
-    mapped.add(0, 0, 8, 0.1);
-    mapped.add(0, 5.9, 8, 6);
-    mapped.add(0, 0, 0.1, 6);
-    mapped.add(7.9, 0, 8, 6);
+    mapped.enclose();
     seen = mapped;
     tracker.set_map(occupancy_of(mapped));
   }

@@ -7,6 +7,7 @@
 #include "extperfc/navigate/yield_place.hpp"
 
 #include "test/support/building.hpp"
+#include "test/support/grid_route.hpp"
 
 namespace extperfc::navigate {
 namespace {
@@ -17,20 +18,8 @@ Footprint base() {
 
 /// With the costs that a robot of base() has around obstacles.
 CostGrid inflated(const Building& building) {
-  const auto obstacles = rasterized(building, 0.05);
-  CostGrid grid = obstacles;
-  Inflation inflation{base().inscribed_radius_m(), 0.8, 4};
-  for (int row = 0; row < grid.height; ++row)
-    for (int column = 0; column < grid.width; ++column) {
-      double nearest_m = 1;
-      const int reach = 16;
-      for (int r = std::max(0, row - reach); r <= std::min(grid.height - 1, row + reach); ++r)
-        for (int c = std::max(0, column - reach); c <= std::min(grid.width - 1, column + reach); ++c)
-          if (obstacles.at({c, r}) == kLethalCost)
-            nearest_m = std::min(nearest_m, 0.05 * std::hypot(r - row, c - column));
-      grid.at({column, row}) = inflation.cost_at(nearest_m);
-    }
-  grid.inflation = inflation;
+  CostGrid grid = rasterized(building, 0.05);
+  inflate(grid, {base().inscribed_radius_m(), 0.8, 4});
   return grid;
 }
 
@@ -79,10 +68,7 @@ TEST(YieldPlace, ACorridorWithoutAnythingBesideItHasNoPlace) {
 TEST(YieldPlace, InAWideRoomAStepAside) {
   Building building;
   building.size_m = {12, 8};
-  building.add(0, 0, 12, 0.1);
-  building.add(0, 7.9, 12, 8);
-  building.add(0, 0, 0.1, 8);
-  building.add(11.9, 0, 12, 8);
+  building.enclose();
   const CostGrid grid = inflated(building);
   const Pose2 start{6, 4, 0.3};
   const auto place = yield_place(grid, base(), start, {7, 4});

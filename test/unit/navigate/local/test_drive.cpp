@@ -71,10 +71,7 @@ TEST(Drive, ReachesGoalsInBuildingsWithoutContacts) {
 Building hall_with_door() {
   Building building;
   building.size_m = {8, 5};
-  building.add(0, 0, 8, 0.1);
-  building.add(0, 4.9, 8, 5);
-  building.add(0, 0, 0.1, 5);
-  building.add(7.9, 0, 8, 5);
+  building.enclose();
   building.add(3.94, 0.1, 4.06, 2.08);
   building.add(3.94, 2.98, 4.06, 4.9);
   return building;

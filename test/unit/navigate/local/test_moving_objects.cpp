@@ -20,10 +20,7 @@ struct Room8 {
 
   Room8() {
     building.size_m = {8, 6};
-    building.add(0, 0, 8, 0.1);
-    building.add(0, 5.9, 8, 6);
-    building.add(0, 0, 0.1, 6);
-    building.add(7.9, 0, 8, 6);
+    building.enclose();
     building.add(6.0, 4.0, 6.3, 4.3);  // a pillar: of a person's size, but on the map
   }
 
