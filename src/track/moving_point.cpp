@@ -15,7 +15,7 @@ MovingPoint::MovingPoint(const Eigen::Vector3d& position_m, const Eigen::Matrix3
 void MovingPoint::predict(double dt_s, double acceleration_m_s2) {
   Covariance transition = Covariance::Identity();
   transition.topRightCorner<3, 3>().diagonal().setConstant(dt_s);
-  Eigen::Matrix<double, 6, 3> gain = Eigen::Matrix<double, 6, 3>::Zero();
+  Gain gain = Gain::Zero();
   gain.topRows<3>().diagonal().setConstant(0.5 * dt_s * dt_s);
   gain.bottomRows<3>().diagonal().setConstant(dt_s);
   state_ = transition * state_;
@@ -23,10 +23,17 @@ void MovingPoint::predict(double dt_s, double acceleration_m_s2) {
                 acceleration_m_s2 * acceleration_m_s2 * gain * gain.transpose();
 }
 
+void MovingPoint::disturb(double dt_s, double speed_sigma_m_s) {
+  Gain gain = Gain::Zero();
+  gain.topRows<3>().diagonal().setConstant(dt_s);
+  gain.bottomRows<3>().setIdentity();
+  covariance_ += speed_sigma_m_s * speed_sigma_m_s * gain * gain.transpose();
+}
+
 /// Joseph's form: the covariance stays symmetric and positive definite.
 void MovingPoint::correct(const Eigen::Vector3d& position_m, const Eigen::Matrix3d& covariance_m2) {
   const Eigen::Matrix3d innovation = covariance_.topLeftCorner<3, 3>() + covariance_m2;
-  const Eigen::Matrix<double, 6, 3> gain = innovation.ldlt().solve(covariance_.topRows<3>()).transpose();
+  const Gain gain = innovation.ldlt().solve(covariance_.topRows<3>()).transpose();
   state_ += gain * (position_m - state_.head<3>());
   Covariance kept = Covariance::Identity();
   kept.leftCols<3>() -= gain;

@@ -31,7 +31,7 @@ bool usable(const Observation& observation) {
 }  // namespace
 
 Result<void> validate(const TrackerParams& p) {
-  const std::array<Check, 9> checks{{
+  const std::array<Check, 10> checks{{
       {positive(p.acceleration_m_s2), "acceleration_m_s2 must be positive and finite", p.acceleration_m_s2},
       {positive(p.speed_m_s), "speed_m_s must be positive and finite", p.speed_m_s},
       {positive(p.min_sigma_m), "min_sigma_m must be positive and finite", p.min_sigma_m},
@@ -42,6 +42,8 @@ Result<void> validate(const TrackerParams& p) {
       {positive(p.max_missed_s), "max_missed_s must be positive and finite", p.max_missed_s},
       {positive(p.max_missed_new_s), "max_missed_new_s must be positive and finite", p.max_missed_new_s},
       {p.max_tracks >= 1, "max_tracks must be at least 1", static_cast<double>(p.max_tracks)},
+      {std::isfinite(p.manoeuvre_m_s) && p.manoeuvre_m_s >= 0.0,
+       "manoeuvre_m_s must be finite and not negative", p.manoeuvre_m_s},
   }};
   for (const auto& check : checks)
     if (!check.ok)
@@ -70,43 +72,75 @@ Tracker::Status Tracker::update(double stamp_s, const std::vector<Observation>& 
     status = Status::kRestarted;
   }
   forget(stamp_s);  // first: after a long gap everything would lie inside the gate of an old object
-  predict(stamp_s);
-  const auto matched = match(observations);
+  const double dt_s = stamp_s_ ? stamp_s - *stamp_s_ : 0.0;
+  predict(dt_s);
+  stamp_s_ = stamp_s;
   std::vector<bool> taken(observations.size(), false);
-  for (std::size_t i = 0; i < tracks_.size(); ++i) {
-    tracks_[i].observation = matched[i];
-    if (!matched[i]) continue;
-    taken[*matched[i]] = true;
-    correct(tracks_[i], stamp_s, observations[*matched[i]]);
-  }
+  give(match(tracks_, observations, taken), stamp_s, observations, taken);
+  if (params_.manoeuvre_m_s > 0) match_manoeuvres(dt_s, stamp_s, observations, taken);
   for (std::size_t i = 0; i < observations.size(); ++i)
     if (!taken[i] && usable(observations[i])) begin(stamp_s, i, observations[i]);
   return status;
 }
 
-void Tracker::predict(double stamp_s) {
-  const double dt_s = stamp_s_ ? stamp_s - *stamp_s_ : 0.0;
-  for (auto& track : tracks_) track.point.predict(dt_s, params_.acceleration_m_s2);
-  stamp_s_ = stamp_s;
+void Tracker::predict(double dt_s) {
+  for (auto& track : tracks_) {
+    track.point.predict(dt_s, params_.acceleration_m_s2);
+    track.observation.reset();
+  }
 }
 
-std::vector<std::optional<std::size_t>> Tracker::match(const std::vector<Observation>& observations) const {
+void Tracker::give(const Matches& matches, double stamp_s, const std::vector<Observation>& observations,
+                   std::vector<bool>& taken) {
+  for (std::size_t i = 0; i < tracks_.size(); ++i) {
+    if (!matches[i]) continue;
+    taken[*matches[i]] = true;
+    tracks_[i].observation = matches[i];
+    correct(tracks_[i], stamp_s, observations[*matches[i]]);
+  }
+}
+
+/// Second: who goes on as before is told apart by that, also from who turns round beside them.
+void Tracker::match_manoeuvres(double dt_s, double stamp_s, const std::vector<Observation>& observations,
+                               std::vector<bool>& taken) {
+  std::vector<Track> missed;
+  std::vector<std::size_t> indices;
+  for (std::size_t i = 0; i < tracks_.size(); ++i) {
+    if (tracks_[i].observation || !tracks_[i].confirmed) continue;
+    indices.push_back(i);
+    missed.push_back(tracks_[i]);
+    missed.back().point.disturb(dt_s, params_.manoeuvre_m_s);
+  }
+  if (missed.empty()) return;
+  const Matches found = match(missed, observations, taken);
+  Matches matches(tracks_.size());
+  for (std::size_t i = 0; i < missed.size(); ++i) {
+    if (!found[i]) continue;
+    tracks_[indices[i]].point = missed[i].point;
+    matches[indices[i]] = found[i];
+  }
+  give(matches, stamp_s, observations, taken);
+}
+
+Tracker::Matches Tracker::match(const std::vector<Track>& tracks,
+                                const std::vector<Observation>& observations,
+                                const std::vector<bool>& taken) const {
   const double outside = params_.gate + params_.class_cost + 1.0;  // more than any pair inside the gate
-  Eigen::MatrixXd cost = Eigen::MatrixXd::Constant(static_cast<Eigen::Index>(tracks_.size()),
+  Eigen::MatrixXd cost = Eigen::MatrixXd::Constant(static_cast<Eigen::Index>(tracks.size()),
                                                    static_cast<Eigen::Index>(observations.size()), outside);
-  for (std::size_t t = 0; t < tracks_.size(); ++t)
+  for (std::size_t t = 0; t < tracks.size(); ++t)
     for (std::size_t o = 0; o < observations.size(); ++o) {
       const auto& seen = observations[o];
-      if (!usable(seen)) continue;
-      const double distance2 = tracks_[t].point.distance2(seen.position_m, floored(seen.covariance_m2));
+      if (taken[o] || !usable(seen)) continue;
+      const double distance2 = tracks[t].point.distance2(seen.position_m, floored(seen.covariance_m2));
       if (!(distance2 <= params_.gate)) continue;
-      const bool same = tracks_[t].class_index() == seen.class_index;
+      const bool same = tracks[t].class_index() == seen.class_index;
       cost(static_cast<Eigen::Index>(t), static_cast<Eigen::Index>(o)) =
           distance2 + (same ? 0.0 : params_.class_cost);
     }
   const auto column_of = assign(cost);
-  std::vector<std::optional<std::size_t>> matched(tracks_.size());
-  for (std::size_t t = 0; t < tracks_.size(); ++t)
+  Matches matched(tracks.size());
+  for (std::size_t t = 0; t < tracks.size(); ++t)
     if (column_of[t] >= 0 && cost(static_cast<Eigen::Index>(t), column_of[t]) < outside)
       matched[t] = static_cast<std::size_t>(column_of[t]);
   return matched;

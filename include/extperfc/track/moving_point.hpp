@@ -21,6 +21,10 @@ class MovingPoint {
   /// each axis.
   void predict(double dt_s, double acceleration_m_s2);
 
+  /// As uncertain as if the velocity had changed at once `dt_s` >= 0 ago, with this standard deviation along
+  /// each axis.
+  void disturb(double dt_s, double speed_sigma_m_s);
+
   /// Takes a measurement. Precondition: `covariance_m2` is symmetric and positive definite.
   void correct(const Eigen::Vector3d& position_m, const Eigen::Matrix3d& covariance_m2);
 
@@ -34,6 +38,8 @@ class MovingPoint {
   [[nodiscard]] const Covariance& covariance() const { return covariance_; }
 
  private:
+  using Gain = Eigen::Matrix<double, 6, 3>;
+
   State state_;
   Covariance covariance_;
 };

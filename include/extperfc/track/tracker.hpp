@@ -32,6 +32,9 @@ struct TrackerParams {
   double max_missed_s{1.0};  ///< a confirmed object without an observation for longer is forgotten, > 0
   double max_missed_new_s{0.25};  ///< the same of one that is not confirmed, > 0
   int max_tracks{200};            ///< more objects are not followed: the rest is left out, >= 1
+  /// Standard deviation of the change of speed of who stops or turns round at once: a confirmed object that
+  /// would be missed is looked for by it among the observations that belong to no other, >= 0; 0: never.
+  double manoeuvre_m_s{0};
 };
 
 /// An error that names the first parameter out of its range.
@@ -77,10 +80,15 @@ class Tracker {
   [[nodiscard]] const std::vector<Track>& tracks() const { return tracks_; }
 
  private:
-  void predict(double stamp_s);
-  /// Index of the observation of each track.
-  [[nodiscard]] std::vector<std::optional<std::size_t>> match(
-      const std::vector<Observation>& observations) const;
+  void predict(double dt_s);
+  using Matches = std::vector<std::optional<std::size_t>>;  ///< index of the observation of each track
+  /// `taken`: observations that belong to others.
+  [[nodiscard]] Matches match(const std::vector<Track>& tracks, const std::vector<Observation>& observations,
+                              const std::vector<bool>& taken) const;
+  void give(const Matches& matches, double stamp_s, const std::vector<Observation>& observations,
+            std::vector<bool>& taken);
+  void match_manoeuvres(double dt_s, double stamp_s, const std::vector<Observation>& observations,
+                        std::vector<bool>& taken);
   void correct(Track& track, double stamp_s, const Observation& observation) const;
   void begin(double stamp_s, std::size_t index, const Observation& observation);
   void forget(double stamp_s);

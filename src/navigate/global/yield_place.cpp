@@ -15,7 +15,7 @@ namespace extperfc::navigate {
 namespace {
 
 constexpr double kCoarseM = 0.1;       // step of the search, at least a cell
-constexpr double kPersonM = 0.3;       // a person's radius, and a little
+constexpr double kPersonM = 0.4;       // a person's radius, and what the robot keeps clear of it
 constexpr double kBeyondM = 3.0;       // beyond the farthest place, what the person may want to reach counts
 constexpr double kEnoughLeft = 0.7;    // of what is behind the robot the person should still reach,
 constexpr double kBranchLeft = 0.5;    // and so much of each branch of what is behind the place
@@ -51,12 +51,12 @@ class ReachableCells {
       if (node % side_ % 2 == 0 && node / side_ % 2 == 0) nodes.push_back(node);
     return nodes;
   }
-  /// Marks what a person can still reach from the start who keeps kYieldM from a place.
-  void walk_past(const Eigen::Vector2d& place_m) {
+  /// Marks what a person can still reach from the start who keeps a distance from a place.
+  void walk_past(const Eigen::Vector2d& place_m, double distance_m) {
     ++visit_;
     ++walks_;
     const auto may_walk = [&](int node) {
-      return reached(node) && (middle_m(node) - place_m).norm() >= kYieldM;
+      return reached(node) && (middle_m(node) - place_m).norm() >= distance_m;
     };
     flood(start_node(), may_walk, [&](int node) { nodes_[static_cast<std::size_t>(node)].walked = walks_; });
   }
@@ -187,30 +187,45 @@ std::optional<Pose2> free_pose_at(const CostGrid& costs, const Footprint& footpr
   return std::nullopt;
 }
 
+struct Place {
+  Pose2 pose;
+  bool enough{false};  ///< is left of all that the person may want to reach
+};
+
+/// The nearest one with enough left, else the one with most left.
+std::optional<Place> place_beside(ReachableCells& reach, const CostGrid& costs, const Footprint& footprint,
+                                  const Pose2& start, const Eigen::Vector2d& person_m, double distance_m) {
+  const Eigen::Vector2d start_m(start.x, start.y);
+  std::optional<Place> best;
+  double max_left = kMinLeft;
+  for (const int node : reach.by_length()) {
+    if (reach.length_m(node) > kYieldReachM) break;
+    const Eigen::Vector2d at_m = reach.middle_m(node);
+    if (distance_to_line_m(person_m, start_m, at_m) < distance_m) continue;
+    reach.walk_past(at_m, distance_m);
+    const double left = reach.part_left(reach.length_m(node) / 2);
+    const bool enough = left >= kEnoughLeft && reach.min_branch_left(reach.length_m(node)) >= kBranchLeft;
+    if (left <= max_left && !enough) continue;
+    const auto pose = free_pose_at(costs, footprint, at_m, start.yaw);
+    if (!pose) continue;
+    best = Place{*pose, enough};
+    max_left = left;
+    if (enough) break;
+  }
+  return best;
+}
+
 }  // namespace
 
 std::optional<Pose2> yield_place(const CostGrid& costs, const Footprint& footprint, const Pose2& start,
                                  const Eigen::Vector2d& person_m) {
   if (!is_finite(start) || !person_m.allFinite() || !costs.cell_of({start.x, start.y})) return std::nullopt;
   ReachableCells reach(costs, start, person_m, kPersonM + footprint.inscribed_radius_m());
-  const Eigen::Vector2d start_m(start.x, start.y);
-  std::optional<Pose2> best;
-  double max_left = kMinLeft;
-  for (const int node : reach.by_length()) {
-    if (reach.length_m(node) > kYieldReachM) break;
-    const Eigen::Vector2d at_m = reach.middle_m(node);
-    if (distance_to_line_m(person_m, start_m, at_m) < kYieldM) continue;
-    reach.walk_past(at_m);
-    const double left = reach.part_left(reach.length_m(node) / 2);
-    const bool enough = left >= kEnoughLeft && reach.min_branch_left(reach.length_m(node)) >= kBranchLeft;
-    if (left <= max_left && !enough) continue;
-    const auto pose = free_pose_at(costs, footprint, at_m, start.yaw);
-    if (!pose) continue;
-    best = pose;
-    max_left = left;
-    if (enough) break;
-  }
-  return best;
+  const auto roomy = place_beside(reach, costs, footprint, start, person_m, kRoomyYieldM);
+  if (roomy && roomy->enough) return roomy->pose;
+  const auto narrow = place_beside(reach, costs, footprint, start, person_m, kYieldM);
+  if (!narrow) return std::nullopt;
+  return narrow->pose;
 }
 
 }  // namespace extperfc::navigate

@@ -33,6 +33,7 @@ track::TrackerParams tracker_params() {
   params.speed_m_s = 0.8;
   params.confirm_hits = 4;
   params.max_missed_s = 0.6;
+  params.manoeuvre_m_s = 1.2;  // who walks 1.4 m/s and turns round from one scan to the next
   return params;
 }
 
@@ -125,7 +126,9 @@ void PeopleTracker::note_people(const PlacedScan& placed,
     const Eigen::Vector2d velocity_m_s = track.point.velocity_m_s().head<2>();
     const double speed = velocity_m_s.norm();
     const bool walks = speed >= kWalksMS;
-    if (!track.confirmed || speed > kFastestMS || !(walks || walks_.count(track.id) > 0)) continue;
+    // For a moment who turns round seems to be faster than anybody is.
+    const bool known = walks_.count(track.id) > 0;
+    if (!track.confirmed || !(known || (walks && speed <= kFastestMS))) continue;
     Person person;
     person.state.position_m = track.point.position_m().head<2>();
     Walk& walk = walking[track.id] =
@@ -133,7 +136,7 @@ void PeopleTracker::note_people(const PlacedScan& placed,
     if (walks) walk.last_s = stamp_s_;
     walk.far = walk.far || came_far(walk, person.state.position_m, placed);
     if (!walks && !walk.far) continue;  // the edge of a table, of which another part came into sight
-    if (walks) person.state.velocity_m_s = velocity_m_s;
+    if (walks) person.state.velocity_m_s = std::min(1.0, kFastestMS / speed) * velocity_m_s;
     person.far = walk.far;
     person.passes = passes(walk);
     person.state.radius_m = radius_of(track, candidates);

@@ -85,5 +85,26 @@ TEST(PeopleTracker, WhoWalkedAndStandsBesideACupboardStaysAPerson) {
   }
 }
 
+/// Two steps towards the robot after turning round are no metre: only who is the same as before is a person.
+TEST(PeopleTracker, WhoTurnsRoundAndStopsStaysAPerson) {
+  Hall hall;
+  const Pose2 pose{1.5, 3, 0};
+  hall.discs.push_back({{3.0, 3.0}, 0.22});
+  const auto walk = [&](double speed_m_s, int scans) {
+    for (int i = 0; i < scans; ++i) {
+      hall.discs[0].at_m.x() += speed_m_s * kScanS;
+      hall.look(pose);
+    }
+  };
+  walk(1.3, 30);
+  walk(-1.3, 5);
+  for (int step = 0; step < 30; ++step) {
+    walk(0, 1);
+    const auto people = hall.tracker.people(hall.now_s);
+    ASSERT_EQ(people.size(), 1U) << "after " << step * kScanS << " s";
+    EXPECT_LT((people[0].position_m - hall.discs[0].at_m).norm(), 0.35);
+  }
+}
+
 }  // namespace
 }  // namespace extperfc::ros_navigate

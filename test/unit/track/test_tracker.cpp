@@ -1,5 +1,6 @@
 // Birth, confirmation and death of tracks; objects that cross; images without them; time that runs back.
 #include <cmath>
+#include <cstdint>
 #include <limits>
 #include <set>
 #include <stdexcept>
@@ -111,6 +112,36 @@ TEST_F(TrackerTest, CrossingObjectsKeepTheirIds) {
   }
 }
 
+/// From one update to the next, as people do; at 1.4 m/s along a corridor.
+TEST_F(TrackerTest, WhoTurnsRoundKeepsTheIdWhereManoeuvresAreAllowed) {
+  for (const bool allowed : {false, true}) {
+    TrackerParams params = params_;
+    params.manoeuvre_m_s = allowed ? 1.2 : 0;
+    Tracker tracker(params);
+    Rng rng(5);
+    std::uint64_t id = 0;
+    for (int i = 0; i < 60; ++i) {
+      const double along_m = 0.14 * (i < 30 ? i : 60 - i);
+      tracker.update(now_s_ += kDt, {seen({along_m + rng.normal(0, kSigmaM), 0, 1})});
+      if (i == 25) id = tracker.tracks()[0].id;
+    }
+    ASSERT_EQ(tracker.tracks().size(), 1U);
+    EXPECT_EQ(tracker.tracks()[0].id == id, allowed);
+    EXPECT_LT(tracker.tracks()[0].point.velocity_m_s().x(), -1.0);
+  }
+}
+
+TEST_F(TrackerTest, AManoeuvreTakesNoObservationFromWhoGoesOn) {
+  params_.manoeuvre_m_s = 1.2;
+  tracker_ = Tracker(params_);
+  for (int i = 0; i < 30; ++i) show({seen({0.1 * i, 0, 1}), seen({0.1 * i, 0.3, 1})});
+  for (int i = 30; i < 33; ++i) show({seen({0.1 * i, 0, 1})});  // the second is hidden
+  ASSERT_EQ(tracks().size(), 2U);
+  EXPECT_EQ(tracks()[0].observation, 0U);
+  EXPECT_FALSE(tracks()[1].observation);
+  EXPECT_NEAR(tracks()[1].point.position_m().y(), 0.3, 0.02);
+}
+
 TEST_F(TrackerTest, ObjectsOfDifferentClassesDoNotSwap) {
   show({seen({-0.02, 0, 1}, 0), seen({0.02, 0, 1}, 1)}, 5);
   show({seen({0.004, 0, 1}, 0), seen({-0.004, 0, 1}, 1)});  // positions alone would say: swapped
@@ -199,6 +230,9 @@ TEST_F(TrackerTest, RefusesParametersThatCannotBe) {
       EXPECT_THROW(Tracker{params}, std::invalid_argument);
     }
   TrackerParams params;
+  params.manoeuvre_m_s = -1;
+  EXPECT_FALSE(validate(params));
+  params = {};
   params.confirm_hits = 0;
   const auto valid = validate(params);
   ASSERT_FALSE(valid);

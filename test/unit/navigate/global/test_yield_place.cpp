@@ -50,6 +50,23 @@ TEST(YieldPlace, IntoTheRoomBehindIt) {
   EXPECT_GT(off_corridor_m(*place), 0.3);
 }
 
+/// 1.9 m wide: who keeps 1.1 m from a robot at the wall would have to walk along the other one.
+TEST(YieldPlace, IntoTheRoomAlsoWhereTheCorridorIsWide) {
+  Building building;
+  building.size_m = {12, 8};
+  building.add(0, 5.9, 12, 8);
+  building.add(0, 3.9, 5.0, 4.0);
+  building.add(6.0, 3.9, 12, 4.0);  // a door at x = 5 to 6
+  building.add(4, 0, 8, 0.1);
+  building.add(4, 0, 4.1, 4);
+  building.add(8, 0, 8.1, 4);
+  const CostGrid grid = inflated(building);
+  const auto place = yield_place(grid, base(), {7.5, 5.2, 0}, {8.6, 5.0});
+  ASSERT_TRUE(place);
+  EXPECT_EQ(contact(grid, base(), *place), Contact::kFree);
+  EXPECT_GT(off_corridor_m(*place), 0);
+}
+
 TEST(YieldPlace, NeverPastThePerson) {
   Building building = corridor();
   building.add(0, 3.9, 8.0, 4.0);
