@@ -65,8 +65,9 @@ struct RecoveryOutput {
   std::optional<Eigen::Vector2d> yield_to_m{};  ///< plan to a place where this person can pass, map
 };
 
-/// The ladder of a robot that is stuck: wait, clear, back off, avoid, rotate; with a person near, avoid and
-/// yielding come after wait, and where there is no path at all yielding comes first. A step that did not
+/// The ladder of a robot that is stuck: wait, clear, back off, avoid, rotate; with a person near, yielding
+/// and avoid come after wait, and where there is no path or the goal
+/// is occupied, yielding comes first. A step that did not
 /// help at a place is never tried there again for this goal. One thread at a time.
 class Recovery {
  public:

@@ -23,17 +23,17 @@ std::vector<RecoveryStep> ladder(NavCode cause, bool person) {
   using S = RecoveryStep;
   switch (cause) {
     case NavCode::kNoPath:
+    case NavCode::kGoalBlocked:
       if (person) return {S::kYield, S::kClear, S::kWait, S::kRotate};
       [[fallthrough]];
-    case NavCode::kGoalBlocked:
     case NavCode::kPlanTimeout:
       return {S::kClear, S::kWait, S::kRotate};
     case NavCode::kStartBlocked:
     case NavCode::kStartOutside:
       return {S::kWait, S::kClear, S::kBackOff, S::kRotate};
     default:
-      // People walk up and down a passage for longer than a robot waits: there may be another one.
-      if (person) return {S::kWait, S::kAvoid, S::kYield, S::kClear, S::kBackOff, S::kRotate};
+      // Who is let pass is soon gone; people who walk up and down a passage are not: there may be another one.
+      if (person) return {S::kWait, S::kYield, S::kAvoid, S::kClear, S::kBackOff, S::kRotate};
       return {S::kWait, S::kClear, S::kBackOff, S::kAvoid, S::kRotate};
   }
 }

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <memory>
 #include <utility>
 
 #include "ros/convert/tracks.hpp"
@@ -13,6 +14,7 @@ namespace {
 constexpr double kWalksMS = 0.25;  // who never was faster is furniture: part of the cost maps
 constexpr double kFastestMS = 2.5;
 constexpr double kFarM = 1.0;
+constexpr double kStepsM = 0.5;  // are far enough into a place that was empty when the walk began
 constexpr double kPlaceM = 0.2;  // half a person's width: the size of a place that is looked through
 constexpr double kPositionSigmaM = 0.06;
 constexpr double kNewS = 2.5;    // after this time in sight who walks has walked kFarM
@@ -120,40 +122,39 @@ void PeopleTracker::note_newcomers(const std::vector<navigate::MovingCandidate>&
 void PeopleTracker::note_people(const PlacedScan& placed,
                                 const std::vector<navigate::MovingCandidate>& candidates) {
   people_.clear();
-  const Eigen::Vector2d robot_m(placed.odom_T_base.x, placed.odom_T_base.y);
-  std::map<std::uint64_t, Walk> walking;
+  const auto now = std::make_shared<const PlacedScan>(placed);
+  std::map<std::uint64_t, Walk> seen;
   for (const auto& track : tracker_.tracks()) {
+    const Eigen::Vector2d position_m = track.point.position_m().head<2>();
     const Eigen::Vector2d velocity_m_s = track.point.velocity_m_s().head<2>();
     const double speed = velocity_m_s.norm();
-    const bool walks = speed >= kWalksMS;
+    Walk& walk = seen[track.id] = walks_.try_emplace(track.id, Walk{position_m, now}).first->second;
     // For a moment who turns round seems to be faster than anybody is.
-    const bool known = walks_.count(track.id) > 0;
-    if (!track.confirmed || !(known || (walks && speed <= kFastestMS))) continue;
-    Person person;
-    person.state.position_m = track.point.position_m().head<2>();
-    Walk& walk = walking[track.id] =
-        walks_.try_emplace(track.id, Walk{person.state.position_m, robot_m}).first->second;
+    const bool walks = track.confirmed && speed >= kWalksMS && (walk.last_s || speed <= kFastestMS);
     if (walks) walk.last_s = stamp_s_;
-    walk.far = walk.far || came_far(walk, person.state.position_m, placed);
+    if (!walk.last_s) continue;
+    walk.far = walk.far || came_far(walk, position_m, placed);
     if (!walks && !walk.far) continue;  // the edge of a table, of which another part came into sight
+    Person person;
+    person.state.position_m = position_m;
     if (walks) person.state.velocity_m_s = std::min(1.0, kFastestMS / speed) * velocity_m_s;
     person.far = walk.far;
     person.passes = passes(walk);
     person.state.radius_m = radius_of(track, candidates);
     people_.push_back(person);
   }
-  walks_ = std::move(walking);
+  walks_ = std::move(seen);
 }
 
 bool PeopleTracker::came_far(const Walk& walk, const Eigen::Vector2d& at_m, const PlacedScan& placed) {
   const double moved_m = (at_m - walk.begin_m).norm();
-  if (moved_m < kFarM) return false;
-  const Eigen::Vector2d robot_m(placed.odom_T_base.x, placed.odom_T_base.y);
-  return moved_m >= kFarM + (robot_m - walk.robot_m).norm() || looks_through(placed, walk.begin_m);
+  const double alone_m = moved_m - distance_m(placed.odom_T_base, walk.began->odom_T_base);
+  if (alone_m >= kFarM || (moved_m >= kFarM && looks_through(placed, walk.begin_m))) return true;
+  return alone_m >= kStepsM && looks_through(*walk.began, at_m);
 }
 
 bool PeopleTracker::passes(const Walk& walk) const {
-  return walk.far && stamp_s_ - walk.last_s < params_.stand_s;
+  return walk.far && walk.last_s && stamp_s_ - *walk.last_s < params_.stand_s;
 }
 
 std::vector<navigate::MovingObstacle> PeopleTracker::people(double now_s) const {

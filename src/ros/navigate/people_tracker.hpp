@@ -2,7 +2,9 @@
 
 #include <cstdint>
 #include <map>
+#include <memory>
 #include <mutex>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -44,17 +46,18 @@ class PeopleTracker {
     bool far{false};  ///< as Walk::far
   };
   struct Walk {
-    Eigen::Vector2d begin_m{0, 0};
-    Eigen::Vector2d robot_m{0, 0};  ///< where the robot was then
-    double last_s{0};               ///< when it walked last
-    bool far{false};                ///< as came_far() said once
+    Eigen::Vector2d begin_m{0, 0};              ///< where it was seen first
+    std::shared_ptr<const PlacedScan> began{};  ///< the scan of then
+    std::optional<double> last_s{};             ///< when it walked last
+    bool far{false};                            ///< as came_far() said once
   };
 
   /// Will be elsewhere soon.
   [[nodiscard]] bool passes(const Walk& walk) const;
   void note_people(const PlacedScan& placed, const std::vector<navigate::MovingCandidate>& candidates);
-  /// It is no furniture, of which another part is seen from elsewhere: the place where the walk began is
-  /// empty now, or the robot has not moved as much.
+  /// It is no furniture, of which another part is seen from elsewhere, or when who hid it has gone: it came
+  /// a metre, and the place where it began is empty now, or the robot moved a metre less; or half a metre
+  /// into a place that was empty then.
   [[nodiscard]] static bool came_far(const Walk& walk, const Eigen::Vector2d& at_m, const PlacedScan& placed);
   /// Those of the last scan.
   void note_newcomers(const std::vector<navigate::MovingCandidate>& candidates,
@@ -74,7 +77,7 @@ class PeopleTracker {
   track::Tracker tracker_;
   std::vector<Person> people_;
   std::vector<navigate::MovingObstacle> newcomers_;  ///< who may walk: at the stamp
-  std::map<std::uint64_t, Walk> walks_;              ///< of tracks that have walked
+  std::map<std::uint64_t, Walk> walks_;              ///< of all tracks
   double stamp_s_{0};
 };
 

@@ -106,5 +106,22 @@ TEST(PeopleTracker, WhoTurnsRoundAndStopsStaysAPerson) {
   }
 }
 
+/// From behind somebody who walks away, seven decimetres towards the robot: the place where the walk began is
+/// hidden by who walked there.
+TEST(PeopleTracker, WhoComesAFewStepsAndStandsIsAPerson) {
+  Hall hall;
+  const Pose2 pose{1.5, 3, 0};
+  hall.discs.push_back({{4.0, 3.0}, 0.22});
+  hall.look(pose);
+  while (hall.discs[0].at_m.x() > 3.3) {
+    hall.discs[0].at_m.x() -= 0.9 * kScanS;
+    hall.look(pose);
+  }
+  for (int step = 0; step < 30; ++step) {
+    hall.look(pose);
+    ASSERT_EQ(hall.tracker.people(hall.now_s).size(), 1U) << "after " << step * kScanS << " s";
+  }
+}
+
 }  // namespace
 }  // namespace extperfc::ros_navigate

@@ -136,33 +136,36 @@ TEST_F(RecoveryTest, AvoidsThePlaceAhead) {
   EXPECT_GT(avoided->middle_m.x(), 0) << "in the direction in which it drove";
 }
 
-TEST_F(RecoveryTest, APassageWithAPersonIsSoonAvoidedInItsWholeWidth) {
+TEST_F(RecoveryTest, APersonIsLetPassThenThePassageIsAvoidedInItsWholeWidth) {
   auto seen = view();
   seen.person_m = {1.0, 0.5};
   ASSERT_TRUE(recovery_.begin(kCause, seen));
   EXPECT_EQ(recovery_.step(), RecoveryStep::kWait) << "who walks may be gone soon";
+  EXPECT_TRUE(recovery_.may_yield(seen));
   ASSERT_TRUE(recovery_.begin(kCause, seen));
-  ASSERT_EQ(recovery_.step(), RecoveryStep::kAvoid);
+  ASSERT_EQ(recovery_.step(), RecoveryStep::kYield);
+  EXPECT_FALSE(recovery_.may_yield(seen));
+  ASSERT_TRUE(recovery_.update(seen).yield_to_m);
+  EXPECT_EQ(*recovery_.update(seen).yield_to_m, Eigen::Vector2d(1.0, 0.5));
+  ASSERT_TRUE(recovery_.begin(kCause, seen));
+  ASSERT_EQ(recovery_.step(), RecoveryStep::kAvoid) << "there may be another passage";
   const auto output = recovery_.update(seen);
   ASSERT_TRUE(output.avoid);
   EXPECT_EQ(output.avoid->middle_m, Eigen::Vector2d(1.0, 0.5));
   EXPECT_EQ(output.avoid->radius_m, RecoveryParams{}.avoid_person_m);
-  EXPECT_TRUE(recovery_.may_yield(seen));
-  ASSERT_TRUE(recovery_.begin(kCause, seen));
-  ASSERT_EQ(recovery_.step(), RecoveryStep::kYield) << "where there is no other passage";
-  EXPECT_FALSE(recovery_.may_yield(seen));
-  ASSERT_TRUE(recovery_.update(seen).yield_to_m);
-  EXPECT_EQ(*recovery_.update(seen).yield_to_m, Eigen::Vector2d(1.0, 0.5));
 }
 
-TEST_F(RecoveryTest, WithoutAPathItYieldsFirstToAPerson) {
+TEST_F(RecoveryTest, WithoutAPathOrAFreeGoalItYieldsFirstToAPerson) {
   auto seen = view();
   EXPECT_FALSE(recovery_.may_yield(seen)) << "nobody is there";
   seen.person_m = {1.0, 0.5};
-  ASSERT_TRUE(recovery_.begin({NavCode::kNoPath, "none"}, seen));
-  EXPECT_EQ(recovery_.step(), RecoveryStep::kYield);
-  ASSERT_TRUE(recovery_.begin({NavCode::kNoPath, "none"}, seen));
-  EXPECT_EQ(recovery_.step(), RecoveryStep::kClear);
+  for (const NavCode cause : {NavCode::kNoPath, NavCode::kGoalBlocked}) {
+    recovery_.reset();
+    ASSERT_TRUE(recovery_.begin({cause, "none"}, seen));
+    EXPECT_EQ(recovery_.step(), RecoveryStep::kYield);
+    ASSERT_TRUE(recovery_.begin({cause, "none"}, seen));
+    EXPECT_EQ(recovery_.step(), RecoveryStep::kClear);
+  }
   RecoveryParams params;
   params.back_off_m = 0;
   EXPECT_FALSE(Recovery(params).may_yield(seen)) << "a robot that never drives back does not yield";
