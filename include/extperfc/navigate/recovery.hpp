@@ -66,9 +66,8 @@ struct RecoveryOutput {
 };
 
 /// The ladder of a robot that is stuck: wait, clear, back off, avoid, rotate; with a person near, yielding
-/// and avoid come after wait, and where there is no path or the goal
-/// is occupied, yielding comes first. A step that did not
-/// help at a place is never tried there again for this goal. One thread at a time.
+/// and avoid come after wait, and where there is no path or the goal is occupied, yielding comes first. A
+/// step that did not help at a place is never tried there again for this goal. One thread at a time.
 class Recovery {
  public:
   /// Throws std::invalid_argument for parameters out of their range.
