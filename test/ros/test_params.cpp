@@ -263,17 +263,12 @@ TEST_F(ParamsTest, ShippedTrackerConfigurationHasTheDefaults) {
   ASSERT_TRUE(defaults && shipped) << shipped.error().message;
   const auto numbers = [](const TrackerNodeletParams& p) {
     const auto& t = p.tracker;
-    return std::vector<double>{t.acceleration_m_s2,
-                               t.speed_m_s,
-                               t.min_sigma_m,
-                               t.gate,
-                               t.class_cost,
-                               static_cast<double>(t.confirm_hits),
-                               t.max_missed_s,
-                               t.max_missed_new_s,
-                               p.transform_timeout_s,
-                               static_cast<double>(t.max_tracks),
-                               p.timeout_s};
+    return std::vector<double>{t.acceleration_m_s2,   t.speed_m_s,
+                               t.min_sigma_m,         t.gate,
+                               t.class_cost,          static_cast<double>(t.confirm_hits),
+                               t.max_missed_s,        t.max_missed_new_s,
+                               p.transform_timeout_s, static_cast<double>(t.max_tracks),
+                               t.manoeuvre_m_s,       p.timeout_s};
   };
   EXPECT_EQ(numbers(*shipped), numbers(*defaults));
   EXPECT_EQ(shipped->publish_tentative, defaults->publish_tentative);

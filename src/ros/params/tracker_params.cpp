@@ -18,6 +18,7 @@ Result<TrackerNodeletParams> load_tracker_params(const ros::NodeHandle& private_
   reader.read("max_missed_s", tracker.max_missed_s, {0.01, 3600.0});
   reader.read("max_missed_new_s", tracker.max_missed_new_s, {0.01, 3600.0});
   reader.read("max_tracks", tracker.max_tracks, {1, 1000});
+  reader.read("manoeuvre_m_s", tracker.manoeuvre_m_s, {0.0, 100.0});
   reader.read("publish_tentative", params.publish_tentative);
   reader.read("transform_timeout_s", params.transform_timeout_s, {0.0, 5.0});
   reader.read("timeout_s", params.timeout_s, {0.1, 3600.0});
