@@ -32,7 +32,7 @@ std::vector<RecoveryStep> ladder(NavCode cause, bool person) {
     case NavCode::kStartOutside:
       return {S::kWait, S::kClear, S::kBackOff, S::kRotate};
     default:
-      // Who is let pass is soon gone; people who walk up and down a passage are not: there may be another one.
+      // Who is let pass is soon gone; those who walk up and down are not: there may be another passage.
       if (person) return {S::kWait, S::kYield, S::kAvoid, S::kClear, S::kBackOff, S::kRotate};
       return {S::kWait, S::kClear, S::kBackOff, S::kAvoid, S::kRotate};
   }
