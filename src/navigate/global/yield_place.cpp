@@ -221,11 +221,13 @@ std::optional<Pose2> yield_place(const CostGrid& costs, const Footprint& footpri
                                  const Eigen::Vector2d& person_m) {
   if (!is_finite(start) || !person_m.allFinite() || !costs.cell_of({start.x, start.y})) return std::nullopt;
   ReachableCells reach(costs, start, person_m, kPersonM + footprint.inscribed_radius_m());
-  const auto roomy = place_beside(reach, costs, footprint, start, person_m, kRoomyYieldM);
-  if (roomy && roomy->enough) return roomy->pose;
-  const auto narrow = place_beside(reach, costs, footprint, start, person_m, kYieldM);
-  if (!narrow) return std::nullopt;
-  return narrow->pose;
+  std::optional<Place> place;
+  for (const double distance_m : {kRoomyYieldM, kYieldM}) {
+    place = place_beside(reach, costs, footprint, start, person_m, distance_m);
+    if (place && place->enough) break;
+  }
+  if (!place) return std::nullopt;
+  return place->pose;
 }
 
 }  // namespace extperfc::navigate

@@ -29,10 +29,10 @@ class PeopleTracker {
   void set_map(const OccupancyGrid& map);
   void update(const PlacedScan& placed);
   void forget();
-  /// Those who walk, or stand after they have come a metre, in odom, where they are at `now_s`. Empty when
-  /// the last scan is older than 1 s.
+  /// Those who walk, or stand after they have come far (Walk::far), in odom, where they are at `now_s`. Empty
+  /// when the last scan is older than 1 s.
   [[nodiscard]] std::vector<navigate::MovingObstacle> people(double now_s) const;
-  /// Of them, those who were seen to walk a metre and have not stood for PeopleParams::stand_s: soon they are
+  /// Of them, those who have come far and have not stood for PeopleParams::stand_s: soon they are
   /// elsewhere. And what has a person's size, is far off, and came into sight so recently that it may walk.
   [[nodiscard]] std::vector<navigate::MovingObstacle> passers(double now_s) const;
   /// All confirmed objects of the last scan, in odom: those who stand, too, as long as the map does not

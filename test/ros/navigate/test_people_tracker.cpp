@@ -36,6 +36,22 @@ struct Hall {
     placed.scan.stamp_s = now_s;
     tracker.update(placed);
   }
+  /// While the first disc, the only person, walks along x.
+  void look_at_walk(const Pose2& pose, double speed_m_s, int scans) {
+    for (int i = 0; i < scans; ++i) {
+      discs[0].at_m.x() += speed_m_s * kScanS;
+      look(pose);
+    }
+  }
+  /// In every scan there is one person: the first disc, which stands.
+  void expect_person(const Pose2& pose, int scans) {
+    for (int i = 0; i < scans; ++i) {
+      look(pose);
+      const auto people = tracker.people(now_s);
+      ASSERT_EQ(people.size(), 1U) << "after " << i * kScanS << " s";
+      EXPECT_LT((people[0].position_m - discs[0].at_m).norm(), 0.35);
+    }
+  }
 };
 
 /// The scan of clouds shows the edge of a table's top, of which the map has the legs at most. As the robot
@@ -77,12 +93,7 @@ TEST(PeopleTracker, WhoWalkedAndStandsBesideACupboardStaysAPerson) {
     hall.discs[0].at_m.y() -= 0.6 * kScanS;
   }
   for (int step = 0; step < 20; ++step) hall.look(pose);  // the cupboard seems to walk where it is hidden
-  for (int step = 0; step < 80; ++step) {
-    hall.look(pose);
-    const auto people = hall.tracker.people(hall.now_s);
-    ASSERT_EQ(people.size(), 1U) << "after " << step * kScanS << " s";
-    EXPECT_LT((people[0].position_m - hall.discs[0].at_m).norm(), 0.35);
-  }
+  hall.expect_person(pose, 80);
 }
 
 /// Two steps towards the robot after turning round are no metre: only who is the same as before is a person.
@@ -90,37 +101,19 @@ TEST(PeopleTracker, WhoTurnsRoundAndStopsStaysAPerson) {
   Hall hall;
   const Pose2 pose{1.5, 3, 0};
   hall.discs.push_back({{3.0, 3.0}, 0.22});
-  const auto walk = [&](double speed_m_s, int scans) {
-    for (int i = 0; i < scans; ++i) {
-      hall.discs[0].at_m.x() += speed_m_s * kScanS;
-      hall.look(pose);
-    }
-  };
-  walk(1.3, 30);
-  walk(-1.3, 5);
-  for (int step = 0; step < 30; ++step) {
-    walk(0, 1);
-    const auto people = hall.tracker.people(hall.now_s);
-    ASSERT_EQ(people.size(), 1U) << "after " << step * kScanS << " s";
-    EXPECT_LT((people[0].position_m - hall.discs[0].at_m).norm(), 0.35);
-  }
+  hall.look_at_walk(pose, 1.3, 30);
+  hall.look_at_walk(pose, -1.3, 5);
+  hall.expect_person(pose, 30);
 }
 
-/// From behind somebody who walks away, seven decimetres towards the robot: the place where the walk began is
-/// hidden by who walked there.
+/// Seven decimetres straight to the robot: the place where the walk began is hidden by who walked there.
 TEST(PeopleTracker, WhoComesAFewStepsAndStandsIsAPerson) {
   Hall hall;
   const Pose2 pose{1.5, 3, 0};
   hall.discs.push_back({{4.0, 3.0}, 0.22});
   hall.look(pose);
-  while (hall.discs[0].at_m.x() > 3.3) {
-    hall.discs[0].at_m.x() -= 0.9 * kScanS;
-    hall.look(pose);
-  }
-  for (int step = 0; step < 30; ++step) {
-    hall.look(pose);
-    ASSERT_EQ(hall.tracker.people(hall.now_s).size(), 1U) << "after " << step * kScanS << " s";
-  }
+  hall.look_at_walk(pose, -0.9, 8);
+  hall.expect_person(pose, 30);
 }
 
 }  // namespace

@@ -31,17 +31,22 @@ Building corridor() {
   return building;
 }
 
+/// Below the corridor, x from 4 to 8, with a door from 5 to `door_end_m`.
+void add_room(Building& building, double door_end_m) {
+  building.add(0, 3.9, 5.0, 4.0);
+  building.add(door_end_m, 3.9, 12, 4.0);
+  building.add(4, 0, 8, 0.1);
+  building.add(4, 0, 4.1, 4);
+  building.add(8, 0, 8.1, 4);
+}
+
 double off_corridor_m(const Pose2& pose) {
   return 4 - pose.y;
 }
 
 TEST(YieldPlace, IntoTheRoomBehindIt) {
   Building building = corridor();
-  building.add(0, 3.9, 5.0, 4.0);
-  building.add(6.1, 3.9, 12, 4.0);  // a door at x = 5 to 6.1
-  building.add(4, 0, 8, 0.1);
-  building.add(4, 0, 4.1, 4);
-  building.add(8, 0, 8.1, 4);
+  add_room(building, 6.1);
   const CostGrid grid = inflated(building);
   const Pose2 start{8.5, 4.7, 0};
   const auto place = yield_place(grid, base(), start, {9.6, 4.7});
@@ -55,11 +60,7 @@ TEST(YieldPlace, IntoTheRoomAlsoWhereTheCorridorIsWide) {
   Building building;
   building.size_m = {12, 8};
   building.add(0, 5.9, 12, 8);
-  building.add(0, 3.9, 5.0, 4.0);
-  building.add(6.0, 3.9, 12, 4.0);  // a door at x = 5 to 6
-  building.add(4, 0, 8, 0.1);
-  building.add(4, 0, 4.1, 4);
-  building.add(8, 0, 8.1, 4);
+  add_room(building, 6.0);
   const CostGrid grid = inflated(building);
   const auto place = yield_place(grid, base(), {7.5, 5.2, 0}, {8.6, 5.0});
   ASSERT_TRUE(place);
