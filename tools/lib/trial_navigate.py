@@ -19,16 +19,13 @@ import cv2
 import numpy
 import yaml
 
-from driven_contacts import CHASSIS, TrueMap, reachable
+from drive_world import REPO, add_people, fine_map, people_file, places_of, sim_config, world_of
+from driven_contacts import CHASSIS
 from nav_robot import NavRobot, random_goal
 from pose_errors import Pose
-from ros_session import RosSession, Stalled, run_trial
-from walkers import more_people, with_people
+from ros_session import run_trial
 
-REPO = pathlib.Path(__file__).resolve().parents[2]
 WS = pathlib.Path(os.environ.get("EXTPERFC_WS", REPO / ".ws"))
-GOAL_CLEARANCE_M = 0.65  # of goals: the robot may stand there in any direction
-PASSAGE_M = 0.44         # of the robot's middle to what stands around on its path
 COLUMNS = ("goal", "result", "end", "time", "planned", "driven", "ratio", "speed", "touched", "people")
 
 
@@ -58,6 +55,9 @@ def parse_arguments(argv):
                         "people of the world's file first, then others by the seed who walk up and down straight lines;\n"
                         "default: none")
     parser.add_argument("--base", choices=("holonomic", "differential"), default="holonomic", help="default: holonomic")
+    parser.add_argument("--map", type=pathlib.Path, metavar="FILE",
+                        help="YAML file of a map in the world's frame, as tools/trial_explore writes it: localizer and navigator\n"
+                        "know that one; default: the true one")
     parser.add_argument("--close-door", action="store_true",
                         help="a carton closes a door on its path, once for each goal whose path leads through one")
     parser.add_argument("--limit", type=float, default=300.0, metavar="S", help="simulated seconds for a goal; default: 300")
@@ -73,6 +73,8 @@ def parse_arguments(argv):
             parser.error(f"--param must be KEY=VALUE, not {text}")
     if options.people < -1:
         parser.error("--people N must be positive")
+    if options.map and not options.map.exists():
+        parser.error(f"there is no map {options.map}: tools/trial_explore makes one")
     if options.goals < 1 or options.speed <= 0 or options.limit <= 0 or not 0.005 <= options.fine <= 0.1:
         parser.error("--goals, --speed and --limit must be positive, --fine within [0.005, 0.1]")
     return options
@@ -92,110 +94,16 @@ def write_params(options):
     return file
 
 
-def world_of(options):
-    """The world, without its people unless they are wanted."""
-    file = pathlib.Path(options.world)
-    if not file.suffix:
-        file = REPO / "config" / "worlds" / (options.world + ".yaml")
-    if not file.exists():
-        return options.world  # a random one, made by the simulator
-    text = file.read_text()
-    if not options.people:
-        text = with_people(text, [])
-    copy = options.out / file.name
-    copy.write_text(text)
-    return copy.resolve()
-
-
-def add_people(options, world, true_map):
-    """Brings the number of people in a world to what is wanted."""
-    if options.people <= 0:
-        return
-    is_file = isinstance(world, pathlib.Path)
-    content = yaml.safe_load(world.read_text()) if is_file else {}
-    here = (content.get("robot") or {}).get("at", (0.0, 0.0))
-    people = (content.get("people") or [])[:options.people]
-    places = places_of(true_map, Pose(here[0], here[1], 0.0))
-    people += more_people(true_map, places, options.people - len(people), options.seed, here[:2])
-    if is_file:
-        world.write_text(with_people(world.read_text(), people))
-    else:
-        people_file(options).write_text(yaml.safe_dump({"people": people}))
-
-
-def people_file(options):
-    """Of people who are added to a world without a file."""
-    return options.out.resolve() / "people.yaml"
-
-
-def sim_config(options, resolution_m=None):
-    params = yaml.safe_load((REPO / "config" / "simulator.yaml").read_text())
-    params.setdefault("random_world", {})["person"] = 1.0 if options.people < 0 else 0.0
-    if people_file(options).exists():
-        params["people_file"] = str(people_file(options))
-    if resolution_m:
-        params.setdefault("truth", {})["map_resolution_m"] = resolution_m
-    file = options.out / (f"simulator_{resolution_m:g}.yaml" if resolution_m else "simulator.yaml")
-    file.write_text(yaml.safe_dump(params))
-    return file
-
-
-def fine_map(options, world):
-    """The true map with small cells: of a simulator that runs for this alone, in a process with its own master."""
-    file = options.out / f"map_{pathlib.Path(str(world)).stem}_{options.seed}_{options.fine:g}.npz"
-    if not file.exists():
-        import subprocess
-        command = [sys.executable, __file__, "--save-map", file, world, str(options.seed),
-                   sim_config(options, options.fine), options.out / "map.log"]
-        subprocess.run([str(part) for part in command], check=True, timeout=300)
-    with numpy.load(file) as stored:
-        return TrueMap(stored["cells"], float(stored["resolution"]), float(stored["x0"]), float(stored["y0"]))
-
-
-def save_map(file, world, seed, config, log):
-    import rospy
-    from demo import wait_for_master
-    from nav_msgs.msg import OccupancyGrid
-    with RosSession(log) as session:
-        session.launch("extperfc", "sim.launch", rviz="false", world=world, seed=seed, config=config, camera="false",
-                       lidar="false", scan="false", paused="true")
-        wait_for_master(session)
-        rospy.init_node("save_map", disable_signals=True)
-        message = None
-        while message is None:
-            if not session.alive():
-                raise SystemExit("error: the simulator does not start; see " + str(log))
-            try:
-                message = rospy.wait_for_message("sim/truth/map", OccupancyGrid, timeout=1)
-            except rospy.ROSException:
-                pass
-        info = message.info
-        cells = numpy.array(message.data, numpy.int8).reshape(info.height, info.width)
-        numpy.savez_compressed(file, cells=cells, resolution=round(info.resolution, 6), x0=info.origin.position.x,
-                               y0=info.origin.position.y)
-        rospy.signal_shutdown("done")
-
-
 def start(options, world, session, rospy):
     session.launch("extperfc", "sim_navigation.launch", rviz="false", seed=options.seed, world=world,
-                   real_time_factor=options.speed, sim_config=sim_config(options), config=write_params(options))
+                   real_time_factor=options.speed, sim_config=sim_config(options), config=write_params(options),
+                   map_file=options.map.resolve() if options.map else "")
     from demo import wait_for_master
     wait_for_master(session)
     rospy.init_node("trial_navigate", disable_signals=True)
     robot = NavRobot(session.alive)
     robot.ready()
     return robot
-
-
-def places_of(true_map, here):
-    """Where goals may be, as an array of (x, y): on a coarse raster, to which a disc of the passage's width gets."""
-    mask = reachable(true_map, (here.x, here.y), PASSAGE_M) & (true_map.clearance_m > GOAL_CLEARANCE_M)
-    step = max(1, int(0.1 / true_map.resolution_m))
-    rows, columns = numpy.nonzero(mask[::step, ::step])
-    if len(rows) == 0:
-        raise Stalled("the map has no free position that is large enough for the robot")
-    size = true_map.resolution_m * step
-    return numpy.stack([true_map.x0 + columns * size, true_map.y0 + rows * size], 1)
 
 
 class DoorCloser:
@@ -333,8 +241,6 @@ def report(options, rows):
 
 
 def main(argv):
-    if argv[:1] == ["--save-map"]:
-        return save_map(*argv[1:])
     options = parse_arguments(argv)
     options.out.mkdir(parents=True, exist_ok=True)
     people_file(options).unlink(missing_ok=True)  # of an earlier run

@@ -20,6 +20,9 @@ struct FrontierParams {
   double start_tolerance_m{1};     ///< a start that is not free is moved at most this far, >= 0
   double blacklist_radius_m{0.5};  ///< frontiers with a goal this near a blacklisted one are left out, >= 0
   bool allow_unknown{false};       ///< goals and paths may touch unknown cells
+  /// Paths lead through gaps narrower than the robot by up to twice this: cells are a little wrong, and who
+  /// plans the drive knows better; >= 0.
+  double passage_slack_m{0};
 };
 
 struct FrontierQuery {
@@ -30,8 +33,8 @@ struct FrontierQuery {
 
 /// A border between free and unknown cells.
 struct Frontier {
-  std::vector<Eigen::Vector2d> points_m;  ///< middles of its free cells
-  double length_m{0};                     ///< number of cells times their side
+  std::vector<Eigen::Vector2d> points_m;  ///< middles of its free cells where the inscribed circle may be
+  double length_m{0};                     ///< number of cells times their side, with those beside obstacles
   Eigen::Vector2d centroid_m{Eigen::Vector2d::Zero()};
   Pose2 goal;        ///< of the base: free, and heading to the frontier where the footprint allows
   double path_m{0};  ///< from the start to the goal
@@ -46,8 +49,8 @@ struct FrontierList {
 
 /// Frontiers (Yamauchi, "A frontier-based approach for autonomous exploration", 1997) where the robot could
 /// go on: their cells are connected with the start by free cells that are farther from lethal cells than the
-/// inscribed radius. So gaps narrower than the robot and ragged walls are none. Paths keep the inscribed
-/// radius from unknown cells too, unless allow_unknown. None is left when the floor is mapped. Errors:
+/// inscribed radius without the slack. So gaps narrower than the robot and ragged walls are none. Paths keep
+/// that radius from unknown cells too, unless allow_unknown. None is left when the floor is mapped. Errors:
 /// kStartOutside, kStartBlocked, kInvalidRequest for values that are not finite or out of their range.
 /// O(cells log cells).
 [[nodiscard]] NavResult<FrontierList> find_frontiers(const CostGrid& costs, const Footprint& footprint,

@@ -24,24 +24,46 @@ bool is_inside(const CostGrid& costs, const Eigen::Vector2d& point_m) {
 
 }  // namespace
 
-NavResult<std::optional<Frontier>> Exploration::next(const CostGrid& costs, const Pose2& pose) {
+NavResult<std::optional<Frontier>> Exploration::next(const CostGrid& costs, const Pose2& pose,
+                                                     const CanReach& can_reach) {
   query_.start = pose;
   current_.reset();
-  while (true) {
+  do {
     auto list = find_frontiers(costs, footprint_, query_, params_);
     if (!list) return tl::unexpected(list.error());
     frontiers_left_ = list->frontiers.size();
-    if (list->frontiers.empty()) return std::optional<Frontier>();
-    const Pose2& goal = list->frontiers.front().goal;
-    const bool again = last_reached_ && std::hypot(goal.x - last_reached_->x, goal.y - last_reached_->y) <=
-                                            params_.blacklist_radius_m;
-    if (!again) {
-      current_ = std::move(list->frontiers.front());
+    unreachable_ = 0;
+    for (Frontier& frontier : list->frontiers) {
+      if (is_near_last_reached(frontier)) {
+        blacklist(frontier.goal);
+        continue;
+      }
+      if (can_reach && !can_reach(frontier.goal)) {
+        ++unreachable_;
+        continue;
+      }
+      current_ = std::move(frontier);
       return current_;
     }
-    blacklist(*last_reached_);
-    last_reached_.reset();
-  }
+  } while (give_second_chance());
+  return std::optional<Frontier>();
+}
+
+bool Exploration::is_near_last_reached(const Frontier& frontier) const {
+  return last_reached_ && std::hypot(frontier.goal.x - last_reached_->x,
+                                     frontier.goal.y - last_reached_->y) <= params_.blacklist_radius_m;
+}
+
+bool Exploration::give_second_chance() {
+  if (failed_once_m_.empty()) return false;
+  const auto failed_once = [&](const Eigen::Vector2d& goal_m) {
+    return std::find(failed_once_m_.begin(), failed_once_m_.end(), goal_m) != failed_once_m_.end();
+  };
+  auto& blacklist_m = query_.blacklist_m;
+  blacklist_m.erase(std::remove_if(blacklist_m.begin(), blacklist_m.end(), failed_once), blacklist_m.end());
+  tried_again_m_.insert(tried_again_m_.end(), failed_once_m_.begin(), failed_once_m_.end());
+  failed_once_m_.clear();
+  return true;
 }
 
 void Exploration::reached() {
@@ -55,6 +77,11 @@ void Exploration::failed() {
   if (!current_) return;
   ++goals_failed_;
   blacklist(current_->goal);
+  const Eigen::Vector2d goal_m(current_->goal.x, current_->goal.y);
+  const bool again = std::any_of(tried_again_m_.begin(), tried_again_m_.end(), [&](const auto& tried_m) {
+    return (tried_m - goal_m).norm() <= params_.blacklist_radius_m;
+  });
+  if (!again) failed_once_m_.push_back(goal_m);
   current_.reset();
 }
 

@@ -50,12 +50,12 @@ class FrontierSearch {
         footprint_(footprint),
         query_(query),
         params_(params),
+        radius_m_(std::max(0.0, footprint.inscribed_radius_m() - params.passage_slack_m)),
         visits_(costs.cells.size(), 0) {}
 
   [[nodiscard]] NavResult<FrontierList> run() {
-    const double radius_m = footprint_.inscribed_radius_m();
-    const auto known_open = open_cells(costs_, radius_m, false);
-    const auto drivable = params_.allow_unknown ? known_open : open_cells(costs_, radius_m, true);
+    const auto known_open = open_cells(costs_, radius_m_, false);
+    const auto drivable = params_.allow_unknown ? known_open : open_cells(costs_, radius_m_, true);
     const auto start = nearest_open(drivable);
     if (!start)
       return nav_fail(
@@ -143,17 +143,25 @@ class FrontierSearch {
     std::vector<std::size_t> queue{start};
     reached_[start] = 1;
     for (std::size_t i = 0; i < queue.size(); ++i) {
-      bool at_border = false;
       visit_neighbours(queue[i], kSides, [&](std::size_t next, std::size_t) {
-        at_border = at_border || costs_.cells[next] == kUnknownCost;
         if (open[next] == 0 || reached_[next] != 0) return;
         reached_[next] = 1;
         queue.push_back(next);
       });
-      if (!at_border || costs_.cells[queue[i]] == kUnknownCost || !in_bounds(queue[i])) continue;
+      if (!is_at_border(queue[i]) || !in_bounds(queue[i])) continue;
       is_frontier_[queue[i]] = 1;
       frontier_cells_.push_back(queue[i]);
     }
+  }
+
+  /// Whether a cell is known, not lethal, and has a side in common with an unknown one.
+  [[nodiscard]] bool is_at_border(std::size_t index) const {
+    if (costs_.cells[index] == kUnknownCost || costs_.cells[index] == kLethalCost) return false;
+    bool at_border = false;
+    visit_neighbours(index, kSides, [&](std::size_t next, std::size_t) {
+      at_border = at_border || costs_.cells[next] == kUnknownCost;
+    });
+    return at_border;
   }
 
   [[nodiscard]] bool in_bounds(std::size_t index) const {
@@ -175,9 +183,25 @@ class FrontierSearch {
     return cluster;
   }
 
+  /// Cells of the border that go on from a cluster towards obstacles, where the inscribed circle cannot be.
+  [[nodiscard]] std::size_t count_beside(const std::vector<std::size_t>& cluster) {
+    ++visit_;
+    for (const std::size_t index : cluster) visits_[index] = visit_;
+    std::vector<std::size_t> queue = cluster;
+    std::size_t begin = 0;
+    for (int step = 0; step < static_cast<int>(radius_m_ / costs_.resolution_m); ++step)
+      for (const std::size_t end = queue.size(); begin < end; ++begin)
+        visit_neighbours(queue[begin], kNeighbours.size(), [&](std::size_t next, std::size_t) {
+          if (visits_[next] == visit_ || reached_[next] != 0 || !is_at_border(next)) return;
+          visits_[next] = visit_;
+          queue.push_back(next);
+        });
+    return queue.size() - cluster.size();
+  }
+
   void add(const std::vector<std::size_t>& cluster, FrontierList& list) {
     Frontier frontier;
-    frontier.length_m = static_cast<double>(cluster.size()) * costs_.resolution_m;
+    frontier.length_m = static_cast<double>(cluster.size() + count_beside(cluster)) * costs_.resolution_m;
     if (frontier.length_m < params_.min_length_m) return;
     frontier.points_m.reserve(cluster.size());
     for (const std::size_t index : cluster) {
@@ -234,6 +258,7 @@ class FrontierSearch {
   const Footprint& footprint_;
   const FrontierQuery& query_;
   const FrontierParams& params_;
+  const double radius_m_;
   std::vector<std::uint32_t> visits_;  ///< the last search that was at a cell
   std::uint32_t visit_{0};
   std::vector<float> paths_;  ///< length from the start [cells]
@@ -244,7 +269,8 @@ class FrontierSearch {
 
 bool is_valid(const FrontierParams& params) {
   return params.min_length_m > 0 && params.max_length_m >= params.min_length_m && params.gain_weight >= 0 &&
-         params.max_standoff_m > 0 && params.start_tolerance_m >= 0 && params.blacklist_radius_m >= 0;
+         params.max_standoff_m > 0 && params.start_tolerance_m >= 0 && params.blacklist_radius_m >= 0 &&
+         params.passage_slack_m >= 0;
 }
 
 }  // namespace

@@ -5,6 +5,7 @@
 #include <stdexcept>
 #include <utility>
 
+#include <nav_msgs/GetPlan.h>
 #include <tf2_eigen/tf2_eigen.h>
 #include <visualization_msgs/Marker.h>
 
@@ -33,6 +34,12 @@ void end(ExploreResult& result, std::uint8_t code, const std::string& message) {
   result.message = message;
 }
 
+std::string finished_message(std::size_t unreachable) {
+  std::string message = "no frontier is left that the robot can reach";
+  if (unreachable > 0) message += "; the navigator has no plan to " + std::to_string(unreachable);
+  return message;
+}
+
 Result<navigate::CostGrid> to_costs(const nav_msgs::OccupancyGrid& message) {
   const auto map = ros_convert::to_occupancy_grid(message);
   if (!map) return tl::unexpected(map.error());
@@ -50,6 +57,7 @@ Explorer::Explorer(const ros::NodeHandle& handle, const ros::NodeHandle& private
     : handle_(handle),
       params_(params),
       move_base_(handle_, "move_base", false),
+      make_plan_(handle_.serviceClient<nav_msgs::GetPlan>("move_base/make_plan")),
       reporter_(handle, private_handle, name) {
   frontier_publisher_ = handle_.advertise<visualization_msgs::Marker>("explore/frontiers", 1, kLatched);
   server_ = std::make_unique<Server>(
@@ -110,7 +118,7 @@ void Explorer::explore(const ExploreGoal& goal, ExploreResult& result) {
   }
   navigate::Exploration exploration(params_.footprint.padded(), params_.frontiers, *bounds_m);
   Drive ended = Drive::kReached;
-  while (const auto frontier = choose(exploration, result)) {
+  while (const auto frontier = choose_patiently(exploration, result)) {
     ended = drive(exploration, *frontier);
     if (ended == Drive::kFailed) exploration.failed();
     if (ended == Drive::kReached) {
@@ -152,6 +160,17 @@ std::optional<std::vector<Eigen::Vector2d>> Explorer::bounds_of(const ExploreGoa
   return std::nullopt;
 }
 
+/// Who stands in a door may go, and obstacles that went are forgotten.
+std::optional<navigate::Frontier> Explorer::choose_patiently(navigate::Exploration& exploration,
+                                                             ExploreResult& result) {
+  auto frontier = choose(exploration, result);
+  if (!frontier && result.code == ExploreResult::FINISHED && exploration.unreachable() > 0) {
+    await_map_after(map().number);
+    frontier = choose(exploration, result);
+  }
+  return frontier;
+}
+
 std::optional<navigate::Frontier> Explorer::choose(navigate::Exploration& exploration,
                                                    ExploreResult& result) {
   if (server_->isPreemptRequested() || !server_->isActive()) {
@@ -173,7 +192,9 @@ std::optional<navigate::Frontier> Explorer::choose(navigate::Exploration& explor
     end(result, ExploreResult::NO_POSE, pose.error().message);
     return std::nullopt;
   }
-  auto next = exploration.next(*costs, *pose);
+  auto next = exploration.next(*costs, *pose, [&](const Pose2& goal) {
+    return stopped() || can_reach(message->header.frame_id, *pose, goal);
+  });
   {
     const std::lock_guard lock(mutex_);
     frontiers_left_ = exploration.frontiers_left();
@@ -183,8 +204,17 @@ std::optional<navigate::Frontier> Explorer::choose(navigate::Exploration& explor
     return std::nullopt;
   }
   show(*next ? (*next)->points_m : std::vector<Eigen::Vector2d>{}, *message);
-  if (!*next) end(result, ExploreResult::FINISHED, "no frontier is left that the robot can reach");
+  if (!*next) end(result, ExploreResult::FINISHED, finished_message(exploration.unreachable()));
   return *next;
+}
+
+/// True as well where no one makes plans: then driving shows it.
+bool Explorer::can_reach(const std::string& map_frame, const Pose2& from, const Pose2& goal) {
+  nav_msgs::GetPlan plan;
+  plan.request.start.header.frame_id = plan.request.goal.header.frame_id = map_frame;
+  plan.request.start.pose = ros_convert::to_pose_message(from);
+  plan.request.goal.pose = ros_convert::to_pose_message(goal);
+  return !make_plan_.call(plan) || !plan.response.plan.poses.empty();
 }
 
 Explorer::Drive Explorer::drive(navigate::Exploration& exploration, const navigate::Frontier& frontier) {

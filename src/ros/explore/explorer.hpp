@@ -37,7 +37,9 @@ namespace extperfc::ros_explore {
 /// Calls:
 ///   move_base  move_base_msgs/MoveBase, the navigator's action: one goal after the other. A goal whose frontier
 ///              has become known meanwhile is replaced; one that fails, or takes longer than goal_timeout_s, is
-///              blacklisted
+///              tried once more at the end
+///   move_base/make_plan  nav_msgs/GetPlan: whether the robot can get to a frontier; where no navigator offers
+///              this, it tries
 /// Parameters: config/explorer.yaml.
 /// Frames: needs frame of the map -> robot_base_frame.
 /// Diagnostics: frontiers left, goals reached and failed; WARN while no map has come.
@@ -69,9 +71,14 @@ class Explorer {
   /// Bounds of a goal; empty after filling in the result.
   [[nodiscard]] std::optional<std::vector<Eigen::Vector2d>> bounds_of(const ExploreGoal& goal,
                                                                       ExploreResult& result);
+  /// As choose(), which is asked once more with a newer map where the navigator has no plan to what is left.
+  [[nodiscard]] std::optional<navigate::Frontier> choose_patiently(navigate::Exploration& exploration,
+                                                                   ExploreResult& result);
   /// The next goal of the base; empty after filling in the result.
   [[nodiscard]] std::optional<navigate::Frontier> choose(navigate::Exploration& exploration,
                                                          ExploreResult& result);
+  /// Whether the navigator has a plan.
+  [[nodiscard]] bool can_reach(const std::string& map_frame, const Pose2& from, const Pose2& goal);
   [[nodiscard]] Drive drive(navigate::Exploration& exploration, const navigate::Frontier& frontier);
   void send(const navigate::Frontier& frontier, const navigate::Exploration& exploration);
   [[nodiscard]] Drive wait(const navigate::Exploration& exploration);
@@ -103,6 +110,7 @@ class Explorer {
 
   ros::Time deadline_;  ///< of the action's goal; zero: none
   Client move_base_;
+  ros::ServiceClient make_plan_;
   ros::Subscriber map_subscriber_;
   std::unique_ptr<Server> server_;
   ros_health::Reporter reporter_;

@@ -12,6 +12,7 @@ void read_frontiers(ParamReader& reader, navigate::FrontierParams& frontiers) {
   reader.read("start_tolerance_m", frontiers.start_tolerance_m, {0.0, 10.0});
   reader.read("blacklist_radius_m", frontiers.blacklist_radius_m, {0.01, 100.0});
   reader.read("allow_unknown", frontiers.allow_unknown);
+  reader.read("passage_slack_m", frontiers.passage_slack_m, {0.0, 1.0});
   if (frontiers.max_length_m < frontiers.min_length_m)
     reader.complain("max_frontier_m must not be less than min_frontier_m");
 }

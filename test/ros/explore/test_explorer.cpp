@@ -9,6 +9,7 @@
 #include <extperfc/ExploreAction.h>
 #include <gtest/gtest.h>
 #include <move_base_msgs/MoveBaseAction.h>
+#include <nav_msgs/GetPlan.h>
 #include <nav_msgs/OccupancyGrid.h>
 #include <tf2_ros/static_transform_broadcaster.h>
 
@@ -168,6 +169,34 @@ TEST_F(ExplorerTest, FailedGoalsAreLeftOut) {
   EXPECT_EQ(result.goals_reached, 0U);
   EXPECT_GT(result.goals_failed, 0U);
   EXPECT_EQ(result.goals_failed, static_cast<std::uint32_t>(goals_));
+}
+
+TEST_F(ExplorerTest, AsksTheNavigatorForPlans) {
+  std::atomic<int> refusals{1};  // a person who stands in the door for one question
+  std::atomic<int> questions{0};
+  const boost::function<bool(nav_msgs::GetPlan::Request&, nav_msgs::GetPlan::Response&)> answer =
+      [&](nav_msgs::GetPlan::Request& request, nav_msgs::GetPlan::Response& response) {
+        ++questions;
+        if (refusals-- > 0) return true;
+        response.plan.poses = {request.start, request.goal};
+        return true;
+      };
+  auto server = ros::NodeHandle().advertiseService("move_base/make_plan", answer);
+  load({{"map_patience_s", 0.2}});
+  EXPECT_EQ(explore().code, ExploreResult::FINISHED);
+  EXPECT_LT(unknown_cells(), 40U);
+  EXPECT_GE(questions, goals_);
+}
+
+TEST_F(ExplorerTest, SaysThatTheNavigatorHasNoPlan) {
+  const boost::function<bool(nav_msgs::GetPlan::Request&, nav_msgs::GetPlan::Response&)> no_plan =
+      [](nav_msgs::GetPlan::Request&, nav_msgs::GetPlan::Response&) { return true; };
+  auto server = ros::NodeHandle().advertiseService("move_base/make_plan", no_plan);
+  load({{"map_patience_s", 0.2}});
+  const auto result = explore();
+  EXPECT_EQ(result.code, ExploreResult::FINISHED);
+  EXPECT_NE(result.message.find("no plan to 1"), std::string::npos) << result.message;
+  EXPECT_EQ(goals_, 0);
 }
 
 TEST_F(ExplorerTest, CancellingStopsTheRobot) {

@@ -150,7 +150,7 @@ TEST(Frontiers, SizeCentroidAndGoal) {
   const Frontier& frontier = list->frontiers.front();
   EXPECT_NEAR(frontier.centroid_m.x(), 5.95, 1e-9);
   EXPECT_NEAR(frontier.centroid_m.y(), 2.0, 0.1);
-  EXPECT_NEAR(frontier.length_m, 3.6 - 2 * 0.3937, 0.25);
+  EXPECT_NEAR(frontier.length_m, 3.6, 1e-6);
   EXPECT_NEAR(frontier.goal.x, 6 - 0.4064 - 0.05, 0.11);
   EXPECT_NEAR(frontier.goal.yaw, 0, 0.3);
   EXPECT_NEAR(frontier.path_m, frontier.goal.x - 2, 0.3);
@@ -178,6 +178,28 @@ TEST(Frontiers, NarrowGapsAndRaggedWallsAreNone) {
   EXPECT_TRUE(list->frontiers.empty());
   fill(grid, 5.7, 1.4, 10, 2.6, kUnknownCost);
   EXPECT_EQ(find(grid, {{2, 2, 0}}, {0.1})->frontiers.size(), 1U);
+}
+
+TEST(Frontiers, SlackLeadsThroughGapsThatCellsMakeNarrow) {
+  CostGrid grid = corridor();
+  fill(grid, 3, 0, 3.2, 4, kLethalCost);
+  fill(grid, 2.95, 1.7, 3.25, 2.3, kFreeCost);
+  EXPECT_TRUE(find(grid, {{2, 2, 0}})->frontiers.empty());
+  FrontierParams params;
+  params.passage_slack_m = 0.1;
+  EXPECT_EQ(find(grid, {{2, 2, 0}}, params)->frontiers.size(), 1U);
+  params.passage_slack_m = -0.01;
+  EXPECT_EQ(find(grid, {{2, 2, 0}}, params).error().code, NavCode::kInvalidRequest);
+}
+
+TEST(Frontiers, DoorwaysCountWithTheirWholeWidth) {
+  CostGrid grid = corridor();
+  fill(grid, 3, 0, 10, 4, kUnknownCost);
+  fill(grid, 2.8, 0, 3, 4, kLethalCost);
+  fill(grid, 2.75, 1.6, 3.05, 2.5, kFreeCost);  // 0.9 m, in 0.3 m of which the inscribed circle may be
+  const auto list = find(grid, {{1.5, 2, 0}});
+  ASSERT_EQ(list->frontiers.size(), 1U);
+  EXPECT_NEAR(list->frontiers[0].length_m, 0.9, 1e-6);
 }
 
 TEST(Frontiers, BehindAWallIsNotReachable) {
@@ -274,9 +296,45 @@ TEST(Exploration, FailedGoalsAreLeftOut) {
   ASSERT_TRUE(*exploration.next(grid, {2, 2, 0}));
   EXPECT_EQ(exploration.frontiers_left(), 1U);
   exploration.failed();
+  ASSERT_TRUE(*exploration.next(grid, {2, 2, 0}));  // a second chance
+  EXPECT_EQ(exploration.blacklisted(), 0U);
+  exploration.failed();
   EXPECT_FALSE(*exploration.next(grid, {2, 2, 0}));
   EXPECT_EQ(exploration.blacklisted(), 1U);
-  EXPECT_EQ(exploration.goals_failed(), 1U);
+  EXPECT_EQ(exploration.goals_failed(), 2U);
+}
+
+TEST(Exploration, SecondChanceComesAfterAllOthers) {
+  CostGrid grid = corridor();
+  fill(grid, 0, 0.2, 0.2, 3.8, kUnknownCost);  // a second frontier, on the other side
+  Exploration exploration(chassis(), {}, {});
+  const auto first = exploration.next(grid, {2, 2, 0});
+  ASSERT_TRUE(first && *first);
+  exploration.failed();
+  const auto second = exploration.next(grid, {2, 2, 0});
+  ASSERT_TRUE(second && *second);
+  EXPECT_GT(std::abs((*second)->goal.x - (*first)->goal.x), 2);
+  exploration.failed();
+  for (int chance = 0; chance < 2; ++chance) {
+    ASSERT_TRUE(*exploration.next(grid, {2, 2, 0}));
+    exploration.failed();
+  }
+  EXPECT_FALSE(*exploration.next(grid, {2, 2, 0}));
+}
+
+TEST(Exploration, GoalsThatCannotBeReachedAreLeftOutForNow) {
+  CostGrid grid = corridor();
+  fill(grid, 0, 0.2, 0.2, 3.8, kUnknownCost);
+  Exploration exploration(chassis(), {}, {});
+  const auto left_only = [](const Pose2& goal) { return goal.x < 3; };
+  const auto left = exploration.next(grid, {2, 2, 0}, left_only);
+  ASSERT_TRUE(left && *left);
+  EXPECT_LT((*left)->goal.x, 3);
+  EXPECT_FALSE(*exploration.next(grid, {2, 2, 0}, [](const Pose2&) { return false; }));
+  EXPECT_EQ(exploration.unreachable(), 2U);
+  EXPECT_EQ(exploration.frontiers_left(), 2U);
+  EXPECT_TRUE(*exploration.next(grid, {2, 2, 0}));  // a door was opened
+  EXPECT_EQ(exploration.unreachable(), 0U);
 }
 
 TEST(Exploration, GoalIsOutdatedOnceItsFrontierIsKnown) {
