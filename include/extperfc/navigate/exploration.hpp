@@ -18,7 +18,8 @@ namespace extperfc::navigate {
 
 /// Which frontier to drive to next, until none is left. Goals that failed are blacklisted, and so are those
 /// that were reached without making their frontier known. Once nothing else is left, goals that failed get a
-/// second chance: who stood there may have gone. It ends after finitely many goals.
+/// second chance: who stood there may have gone. Passages that need more than half of the slack come after
+/// all others: the robot may not get out again. It ends after finitely many goals.
 class Exploration {
  public:
   /// Whether the base can drive to a pose.
@@ -46,6 +47,8 @@ class Exploration {
 
  private:
   void blacklist(const Pose2& goal) { query_.blacklist_m.emplace_back(goal.x, goal.y); }
+  /// Without those near the last goal, which are blacklisted.
+  [[nodiscard]] std::optional<Frontier> best_of(FrontierList& list, const CanReach& can_reach);
   [[nodiscard]] bool is_near_last_reached(const Frontier& frontier) const;
   /// Whether there is a goal that failed once; it is not blacklisted any more.
   bool give_second_chance();

@@ -1,12 +1,15 @@
 #include "extperfc/navigate/exploration.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <utility>
 
 namespace extperfc::navigate {
 
 namespace {
+
+constexpr std::array<double, 2> kSlackParts{0.5, 1};  // of the slack of passages, one after the other
 
 bool is_known(const CostGrid& costs, const Eigen::Vector2d& point_m) {
   const auto cell = costs.cell_of(point_m);
@@ -29,24 +32,30 @@ NavResult<std::optional<Frontier>> Exploration::next(const CostGrid& costs, cons
   query_.start = pose;
   current_.reset();
   do {
-    auto list = find_frontiers(costs, footprint_, query_, params_);
-    if (!list) return tl::unexpected(list.error());
-    frontiers_left_ = list->frontiers.size();
-    unreachable_ = 0;
-    for (Frontier& frontier : list->frontiers) {
-      if (is_near_last_reached(frontier)) {
-        blacklist(frontier.goal);
-        continue;
-      }
-      if (can_reach && !can_reach(frontier.goal)) {
-        ++unreachable_;
-        continue;
-      }
-      current_ = std::move(frontier);
-      return current_;
+    for (const double part : kSlackParts) {
+      FrontierParams params = params_;
+      params.passage_slack_m *= part;
+      auto list = find_frontiers(costs, footprint_, query_, params);
+      if (!list) return tl::unexpected(list.error());
+      current_ = best_of(*list, can_reach);
+      if (current_) return current_;
     }
   } while (give_second_chance());
   return std::optional<Frontier>();
+}
+
+std::optional<Frontier> Exploration::best_of(FrontierList& list, const CanReach& can_reach) {
+  frontiers_left_ = list.frontiers.size();
+  unreachable_ = 0;
+  for (Frontier& frontier : list.frontiers) {
+    if (is_near_last_reached(frontier))
+      blacklist(frontier.goal);
+    else if (can_reach && !can_reach(frontier.goal))
+      ++unreachable_;
+    else
+      return std::move(frontier);
+  }
+  return std::nullopt;
 }
 
 bool Exploration::is_near_last_reached(const Frontier& frontier) const {

@@ -2,6 +2,9 @@
 
 #include <algorithm>
 #include <chrono>
+#include <cmath>
+#include <iomanip>
+#include <sstream>
 #include <stdexcept>
 #include <utility>
 
@@ -118,6 +121,7 @@ void Explorer::explore(const ExploreGoal& goal, ExploreResult& result) {
   }
   navigate::Exploration exploration(params_.footprint.padded(), params_.frontiers, *bounds_m);
   Drive ended = Drive::kReached;
+  Standstill standstill;
   while (const auto frontier = choose_patiently(exploration, result)) {
     ended = drive(exploration, *frontier);
     if (ended == Drive::kFailed) exploration.failed();
@@ -125,9 +129,12 @@ void Explorer::explore(const ExploreGoal& goal, ExploreResult& result) {
       await_map_after(map().number);
       exploration.reached();
     }
-    const std::lock_guard lock(mutex_);
-    goals_reached_ = exploration.goals_reached();
-    goals_failed_ = exploration.goals_failed();
+    {
+      const std::lock_guard lock(mutex_);
+      goals_reached_ = exploration.goals_reached();
+      goals_failed_ = exploration.goals_failed();
+    }
+    if (is_stuck(standstill, ended, *frontier, result)) break;
   }
   if (ended == Drive::kOutdated) move_base_.cancelGoal();
   result.goals_reached = static_cast<std::uint32_t>(exploration.goals_reached());
@@ -158,6 +165,29 @@ std::optional<std::vector<Eigen::Vector2d>> Explorer::bounds_of(const ExploreGoa
   if (points.size() >= 3 && points.size() <= kMaxBounds && finite) return bounds_m;
   end(result, ExploreResult::INVALID, "the bounds must have 3 to 200 finite points");
   return std::nullopt;
+}
+
+/// Without plans a goal may fail because no path leads there.
+bool Explorer::is_stuck(Standstill& standstill, Drive ended, const navigate::Frontier& frontier,
+                        ExploreResult& result) {
+  constexpr int kFailures = 3;
+  constexpr double kMovedM = 0.3;
+  if (ended != Drive::kFailed || !has_plans_) {
+    standstill = {};
+    return false;
+  }
+  const auto pose = pose_in(map().message->header.frame_id);
+  if (!pose) return false;
+  if (standstill.failures == 0 ||
+      std::hypot(pose->x - standstill.pose.x, pose->y - standstill.pose.y) > kMovedM)
+    standstill = {0, *pose};
+  if (++standstill.failures < kFailures) return false;
+  std::ostringstream message;
+  message << std::fixed << std::setprecision(2) << "the robot does not get away from (" << pose->x << ", "
+          << pose->y << "): " << kFailures << " goals failed, the last at (" << frontier.goal.x << ", "
+          << frontier.goal.y << "); move it, or see what the navigator says";
+  end(result, ExploreResult::STUCK, message.str());
+  return true;
 }
 
 /// Who stands in a door may go, and obstacles that went are forgotten.
@@ -214,7 +244,8 @@ bool Explorer::can_reach(const std::string& map_frame, const Pose2& from, const 
   plan.request.start.header.frame_id = plan.request.goal.header.frame_id = map_frame;
   plan.request.start.pose = ros_convert::to_pose_message(from);
   plan.request.goal.pose = ros_convert::to_pose_message(goal);
-  return !make_plan_.call(plan) || !plan.response.plan.poses.empty();
+  has_plans_ = make_plan_.call(plan);
+  return !has_plans_ || !plan.response.plan.poses.empty();
 }
 
 Explorer::Drive Explorer::drive(navigate::Exploration& exploration, const navigate::Frontier& frontier) {

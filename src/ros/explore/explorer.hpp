@@ -60,6 +60,12 @@ class Explorer {
   /// How driving to one goal ended.
   enum class Drive { kReached, kFailed, kOutdated, kStopped };
 
+  /// Goals that failed one after the other with the robot at about the same place.
+  struct Standstill {
+    int failures{0};
+    Pose2 pose;  ///< of the robot at the first
+  };
+
   struct Map {
     nav_msgs::OccupancyGridConstPtr message;
     std::uint64_t number{0};  ///< of maps since the start
@@ -71,6 +77,9 @@ class Explorer {
   /// Bounds of a goal; empty after filling in the result.
   [[nodiscard]] std::optional<std::vector<Eigen::Vector2d>> bounds_of(const ExploreGoal& goal,
                                                                       ExploreResult& result);
+  /// Whether this end of a drive is one of too many; fills in the result then.
+  [[nodiscard]] bool is_stuck(Standstill& standstill, Drive ended, const navigate::Frontier& frontier,
+                              ExploreResult& result);
   /// As choose(), which is asked once more with a newer map where the navigator has no plan to what is left.
   [[nodiscard]] std::optional<navigate::Frontier> choose_patiently(navigate::Exploration& exploration,
                                                                    ExploreResult& result);
@@ -111,6 +120,7 @@ class Explorer {
   ros::Time deadline_;  ///< of the action's goal; zero: none
   Client move_base_;
   ros::ServiceClient make_plan_;
+  bool has_plans_{false};  ///< the navigator answered when it was asked last
   ros::Subscriber map_subscriber_;
   std::unique_ptr<Server> server_;
   ros_health::Reporter reporter_;

@@ -188,6 +188,21 @@ TEST_F(ExplorerTest, AsksTheNavigatorForPlans) {
   EXPECT_GE(questions, goals_);
 }
 
+TEST_F(ExplorerTest, EndsWhenTheRobotDoesNotGetAway) {
+  const boost::function<bool(nav_msgs::GetPlan::Request&, nav_msgs::GetPlan::Response&)> plan =
+      [](nav_msgs::GetPlan::Request& request, nav_msgs::GetPlan::Response& response) {
+        response.plan.poses = {request.start, request.goal};
+        return true;
+      };
+  auto server = ros::NodeHandle().advertiseService("move_base/make_plan", plan);
+  fails_ = true;
+  load({{"max_frontier_m", 0.8}});
+  const auto result = explore();
+  EXPECT_EQ(result.code, ExploreResult::STUCK) << result.message;
+  EXPECT_EQ(result.goals_failed, 3U);
+  EXPECT_NE(result.message.find("(1.00, 2.00)"), std::string::npos) << result.message;
+}
+
 TEST_F(ExplorerTest, SaysThatTheNavigatorHasNoPlan) {
   const boost::function<bool(nav_msgs::GetPlan::Request&, nav_msgs::GetPlan::Response&)> no_plan =
       [](nav_msgs::GetPlan::Request&, nav_msgs::GetPlan::Response&) { return true; };

@@ -322,6 +322,25 @@ TEST(Exploration, SecondChanceComesAfterAllOthers) {
   EXPECT_FALSE(*exploration.next(grid, {2, 2, 0}));
 }
 
+TEST(Exploration, TightPassagesComeLast) {
+  CostGrid grid = corridor();
+  fill(grid, 3, 0, 3.2, 4, kLethalCost);
+  fill(grid, 2.95, 1.7, 3.25, 2.3, kFreeCost);  // 0.6 m
+  fill(grid, 0, 0.2, 0.2, 1.2, kUnknownCost);   // a smaller frontier on this side
+  FrontierParams params;
+  params.passage_slack_m = 0.1;
+  ASSERT_EQ(find(grid, {{2, 2, 0}}, params)->frontiers.size(), 2U);
+  EXPECT_GT(find(grid, {{2, 2, 0}}, params)->frontiers.front().goal.x, 3);
+  Exploration exploration(chassis(), params, {});
+  const auto first = exploration.next(grid, {2, 2, 0});
+  ASSERT_TRUE(first && *first);
+  EXPECT_LT((*first)->goal.x, 3);
+  fill(grid, 0, 0.2, 0.2, 1.2, kLethalCost);
+  const auto second = exploration.next(grid, {2, 2, 0});
+  ASSERT_TRUE(second && *second);
+  EXPECT_GT((*second)->goal.x, 3);
+}
+
 TEST(Exploration, GoalsThatCannotBeReachedAreLeftOutForNow) {
   CostGrid grid = corridor();
   fill(grid, 0, 0.2, 0.2, 3.8, kUnknownCost);
