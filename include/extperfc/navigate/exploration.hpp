@@ -18,8 +18,8 @@ namespace extperfc::navigate {
 
 /// Which frontier to drive to next, until none is left. Goals that failed are blacklisted, and so are those
 /// that were reached without making their frontier known. Once nothing else is left, goals that failed get a
-/// second chance: who stood there may have gone. Passages that need more than half of the slack come after
-/// all others: the robot may not get out again. It ends after finitely many goals.
+/// second chance: who stood there may have gone. Passages that need the slack come after all others, those
+/// that need most of it last: the robot may not get out again. It ends after finitely many goals.
 class Exploration {
  public:
   /// Whether the base can drive to a pose.

@@ -49,10 +49,10 @@ struct FrontierList {
 
 /// Frontiers (Yamauchi, "A frontier-based approach for autonomous exploration", 1997) where the robot could
 /// go on: their cells are connected with the start by free cells that are farther from lethal cells than the
-/// inscribed radius without the slack. So gaps narrower than the robot and ragged walls are none. Paths keep
-/// that radius from unknown cells too, unless allow_unknown. None is left when the floor is mapped. Errors:
-/// kStartOutside, kStartBlocked, kInvalidRequest for values that are not finite or out of their range.
-/// O(cells log cells).
+/// inscribed radius without the slack; their own distance is more by half of the slack. So gaps narrower than
+/// the robot and ragged walls are none. Paths keep that radius from unknown cells too, unless allow_unknown.
+/// None is left when the floor is mapped. Errors: kStartOutside, kStartBlocked, kInvalidRequest for values
+/// that are not finite or out of their range. O(cells log cells).
 [[nodiscard]] NavResult<FrontierList> find_frontiers(const CostGrid& costs, const Footprint& footprint,
                                                      const FrontierQuery& query,
                                                      const FrontierParams& params);

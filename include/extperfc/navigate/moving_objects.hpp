@@ -1,7 +1,6 @@
 #pragma once
 
 #include <cstddef>
-#include <deque>
 #include <optional>
 #include <utility>
 #include <vector>
@@ -56,10 +55,6 @@ class MovingObjectDetector {
 
  private:
   struct Cluster;
-  struct DatedMap {
-    double stamp_s;
-    MapExplanation map;
-  };
   [[nodiscard]] std::vector<Cluster> clusters(const LaserScan& scan, const Pose2& map_T_base,
                                               const std::vector<MovingObstacle>& pedestrians) const;
   [[nodiscard]] bool is_explained(const Eigen::Vector2d& point_m,
@@ -69,7 +64,7 @@ class MovingObjectDetector {
       const std::vector<Cluster>& clusters, const std::vector<MovingObstacle>& pedestrians) const;
 
   MovingObjectParams params_;
-  std::deque<DatedMap> maps_;  ///< the last is the newest, the first the newest of those that are old enough
+  MapHistory maps_;
 };
 
 /// The scan without the returns of people, whose positions are in the map's frame: NaN. A margin of 0.15 m

@@ -9,7 +9,7 @@ namespace extperfc::navigate {
 
 namespace {
 
-constexpr std::array<double, 2> kSlackParts{0.5, 1};  // of the slack of passages, one after the other
+constexpr std::array<double, 3> kSlackParts{0, 0.5, 1};  // of the slack of passages, one after the other
 
 bool is_known(const CostGrid& costs, const Eigen::Vector2d& point_m) {
   const auto cell = costs.cell_of(point_m);

@@ -63,16 +63,19 @@ class FrontierSearch {
           "exploration: no free cell near the robot's pose; move the robot, or check its localization",
           query_.start);
     find_paths(drivable, *start);
-    find_frontier_cells(known_open, *start);
+    const double wide_m = std::max(0.0, footprint_.inscribed_radius_m() - 0.5 * params_.passage_slack_m);
+    find_frontier_cells(known_open, open_cells(costs_, wide_m, false), *start);
     FrontierList list;
     for (const std::size_t index : frontier_cells_)
-      if (is_frontier_[index] != 0) add(take_cluster(index), list);
+      if (belongs_[index] == kFree) add(take_cluster(index), list);
     std::stable_sort(list.frontiers.begin(), list.frontiers.end(),
                      [](const Frontier& a, const Frontier& b) { return a.score > b.score; });
     return list;
   }
 
  private:
+  enum Belongs : std::uint8_t { kNone, kFree, kTaken };  ///< to no frontier, to one, to one of a cluster
+
   [[nodiscard]] Cell cell_at(std::size_t index) const {
     const auto width = static_cast<std::size_t>(costs_.width);
     return {static_cast<int>(index % width), static_cast<int>(index / width)};
@@ -137,8 +140,10 @@ class FrontierSearch {
     }
   }
 
-  void find_frontier_cells(const std::vector<std::uint8_t>& open, std::size_t start) {
-    is_frontier_.assign(open.size(), 0);
+  /// Those among the wide cells that open ones connect with the start.
+  void find_frontier_cells(const std::vector<std::uint8_t>& open, const std::vector<std::uint8_t>& wide,
+                           std::size_t start) {
+    belongs_.assign(open.size(), kNone);
     reached_.assign(open.size(), 0);
     std::vector<std::size_t> queue{start};
     reached_[start] = 1;
@@ -148,8 +153,8 @@ class FrontierSearch {
         reached_[next] = 1;
         queue.push_back(next);
       });
-      if (!is_at_border(queue[i]) || !in_bounds(queue[i])) continue;
-      is_frontier_[queue[i]] = 1;
+      if (wide[queue[i]] == 0 || !is_at_border(queue[i]) || !in_bounds(queue[i])) continue;
+      belongs_[queue[i]] = kFree;
       frontier_cells_.push_back(queue[i]);
     }
   }
@@ -168,16 +173,16 @@ class FrontierSearch {
     return query_.bounds_m.empty() || contains(query_.bounds_m, costs_.middle_of(cell_at(index)));
   }
 
-  /// Connected frontier cells, no more than the greatest length; they are no frontier any more.
+  /// Connected frontier cells, no more than the greatest length; those of other clusters are not taken.
   [[nodiscard]] std::vector<std::size_t> take_cluster(std::size_t first) {
     const auto max_count =
         static_cast<std::size_t>(std::max(1.0, params_.max_length_m / costs_.resolution_m));
     std::vector<std::size_t> cluster{first};
-    is_frontier_[first] = 0;
+    belongs_[first] = kTaken;
     for (std::size_t i = 0; i < cluster.size(); ++i)
       visit_neighbours(cluster[i], kNeighbours.size(), [&](std::size_t next, std::size_t) {
-        if (is_frontier_[next] == 0 || cluster.size() >= max_count) return;
-        is_frontier_[next] = 0;
+        if (belongs_[next] != kFree || cluster.size() >= max_count) return;
+        belongs_[next] = kTaken;
         cluster.push_back(next);
       });
     return cluster;
@@ -192,7 +197,7 @@ class FrontierSearch {
     for (int step = 0; step < static_cast<int>(radius_m_ / costs_.resolution_m); ++step)
       for (const std::size_t end = queue.size(); begin < end; ++begin)
         visit_neighbours(queue[begin], kNeighbours.size(), [&](std::size_t next, std::size_t) {
-          if (visits_[next] == visit_ || reached_[next] != 0 || !is_at_border(next)) return;
+          if (visits_[next] == visit_ || belongs_[next] != kNone || !is_at_border(next)) return;
           visits_[next] = visit_;
           queue.push_back(next);
         });
@@ -263,7 +268,7 @@ class FrontierSearch {
   std::uint32_t visit_{0};
   std::vector<float> paths_;  ///< length from the start [cells]
   std::vector<std::uint8_t> reached_;
-  std::vector<std::uint8_t> is_frontier_;
+  std::vector<Belongs> belongs_;
   std::vector<std::size_t> frontier_cells_;
 };
 

@@ -8,8 +8,9 @@ namespace extperfc::navigate {
 
 namespace {
 
-constexpr std::int8_t kObstacle = 65;        // per cent, as map_server's threshold
-constexpr std::int8_t kFar = 120;            // cells
+constexpr std::int8_t kObstacle = 65;  // per cent, as map_server's threshold
+constexpr std::int8_t kFar = 120;      // cells
+constexpr double kBetweenMapsS = 0.5;
 constexpr double kMarginPerMetre_m = 0.035;  // of range: a localizer's heading is up to two degrees wrong
 
 std::int8_t one_more(std::int8_t cells) {
@@ -61,6 +62,30 @@ LaserScan MapExplanation::unexplained(const LaserScan& scan, const Pose2& map_T_
       rest.ranges[i] = std::numeric_limits<float>::quiet_NaN();
   }
   return rest;
+}
+
+void MapHistory::add(const OccupancyGrid& map, double margin_m, double stamp_s) {
+  if (!maps_.empty() && stamp_s < maps_.back().stamp_s) maps_.clear();
+  // Few are kept: of maps that come fast, the newest takes the place of the one before.
+  if (maps_.size() > 1 && maps_.back().stamp_s - maps_[maps_.size() - 2].stamp_s < kBetweenMapsS)
+    maps_.pop_back();
+  maps_.emplace_back();
+  maps_.back().stamp_s = stamp_s;
+  maps_.back().map.set_map(map, margin_m);
+  while (maps_.size() > 1 && maps_[1].stamp_s <= stamp_s - old_s_) maps_.pop_front();
+}
+
+const MapExplanation& MapHistory::newest() const {
+  static const MapExplanation kNone;
+  return maps_.empty() ? kNone : maps_.back().map;
+}
+
+const MapExplanation& MapHistory::old() const {
+  return maps_.empty() ? newest() : maps_.front().map;
+}
+
+std::optional<double> MapHistory::old_stamp_s() const {
+  return maps_.empty() ? std::nullopt : std::optional(maps_.front().stamp_s);
 }
 
 }  // namespace extperfc::navigate

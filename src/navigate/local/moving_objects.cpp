@@ -14,7 +14,6 @@ namespace extperfc::navigate {
 
 namespace {
 
-constexpr double kBetweenMapsS = 0.5;
 constexpr double kPersonMarginM = 0.15;
 constexpr double kOwnM = 0.4;    // returns of a pedestrian are nearer to where they should be
 constexpr double kApartM = 0.4;  // between two people side by side; tracks that are nearer are one's legs
@@ -89,7 +88,8 @@ struct MovingObjectDetector::Cluster {
   std::size_t last_ray{0};
 };
 
-MovingObjectDetector::MovingObjectDetector(const MovingObjectParams& params) : params_(params) {
+MovingObjectDetector::MovingObjectDetector(const MovingObjectParams& params)
+    : params_(params), maps_(params.old_map_s) {
   demand(params.gap_m > 0 && params.gap_m <= 1, "gap_m must be above 0 and at most 1");
   demand(params.join_m >= 0 && params.join_m <= 2, "join_m must be from 0 to 2");
   demand(params.max_radius_m <= 2, "max_radius_m must be at most 2");
@@ -103,21 +103,14 @@ MovingObjectDetector::MovingObjectDetector(const MovingObjectParams& params) : p
 }
 
 void MovingObjectDetector::set_map(const OccupancyGrid& map, double stamp_s) {
-  if (!maps_.empty() && stamp_s < maps_.back().stamp_s) maps_.clear();
-  // Few are kept: of maps that come fast, the newest takes the place of the one before.
-  if (maps_.size() > 1 && maps_.back().stamp_s - maps_[maps_.size() - 2].stamp_s < kBetweenMapsS)
-    maps_.pop_back();
-  maps_.emplace_back();
-  maps_.back().stamp_s = stamp_s;
-  maps_.back().map.set_map(map, params_.map_margin_m);
-  while (maps_.size() > 1 && maps_[1].stamp_s <= stamp_s - params_.old_map_s) maps_.pop_front();
+  maps_.add(map, params_.map_margin_m, stamp_s);
 }
 
 /// A map that is made meanwhile soon shows who walks, too, and would explain them.
 bool MovingObjectDetector::is_explained(const Eigen::Vector2d& point_m,
                                         const std::vector<MovingObstacle>& pedestrians) const {
-  return !maps_.empty() && maps_.back().map.explains(point_m, 0) &&
-         (!is_person(point_m, pedestrians) || maps_.front().map.explains(point_m, 0));
+  return maps_.newest().explains(point_m, 0) &&
+         (!is_person(point_m, pedestrians) || maps_.old().explains(point_m, 0));
 }
 
 std::vector<MovingObjectDetector::Cluster> MovingObjectDetector::clusters(

@@ -197,7 +197,7 @@ void CostMaps::take_map(const nav_msgs::OccupancyGrid& message) {
   build_global(grid);
   (void)global_.map->update(last_stamp_.toSec());
   global_snapshot_.reset();
-  explanation_.set_map(global_.fixed->map(), costs_.map_margin_m);
+  explanations_.add(global_.fixed->map(), costs_.map_margin_m, last_stamp_.toSec());
   map_changed_ = true;
   callbacks_.on_map(global_.fixed->map());
 }
@@ -270,16 +270,21 @@ void CostMaps::take_heights(const sensor_msgs::LaserScan& message, PlacedScan& p
 
 /// Heights count where a finished map shows an obstacle, too: it will not go away while the lidar is too near
 /// to see it. A person who was seen from afar would leave a ghost, and a map that is made meanwhile shows
-/// people.
+/// people: it counts where it has shown the obstacle for some time.
 void CostMaps::keep_heights_of_map(PlacedScan& placed) const {
   LaserScan& scan = placed.scan;
   if (scan.heights_m.empty()) return;
   const bool finished = maps_ == 1 || scan.stamp_s - map_changed_s_ > kSettledS;
-  if (!placed.map_T_odom || !finished) return scan.heights_m.clear();
+  const auto old_s = explanations_.old_stamp_s();
+  const bool has_old = old_s && scan.stamp_s - *old_s > kOldMapS;
+  if (!placed.map_T_odom || !(finished || has_old)) return scan.heights_m.clear();
   const Pose2 map_T_base = compose(*placed.map_T_odom, placed.odom_T_base);
-  const auto rest = explanation_.unexplained(scan, compose(map_T_base, scan.base_T_sensor));
+  const Pose2 map_T_sensor = compose(map_T_base, scan.base_T_sensor);
+  const auto news = explanations_.newest().unexplained(scan, map_T_sensor);
+  const auto change = finished ? news : explanations_.old().unexplained(scan, map_T_sensor);
   for (std::size_t i = 0; i < scan.heights_m.size(); ++i)
-    if (is_return(scan, rest.ranges[i])) scan.heights_m[i] = static_cast<float>(placed.height_m);
+    if (is_return(scan, news.ranges[i]) || is_return(scan, change.ranges[i]))
+      scan.heights_m[i] = static_cast<float>(placed.height_m);
 }
 
 /// Who walks through a door is so near to its frame that the map explains them: their marks shall go with
@@ -325,7 +330,7 @@ void CostMaps::observe_globally(const PlacedScan& placed, const Pose2& map_T_odo
   auto marks = sensor();
   marks.clears = false;
   (void)global_.obstacles->observe(placed.scan, map_T_sensor, placed.height_m, clears);
-  const auto rest = navigate::without(explanation_.unexplained(placed.scan, map_T_sensor),
+  const auto rest = navigate::without(explanations_.newest().unexplained(placed.scan, map_T_sensor),
                                       passers(placed.scan.stamp_s, map_T_odom), map_T_sensor);
   (void)global_.obstacles->observe(rest, map_T_sensor, placed.height_m, marks);
   global_.obstacles->clear_footprint(footprint_, map_T_base);

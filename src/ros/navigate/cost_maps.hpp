@@ -103,6 +103,8 @@ class CostMaps {
   [[nodiscard]] navigate::Inflation global_inflation(double resolution_m) const;
   [[nodiscard]] navigate::SensorParams sensor() const;
 
+  static constexpr double kOldMapS = 6.0;  ///< age from which a map that grows shows what will stay
+
   ros::NodeHandle handle_;
   const std::string global_frame_;
   const std::string odom_frame_;
@@ -118,7 +120,7 @@ class CostMaps {
   ros_params::DataLimits limits_;
   navigate::Footprint footprint_;
   navigate::Zones zones_;
-  navigate::MapExplanation explanation_;
+  navigate::MapHistory explanations_{kOldMapS};
   Layers local_;
   Layers global_;
   GridPtr local_snapshot_;

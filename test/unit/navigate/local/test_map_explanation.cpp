@@ -1,3 +1,4 @@
+#include <algorithm>
 #include <cmath>
 #include <limits>
 
@@ -52,6 +53,32 @@ TEST(MapExplanation, TakesExplainedReturnsOutOfAScan) {
   EXPECT_EQ(1.05F, rest.ranges[1]);
   EXPECT_TRUE(std::isinf(rest.ranges[2]));
   EXPECT_EQ(0.05F, rest.ranges[3]);
+}
+
+TEST(MapHistory, TheOldMapDoesNotShowWhoHasJustCome) {
+  OccupancyGrid empty = map_with_a_post();
+  std::fill(empty.cells.begin(), empty.cells.end(), OccupancyGrid::kFree);
+  MapHistory history(3);
+  EXPECT_FALSE(history.newest().explains({2.05, 2.05}, 0));
+  EXPECT_FALSE(history.old().explains({2.05, 2.05}, 0));
+  EXPECT_FALSE(history.old_stamp_s());
+  history.add(empty, 0.1, 10);
+  history.add(map_with_a_post(), 0.1, 12);
+  EXPECT_TRUE(history.newest().explains({2.05, 2.05}, 0));
+  EXPECT_FALSE(history.old().explains({2.05, 2.05}, 0));
+  EXPECT_EQ(10, history.old_stamp_s());
+  history.add(map_with_a_post(), 0.1, 15);  // the one of 12 s is old now
+  EXPECT_TRUE(history.old().explains({2.05, 2.05}, 0));
+  EXPECT_EQ(12, history.old_stamp_s());
+}
+
+TEST(MapHistory, BeginsAnewWhenTheClockIsSetBackAndKeepsFewMaps) {
+  MapHistory history(3);
+  history.add(map_with_a_post(), 0.1, 10);
+  history.add(map_with_a_post(), 0.1, 2);
+  EXPECT_EQ(2, history.old_stamp_s());
+  for (int i = 1; i <= 100; ++i) history.add(map_with_a_post(), 0.1, 2 + 0.1 * i);
+  EXPECT_LE(*history.old_stamp_s(), 12 - 3);
 }
 
 }  // namespace
