@@ -14,6 +14,7 @@ SQUARE_M = 0.1        # obstacles and tables are counted in squares of this side
 TOP_WEIGHT = 3.0      # of a square of a table, of an obstacle's border: 1
 LOOK_M = 1.0          # what a look costs, as metres of travel
 LINE_PARTS = numpy.linspace(0.1, 0.85, 8)  # of the line from robot to square: where it is checked
+START_M = 0.8         # from a robot to the next place where its path may lead
 REFUSED_M = 0.25      # places as near to one that could not be reached are not tried
 
 
@@ -121,11 +122,22 @@ def standing_places(grid, robot, pass_m, stand_m):
     clearance_m = cv2.distanceTransform(numpy.pad(free, 1), cv2.DIST_L2, 5)[1:-1, 1:-1] * grid.resolution_m
     stride = max(1, round(STEP_M / grid.resolution_m))
     coarse = clearance_m[stride // 2::stride, stride // 2::stride]
+    passable, step_m = coarse >= pass_m, stride * grid.resolution_m
     start = tuple(index // stride for index in grid.cell_of(*robot))
-    travel = travel_m(coarse >= pass_m, start, stride * grid.resolution_m)
+    travel = travel_m(passable, start, step_m)
+    if not (passable & numpy.isfinite(travel)).any():
+        travel = travel_m(passable, nearest_passable(coarse, passable, start, step_m), step_m)
     rows, columns = numpy.nonzero((coarse >= stand_m) & numpy.isfinite(travel))
     return [(float(travel[r, c]), grid.middle_of(int(r) * stride + stride // 2, int(c) * stride + stride // 2))
             for r, c in zip(rows, columns)]
+
+
+def nearest_passable(clearance_m, passable, start, step_m):
+    """The nearest passable cell for a robot that stands nearer to an obstacle than its path shall lead, or beside what it does not
+    know: over free cells, at most START_M away; else `start`."""
+    travel = numpy.where(passable, travel_m(clearance_m > 0, start, step_m), numpy.inf)
+    best = numpy.unravel_index(numpy.argmin(travel), travel.shape)
+    return tuple(map(int, best)) if travel[best] <= START_M else start
 
 
 def travel_m(passable, start, step_m):

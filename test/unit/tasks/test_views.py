@@ -93,6 +93,13 @@ class RoomWithATable(unittest.TestCase):
     def test_the_nearest_first(self):
         self.assertLess(math.dist(self.found[0].pose[:2], (0.0, 0.0)), 1.0)
 
+    def test_a_robot_in_a_narrow_place_gets_out_of_it(self):
+        fill(self.grid, -0.95, -1.35, -0.1, -1.25)  # a niche of 0.6 m, open to one side
+        view = views.Views().next(self.grid, (-0.3, -1.65))
+        self.assertIsNotNone(view)
+        fill(self.grid, -0.1, -1.95, 0.0, -1.25)    # closed: no path through its wall, however near the room is
+        self.assertIsNone(views.Views().next(self.grid, (-0.3, -1.65)))
+
     def test_another_view_when_one_is_out_of_reach(self):
         found, of = tour(self.grid, reach=lambda pose: pose[1] > -0.6)
         refused = [view.pose for view in found if view.pose[1] <= -0.6]
