@@ -19,6 +19,19 @@ GOAL_CLEARANCE_M = 0.65  # of goals: the robot may stand there in any direction
 PASSAGE_M = 0.44         # of the robot's middle to what stands around on its path
 
 
+def prepare(options):
+    """The world of a trial with its people, and its true map; makes the folder `out`."""
+    options.out.mkdir(parents=True, exist_ok=True)
+    people_file(options).unlink(missing_ok=True)  # of an earlier run
+    world = world_of(options)
+    true_map = fine_map(options, world)
+    try:
+        add_people(options, world, true_map)
+    except ValueError as error:
+        raise SystemExit(f"error: {error}") from error
+    return world, true_map
+
+
 def world_of(options):
     """The world, without its people unless they are wanted."""
     file = pathlib.Path(options.world)

@@ -195,8 +195,7 @@ class NavRobot:
     def drive(self, goal, limit_s=300.0, real_s=600.0, meanwhile=None, frame="map"):
         """Drives to a goal and returns the Drive. `limit_s`: of simulated time; cancelled afterwards. `meanwhile` is called
         with every true pose until it returns True."""
-        with self.lock:
-            del self.samples[:-1], self.people[:], self.paths[:], self.bumps[:], self.said[:]
+        self.forget()
         begin, deadline = self.now(), time.monotonic() + real_s
         name = self.send(goal, frame)
         cancelled = False
@@ -218,9 +217,18 @@ class NavRobot:
             time.sleep(0.01)
         if cancelled:
             state = (state[0], f"not reached in {limit_s:.0f} s: {self.status.reason}")
+        return self.recorded(goal, *state)
+
+    def forget(self):
+        """What was heard before now, but for the present pose."""
+        with self.lock:
+            del self.samples[:-1], self.people[:], self.paths[:], self.bumps[:], self.said[:]
+
+    def recorded(self, goal, state, text):
+        """The Drive since forget()."""
         with self.lock:
             planned = float(numpy.linalg.norm(numpy.diff(self.paths[0], axis=0), axis=1).sum()) if self.paths else 0.0
-            return Drive(goal, *state, list(self.samples), list(self.people), planned, list(self.bumps), list(self.said))
+            return Drive(goal, state, text, list(self.samples), list(self.people), planned, list(self.bumps), list(self.said))
 
 
 def random_goal(rng, places, here, min_m=3.0):

@@ -1,5 +1,5 @@
-"""Lets the simulated robot map a floor that it does not know, and compares with the truth: how much of the floor that its
-footprint gets to the map knows, how far the map is off, and what the robot touched.
+"""Lets the simulated robot map a floor that it does not know, and compares with the truth: how much of the floor that a
+disc of 0.44 m gets to the map knows, how far the map is off, and what the robot touched.
 
 A contact is counted as by tools/trial_navigate. The run succeeds when the explorer says that it has finished, the map knows
 99 % of that floor, and nothing was touched.
@@ -16,9 +16,9 @@ import time
 import cv2
 import numpy
 
-from drive_world import PASSAGE_M, REPO, add_people, fine_map, people_file, sim_config, world_of
+from drive_world import PASSAGE_M, REPO, prepare, sim_config
 from driven_contacts import reachable
-from nav_robot import Drive, NavRobot
+from nav_robot import NavRobot
 from pose_errors import Pose, compose, error, inverse
 from ros_session import Stalled, run_trial
 
@@ -126,7 +126,7 @@ class Exploration:
         import nav_msgs.msg
         import rospy
         import tf2_ros
-        self.options, self.rospy, self.map = options, rospy, None
+        self.rospy, self.map = rospy, None
         self.robot = NavRobot(session.alive)
         self.goal = extperfc.msg.ExploreGoal(time_limit=options.limit)
         self.transforms = tf2_ros.Buffer()
@@ -147,8 +147,7 @@ class Exploration:
 
     def run(self):
         """The result of the action, and the Drive."""
-        with self.robot.lock:
-            del self.robot.samples[:-1], self.robot.people[:], self.robot.bumps[:], self.robot.said[:]
+        self.robot.forget()
         self.begin, self.start = self.robot.now(), self.robot.pose()
         self.client.send_goal(self.goal, feedback_cb=self._on_feedback)
         while self.client.get_state() in ACTIVE:
@@ -156,9 +155,9 @@ class Exploration:
                 raise Stalled("roslaunch has ended")
             time.sleep(0.05)
         result = self.client.get_result()
-        with self.robot.lock:
-            return result, Drive(None, self.client.get_state(), result.message, list(self.robot.samples),
-                                 list(self.robot.people), 0.0, list(self.robot.bumps), list(self.robot.said))
+        if result is None:
+            raise Stalled("the explorer ended without a result")
+        return result, self.robot.recorded(None, self.client.get_state(), result.message)
 
     def map_error_m(self):
         """How far the robot is from where it believes to be."""
@@ -220,14 +219,7 @@ def report(options, row):
 
 def main(argv):
     options = parse_arguments(argv)
-    options.out.mkdir(parents=True, exist_ok=True)
-    people_file(options).unlink(missing_ok=True)  # of an earlier run
-    world = world_of(options)
-    true_map = fine_map(options, world)
-    try:
-        add_people(options, world, true_map)
-    except ValueError as failure:
-        raise SystemExit(f"error: {failure}") from failure
+    world, true_map = prepare(options)
     return run_trial(options.out, lambda session: run(options, world, true_map, session))
 
 

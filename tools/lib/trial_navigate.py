@@ -19,7 +19,7 @@ import cv2
 import numpy
 import yaml
 
-from drive_world import REPO, add_people, fine_map, people_file, places_of, sim_config, world_of
+from drive_world import REPO, places_of, prepare, sim_config
 from driven_contacts import CHASSIS
 from nav_robot import NavRobot, random_goal
 from pose_errors import Pose
@@ -242,15 +242,8 @@ def report(options, rows):
 
 def main(argv):
     options = parse_arguments(argv)
-    options.out.mkdir(parents=True, exist_ok=True)
-    people_file(options).unlink(missing_ok=True)  # of an earlier run
     import rospy
-    world = world_of(options)
-    true_map = fine_map(options, world)
-    try:
-        add_people(options, world, true_map)
-    except ValueError as error:
-        raise SystemExit(f"error: {error}") from error
+    world, true_map = prepare(options)
     return run_trial(options.out,
                      lambda session: report(options, run(options, start(options, world, session, rospy), true_map, world)))
 

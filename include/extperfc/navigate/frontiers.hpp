@@ -22,7 +22,7 @@ struct FrontierParams {
   bool allow_unknown{false};       ///< goals and paths may touch unknown cells
   /// Paths lead through gaps narrower than the robot by up to twice this: cells are a little wrong, and who
   /// plans the drive knows better; >= 0.
-  double passage_slack_m{0};
+  double passage_slack_m{0.05};
 };
 
 struct FrontierQuery {

@@ -14,7 +14,7 @@ namespace extperfc::ros_params {
 struct ExplorerParams {
   std::string base_frame{"base_link"};  ///< of the footprint
   FootprintParams footprint{{}, 0.46, 0.05};
-  navigate::FrontierParams frontiers{0.4, 4, 1, 2, 1, 0.5, false, 0.05};
+  navigate::FrontierParams frontiers;
   double map_patience_s{10};        ///< wait for a map that is newer than the arrival at a goal
   double navigator_patience_s{10};  ///< wait for the action server move_base
   double transform_timeout_s{1};    ///< wait for the robot's pose

@@ -2,6 +2,7 @@
 // there.
 #include <atomic>
 #include <cmath>
+#include <functional>
 #include <mutex>
 
 #include <actionlib/client/simple_action_client.h>
@@ -111,6 +112,16 @@ class ExplorerTest : public testing::Test {
     return client_.getResult() ? *client_.getResult() : ExploreResult();
   }
 
+  /// Answers the explorer's questions for plans.
+  [[nodiscard]] static ros::ServiceServer serve_plans(const std::function<bool()>& has_plan) {
+    const boost::function<bool(nav_msgs::GetPlan::Request&, nav_msgs::GetPlan::Response&)> answer =
+        [has_plan](nav_msgs::GetPlan::Request& request, nav_msgs::GetPlan::Response& response) {
+          if (has_plan()) response.plan.poses = {request.start, request.goal};
+          return true;
+        };
+    return ros::NodeHandle().advertiseService("move_base/make_plan", answer);
+  }
+
   [[nodiscard]] std::size_t unknown_cells() const {
     return static_cast<std::size_t>(
         std::count(map_.cells.begin(), map_.cells.end(), OccupancyGrid::kUnknown));
@@ -174,14 +185,10 @@ TEST_F(ExplorerTest, FailedGoalsAreLeftOut) {
 TEST_F(ExplorerTest, AsksTheNavigatorForPlans) {
   std::atomic<int> refusals{1};  // a person who stands in the door for one question
   std::atomic<int> questions{0};
-  const boost::function<bool(nav_msgs::GetPlan::Request&, nav_msgs::GetPlan::Response&)> answer =
-      [&](nav_msgs::GetPlan::Request& request, nav_msgs::GetPlan::Response& response) {
-        ++questions;
-        if (refusals-- > 0) return true;
-        response.plan.poses = {request.start, request.goal};
-        return true;
-      };
-  auto server = ros::NodeHandle().advertiseService("move_base/make_plan", answer);
+  const auto server = serve_plans([&] {
+    ++questions;
+    return refusals-- <= 0;
+  });
   load({{"map_patience_s", 0.2}});
   EXPECT_EQ(explore().code, ExploreResult::FINISHED);
   EXPECT_LT(unknown_cells(), 40U);
@@ -189,12 +196,7 @@ TEST_F(ExplorerTest, AsksTheNavigatorForPlans) {
 }
 
 TEST_F(ExplorerTest, EndsWhenTheRobotDoesNotGetAway) {
-  const boost::function<bool(nav_msgs::GetPlan::Request&, nav_msgs::GetPlan::Response&)> plan =
-      [](nav_msgs::GetPlan::Request& request, nav_msgs::GetPlan::Response& response) {
-        response.plan.poses = {request.start, request.goal};
-        return true;
-      };
-  auto server = ros::NodeHandle().advertiseService("move_base/make_plan", plan);
+  const auto server = serve_plans([] { return true; });
   fails_ = true;
   load({{"max_frontier_m", 0.8}});
   const auto result = explore();
@@ -204,9 +206,7 @@ TEST_F(ExplorerTest, EndsWhenTheRobotDoesNotGetAway) {
 }
 
 TEST_F(ExplorerTest, SaysThatTheNavigatorHasNoPlan) {
-  const boost::function<bool(nav_msgs::GetPlan::Request&, nav_msgs::GetPlan::Response&)> no_plan =
-      [](nav_msgs::GetPlan::Request&, nav_msgs::GetPlan::Response&) { return true; };
-  auto server = ros::NodeHandle().advertiseService("move_base/make_plan", no_plan);
+  const auto server = serve_plans([] { return false; });
   load({{"map_patience_s", 0.2}});
   const auto result = explore();
   EXPECT_EQ(result.code, ExploreResult::FINISHED);
