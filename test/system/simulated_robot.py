@@ -24,13 +24,15 @@ class Supervised:
             time.sleep(0.02)
 
 
-def launch(case, node, launch_file, **arguments):
+def launch(case, node, launch_file, separate_master=False, **arguments):
     """The RosSession of a launch file, in which the caller is the ROS node `node`, in simulated time. It ends with the
-    tests of the class `case`."""
+    tests of the class `case`. separate_master: one that can end without the launch."""
     folder = tempfile.TemporaryDirectory()
     case.addClassCleanup(folder.cleanup)
     session = RosSession(os.path.join(folder.name, "log"))
     case.addClassCleanup(session.close)
+    if separate_master:
+        session.start_master()
     session.launch("extperfc", launch_file, rviz="false", **arguments)
     wait_for_master(session)
     rospy.set_param("/use_sim_time", True)  # the launch may not have come to it yet, and a node asks once

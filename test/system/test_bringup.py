@@ -3,6 +3,7 @@
 import os
 import pathlib
 import signal
+import subprocess
 import sys
 import time
 import unittest
@@ -29,7 +30,7 @@ class Bringup(simulated_robot.Supervised, unittest.TestCase):
     @classmethod
     def setUpClass(cls):
         begin = time.monotonic()
-        cls.session = simulated_robot.launch(cls, "test_bringup", "bringup.launch")
+        cls.session = simulated_robot.launch(cls, "test_bringup", "bringup.launch", separate_master=True)
         cls.addClassCleanup(rospy.signal_shutdown, "the tests are over")
         cls.listener = Listener()
         cls.table = ProcessTable(os.environ["ROS_MASTER_URI"])
@@ -85,7 +86,21 @@ class Bringup(simulated_robot.Supervised, unittest.TestCase):
         self.wait(lambda: all(runs(self.listener.summary.message, part) for part in parts), f"{parts} to run again")
         print(f"{HANGS}, stopped: back after {time.monotonic() - begin:.1f} s", file=sys.stderr)
 
-    def test_5_after_all_that_it_drives(self):
+    def test_5_a_restarted_master_gets_back_what_it_knew(self):
+        count = len(self.listener.messages)
+        self.session.kill_master()
+        self.wait(lambda: any(message.message == "no ROS master" for message in self.listener.since(count)), "the master to be missed")
+        self.session.start_master()
+        begin = time.monotonic()
+        self.wait(lambda: self.listener.complete, "a complete robot")
+        print(f"ROS master: what it knew is back after {time.monotonic() - begin:.1f} s", file=sys.stderr)
+        for command in ("rosparam get /navigator/max_vel_x", "rosservice call /arm/get_scene", "rostopic echo -n1 /scan/header"):
+            subprocess.run(command.split(), check=True, timeout=DEADLINE_S, stdout=subprocess.DEVNULL)
+        self.disturb("/navigation_manager", signal.SIGKILL)  # the next one needs the parameters
+        self.wait(lambda: not runs(self.listener.summary.message, "navigator"), "the navigator to end")
+        self.wait(lambda: self.listener.complete, "a complete robot")
+
+    def test_6_after_all_that_it_drives(self):
         robot = NavRobot(self.session.alive)
         robot.ready()
         drive = robot.drive(GOAL, limit_s=60, real_s=DEADLINE_S)

@@ -23,14 +23,12 @@ from extperfc.health.processes import ProcessTable
 from nav_robot import NavRobot
 from pose_errors import Pose
 from robot_health import Listener, named, runs
-from ros_session import RosSession, end_launch
+from ros_session import RosSession
 from simulated_robot import DEADLINE_S, Supervised, wait_for_master
+from translated_robot import LAUNCH_FILE, RobotSide
 
-sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[1] / "translator"))
+from harness import eras, network, processes  # noqa: E402 (translated_robot adds its place)
 
-from harness import eras, network, processes  # noqa: E402
-
-HERE = pathlib.Path(__file__).resolve().parent
 PARTS = {"robot_state_publisher", "translator", "cloud_to_scan", "detector", "box_depth", "mapper", "navigator", "cmd_vel_mux", "arm"}
 GOAL = Pose(0.1, 1.1, 0.0)  # free floor beside the start
 RETURN_LIMIT_S = 5.0  # what is aimed at, printed beside the measured time
@@ -42,19 +40,15 @@ class TranslatedRobot(Supervised, unittest.TestCase):
     def setUpClass(cls):
         cls.folder = processes.Folder()
         cls.addClassCleanup(cls.folder.close)
-        cls.robot = processes.Master("robot", network.OneHost().robot, cls.folder.path)
-        cls.addClassCleanup(cls.robot.end)
-        cls.robot.start()
-        with open(cls.folder.path / "robot.log", "w") as log:
-            cls.simulator = subprocess.Popen(
-                ["roslaunch", "extperfc", "sim.launch", "rviz:=false", "scan:=false", "start_pose:=tuck", "publish_map_frame:=false"],
-                stdout=log, stderr=subprocess.STDOUT, stdin=subprocess.DEVNULL, env=cls.robot.environment())
-        cls.addClassCleanup(end_launch, cls.simulator)
+        side = RobotSide(network.OneHost().robot, cls.folder.path)
+        cls.addClassCleanup(side.close)
+        side.start()
+        cls.robot = side.master
         cls.indigo = processes.Puppet("battery", "indigo", "cpp", cls.robot)
         cls.addClassCleanup(cls.indigo.end)
         cls.session = RosSession(os.path.join(cls.folder.path, "launch.log"))
         cls.addClassCleanup(cls.session.close)
-        cls.session.launch(None, HERE / "translated_robot.launch", robot_master=cls.robot.uri)
+        cls.session.launch(None, LAUNCH_FILE, robot_master=cls.robot.uri)
         wait_for_master(cls.session)
         rospy.set_param("/use_sim_time", True)  # the launch may not have come to it yet, and a node asks once
         rospy.init_node("test_bringup_translated", disable_signals=True)

@@ -11,7 +11,7 @@ PAGE_MB = os.sysconf("SC_PAGE_SIZE") / 2**20
 PARTS = {"/robot_manager": "simulator", "/lidar_manager": "cloud_to_scan", "/camera_manager": "detector and box_depth",
          "/more_cameras_manager": "detectors and box_depths of the other cameras", "/mapping_manager": "mapper",
          "/navigation_manager": "navigator and cmd_vel_mux", "/arm_manager": "arm", "/health": "health",
-         "/robot_state_publisher": "robot_state_publisher"}
+         "/robot_state_publisher": "robot_state_publisher", "/translator": "translator"}
 OTHERS = "loaders and others"
 
 

@@ -20,6 +20,7 @@ NODES = {  # node: the parts that end with it, and a topic that shows that they 
     "/navigation_manager": (("navigator", "cmd_vel_mux"), "navigation_status"),
     "/arm_manager": (("arm",), None),  # its service arm/get_scene does
 }
+TRANSLATOR = {"/translator": (("translator",), "odom")}  # as NODES, where the robot is at another master
 
 
 class Listener:

@@ -78,7 +78,7 @@ class Tasks(threading.Thread):
         self.present, begin_s = kind, time.monotonic()
         try:
             why = task()
-        except (extperfc.arm.ArmError, rospy.ROSException, rospy.ServiceException) as fault:
+        except (extperfc.arm.ArmError, rospy.ROSException, rospy.ServiceException, OSError) as fault:  # OSError: no ROS master
             why = str(fault) or type(fault).__name__
         if why is not None:
             self.outcomes.append(Outcome(kind, begin_s, time.monotonic(), not why, why))

@@ -1,5 +1,6 @@
 """A ROS master and a roslaunch of our own: free port, own ROS_HOME, ended by process id."""
 
+import contextlib
 import os
 import re
 import signal
@@ -7,6 +8,9 @@ import socket
 import subprocess
 import sys
 import tempfile
+import time
+
+MASTER_S = 20.0  # for a master to answer
 
 _COLOR = re.compile(r"\x1b\[[0-9;]*m")
 _NOISE = re.compile(r"Failed to load nodelet|REQUIRED process|Initiating shutdown|^=+$|bond broken")
@@ -21,6 +25,12 @@ def free_port():
     with socket.socket() as probe:
         probe.bind(("127.0.0.1", 0))
         return probe.getsockname()[1]
+
+
+def _listens(port):
+    with contextlib.suppress(OSError), socket.create_connection(("127.0.0.1", port), 1.0):
+        return True
+    return False
 
 
 def end_launch(process):
@@ -40,9 +50,23 @@ class RosSession:
         self.port = free_port()
         self.log_file = log_file
         self.home = tempfile.TemporaryDirectory(prefix="extperfc_ros_")
-        self.process = None
+        self.process = self.master = None
         os.environ.update(ROS_MASTER_URI=f"http://127.0.0.1:{self.port}", ROS_IP="127.0.0.1", ROS_HOME=self.home.name)
         os.environ.pop("ROS_HOSTNAME", None)
+
+    def start_master(self):
+        """A master apart from roslaunch, which either can outlive. Returns when it answers."""
+        self.master = subprocess.Popen(["rosmaster", "--core", "-p", str(self.port)], stdout=subprocess.DEVNULL,
+                                       stderr=subprocess.DEVNULL, stdin=subprocess.DEVNULL)
+        deadline = time.monotonic() + MASTER_S
+        while not _listens(self.port):
+            if self.master.poll() is not None or time.monotonic() > deadline:
+                raise Stalled("rosmaster does not start")
+            time.sleep(0.05)
+
+    def kill_master(self):
+        self.master.kill()
+        self.master.wait()
 
     def launch(self, package, launch_file, **arguments):
         """Starts a launch file of a package, or one given by its path (package None); arguments are its `name:=value`
@@ -69,6 +93,8 @@ class RosSession:
         """Ends what was started."""
         if self.alive():
             end_launch(self.process)
+        if self.master is not None:
+            self.kill_master()
         self.home.cleanup()
 
     def __enter__(self):

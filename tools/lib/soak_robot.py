@@ -2,12 +2,13 @@
 
 Everything of bringup.launch at once: detection, mapping, navigation, arms, health. The base drives, the arms move, images are asked
 for, one after another and at random. Meanwhile, in random order: a part's nodelet manager or loader is killed, one hangs, health is
-killed, the camera freezes, the lidar's sweeps are lost. Checked: after each fault all parts work again; a task that fails does so
-during a fault, or within some seconds after it, and says why; nothing is touched; memory does not grow without end. Exit code 0 when
-all holds, else 1.
+killed, the camera freezes, the lidar's sweeps are lost, the ROS master starts again. Checked: after each fault all parts work again;
+a task that fails does so during a fault, or within some seconds after it, and says why; nothing is touched; memory does not grow
+without end. Exit code 0 when all holds, else 1.
 """
 
 import argparse
+import contextlib
 import dataclasses
 import json
 import os
@@ -19,6 +20,8 @@ import time
 from demo import wait_for_master
 from part_meter import OTHERS, PartMeter, part_of
 from ros_session import Stalled, run_trial
+import translated_robot  # noqa: E402 (it adds the place of harness)
+from harness import network  # noqa: E402
 
 WS = pathlib.Path(os.environ.get("EXTPERFC_WS", pathlib.Path(__file__).resolve().parents[2] / ".ws"))
 READY_S = 120.0
@@ -36,6 +39,9 @@ def parse_arguments(argv):
     parser.add_argument("--every", type=float, default=20.0, metavar="S", help="between a fault's end and the next; default: 20")
     parser.add_argument("--seed", type=int, default=1, metavar="N", help="of tasks, faults and the simulator; default: 1")
     parser.add_argument("--world", default="office", help="of the simulator; default: office")
+    parser.add_argument("--translated", action="store_true",
+                        help="the simulated robot has a master of its own, behind a network link, and the translator is between them; "
+                             "more faults: the robot starts again with its master, the link is slow or cut (needs root)")
     parser.add_argument("--out", type=pathlib.Path, default=WS / "soak_robot", metavar="FOLDER",
                         help="log and soak.json; default: .ws/soak_robot")
     options = parser.parse_args(argv)
@@ -78,7 +84,7 @@ class Memory:
 class Soak:
     """One run: what was injected and what was done meanwhile."""
 
-    def __init__(self, options, session):
+    def __init__(self, options, session, robot, cable):
         import rospy
         import std_msgs.msg
         from nav_robot import NavRobot
@@ -87,7 +93,11 @@ class Soak:
         from robot_health import Listener
         from robot_tasks import Tasks
         self.options, self.session, self.faults, self.contacts, self._touched = options, session, [], 0, False
-        session.launch("extperfc", "bringup.launch", rviz="false", world=options.world, seed=options.seed)
+        session.start_master()
+        if robot:
+            session.launch(None, translated_robot.LAUNCH_FILE, robot_master=robot.master.uri)
+        else:
+            session.launch("extperfc", "bringup.launch", rviz="false", world=options.world, seed=options.seed)
         wait_for_master(session, READY_S)
         rospy.set_param("/use_sim_time", True)  # the launch may not have come to it yet, and a node asks once
         rospy.init_node("soak_robot", disable_signals=True)
@@ -99,7 +109,7 @@ class Soak:
         self.robot.wait(lambda: self.listener.complete, "a complete robot", READY_S)
         self.robot.ready()
         self.tasks = Tasks(self.robot, options.seed)
-        self._source = Faults(self.listener, options.seed, session.alive)
+        self._source = Faults(self.listener, options.seed, session, robot, cable)
         self.memory = Memory(PartMeter(os.environ["ROS_MASTER_URI"]))
 
     def _on_blocked(self, message):
@@ -168,9 +178,9 @@ def show(soak, problems):
     print("\n" + ("\n".join(problems) if problems else "everything works at the end, and nothing was lost but by a fault"))
 
 
-def one_run(options, session):
-    """The exit code."""
-    soak = Soak(options, session)
+def one_run(options, session, robot=None, cable=None):
+    """The exit code. robot: a RobotSide, cable: between it and here, where there are any."""
+    soak = Soak(options, session, robot, cable)
     soak.run()
     problems = soak.problems()
     show(soak, problems)
@@ -184,7 +194,17 @@ def one_run(options, session):
 def main(argv):
     options = parse_arguments(argv)
     options.out.mkdir(parents=True, exist_ok=True)
-    return run_trial(options.out, lambda session: one_run(options, session), Stalled)
+    if not options.translated:
+        return run_trial(options.out, lambda session: one_run(options, session), Stalled)
+    with contextlib.ExitStack() as stack:
+        networks = stack.enter_context(contextlib.closing(network.LinkedNetworks()))
+        if networks.why_not:
+            print(f"without a link that is slow or cut: {networks.why_not}", file=sys.stderr)
+        stack.enter_context(networks.here.inside())  # and all that starts from here on
+        robot = translated_robot.RobotSide(networks.robot, options.out, world=options.world, seed=options.seed)
+        stack.callback(robot.close)
+        robot.start()
+        return run_trial(options.out, lambda session: one_run(options, session, robot, networks.cable), Stalled)
 
 
 if __name__ == "__main__":

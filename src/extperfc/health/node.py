@@ -5,6 +5,7 @@
              diagnostics_toplevel_state (diagnostic_msgs/DiagnosticStatus, latched, at changes): the whole robot, and which
              part is missing, silent, failing or starting
              /diagnostics: its own
+  restores   registrations and parameters at a ROS master that started again at the same place
   ends       processes of parts that hang, and nodelet loaders whose manager ended; roslaunch starts them again
   parameters config/health.yaml; ~started: names of the parts that were started, between commas
 """
@@ -20,6 +21,7 @@ import rospy
 from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus, KeyValue
 
 from extperfc.health import settings, tree
+from extperfc.health.master_keeper import MasterKeeper
 from extperfc.health.part_state import State
 from extperfc.health.ping import Pinger
 from extperfc.health.processes import ProcessTable
@@ -48,6 +50,8 @@ class Health:
         self._own = rospy.Publisher("/diagnostics", DiagnosticArray, queue_size=5)
         rospy.Subscriber("/diagnostics", DiagnosticArray, self._on_diagnostics, queue_size=100)
         pinged = [part.node for part in chosen.parts if part.ping]
+        self._master = MasterKeeper(rosgraph.get_master_uri(), rospy.get_name(), chosen.master_period_s)
+        self._master.start()
         Pinger(rospy.get_name(), pinged, chosen.ping_period_s, self._add).start()
 
     def _on_diagnostics(self, message):
@@ -110,7 +114,7 @@ class Health:
         """At once when its line changed, else with the tree when the message of a part did."""
         now = time.monotonic()
         with self._lock:
-            summary = tree.summary(self._supervisor.parts, now)
+            summary = tree.summary(self._supervisor.parts, now, self._master.complaint)
         is_new = self._shown is None or summary.message != self._shown.message
         is_due = now - self._published >= self._settings.publish_period_s
         if is_new or (is_due and summary != self._shown):

@@ -1,5 +1,6 @@
 """Asks nodes without diagnostics whether they live."""
 
+import http.client
 import threading
 import xmlrpc.client
 
@@ -7,22 +8,31 @@ import rosgraph
 from diagnostic_msgs.msg import DiagnosticStatus
 
 TIMEOUT_S = 1.0
+FAILURES = (OSError, http.client.HTTPException, xmlrpc.client.Error)  # of a call of an XML-RPC server that is not there or not well
 
 
 class _Transport(xmlrpc.client.Transport):
+    def __init__(self, timeout_s):
+        super().__init__()
+        self._timeout_s = timeout_s
+
     def make_connection(self, host):
         connection = super().make_connection(host)
-        connection.timeout = TIMEOUT_S
+        connection.timeout = self._timeout_s
         return connection
 
 
-def answers(master, caller, node):
-    """Whether a node answers getPid within TIMEOUT_S."""
+def proxy(uri, timeout_s=TIMEOUT_S):
+    """An xmlrpc.client.ServerProxy, whose calls raise one of FAILURES, after timeout_s at the latest."""
+    return xmlrpc.client.ServerProxy(uri, transport=_Transport(timeout_s))
+
+
+def answers(uri, caller):
+    """Whether the node at this URI answers getPid within TIMEOUT_S."""
     try:
-        uri = master.lookupNode(node)
-        with xmlrpc.client.ServerProxy(uri, transport=_Transport()) as proxy:
-            return proxy.getPid(caller)[0] == 1
-    except (OSError, xmlrpc.client.Error, rosgraph.MasterException):
+        with proxy(uri) as node:
+            return node.getPid(caller)[0] == 1
+    except FAILURES:
         return False
 
 
@@ -32,6 +42,7 @@ class Pinger(threading.Thread):
     def __init__(self, caller, nodes, period_s, report):
         super().__init__(daemon=True)
         self._caller, self._nodes, self._period_s, self._report = caller, nodes, period_s, report
+        self._uris = {}
         self._ended = threading.Event()
 
     def stop(self):
@@ -41,5 +52,16 @@ class Pinger(threading.Thread):
         master = rosgraph.Master(self._caller)
         while not self._ended.wait(self._period_s):
             for node in self._nodes:
-                if answers(master, self._caller, node):
+                uri = self._uri(master, node)
+                if uri and answers(uri, self._caller):
                     self._report(DiagnosticStatus(level=DiagnosticStatus.OK, name=f"{node[1:]}: ping", message="answers"))
+
+    def _uri(self, master, node):
+        """The last known one while the master does not answer; None: the master does not know the node."""
+        try:
+            self._uris[node] = master.lookupNode(node)
+        except rosgraph.MasterException:
+            self._uris.pop(node, None)
+        except FAILURES:
+            pass
+        return self._uris.get(node)

@@ -8,8 +8,9 @@ import typing
 from extperfc.health.processes import resolve
 
 # Numbers of config/health.yaml and their ranges.
-RANGES = {"look_period_s": (0.05, 5.0), "publish_period_s": (0.1, 60.0), "ping_period_s": (0.2, 60.0), "start_s": (0.5, 600.0),
-          "max_age_s": (0.2, 600.0), "hang_s": (1.0, 600.0), "unload_s": (0.1, 60.0), "max_restarts_per_minute": (0, 60)}
+RANGES = {"look_period_s": (0.05, 5.0), "publish_period_s": (0.1, 60.0), "ping_period_s": (0.2, 60.0),
+          "master_period_s": (0.5, 60.0), "start_s": (0.5, 600.0), "max_age_s": (0.2, 600.0), "hang_s": (1.0, 600.0),
+          "unload_s": (0.1, 60.0), "max_restarts_per_minute": (0, 60)}
 PART_RANGES = {name: RANGES[name] for name in ("start_s", "max_age_s", "hang_s")}
 PART_KEYS = {"group", "node", "diagnostics", "ping", *PART_RANGES}
 
@@ -38,6 +39,7 @@ class Settings:
     look_period_s: float
     publish_period_s: float
     ping_period_s: float
+    master_period_s: float
     unload_s: float
     max_restarts_per_minute: int
 

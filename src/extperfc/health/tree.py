@@ -45,18 +45,19 @@ def _names(title, parts):
     return [f"{title}: {', '.join(parts)}"] if parts else []
 
 
-def summary(parts, now):
-    """One status of the whole robot: which part refuses to start, is missing, silent, failing or starting,
-    or warns, and each part's message."""
+def summary(parts, now, complaint=""):
+    """One status of the whole robot: a complaint about what is not of one part, which part refuses to start, is missing, silent, failing
+    or starting, or warns, and each part's message."""
     states = {part.part.name: part.state(now) for part in parts}
     levels = {part.part.name: part.level(now) for part in parts}
 
     def named(state, level=None):
         return [name for name, found in states.items() if found is state and level in (None, levels[name])]
 
-    complaints = [*_names("refuses to start", named(State.REFUSING)), *_names("missing", named(State.MISSING)), *_names("silent", named(State.SILENT)),
+    complaints = [*filter(None, [complaint]), *_names("refuses to start", named(State.REFUSING)),
+                  *_names("missing", named(State.MISSING)), *_names("silent", named(State.SILENT)),
                   *_names("failing", named(State.RUNNING, ERROR)), *_names("starting", named(State.STARTING)),
                   *_names("warning", named(State.RUNNING, WARN))]
-    return DiagnosticStatus(level=min(ERROR, max(levels.values())), name="robot",
+    return DiagnosticStatus(level=ERROR if complaint else min(ERROR, max(levels.values())), name="robot",
                             message="; ".join(complaints) or f"all {len(parts)} parts run",
                             values=[KeyValue(key=part.part.name, value=part.message(now)) for part in parts])

@@ -133,3 +133,21 @@ class OneHost:
 
     def close(self):
         pass
+
+
+class LinkedNetworks:
+    """The robot's network and one for all that runs here, with a cable between them. Without a right to networks both are this host,
+    and there is no cable: why_not says why."""
+
+    def __init__(self):
+        self.why_not = separate_networks_work()
+        self.cable = None
+        if self.why_not:
+            self.here = self.robot = Host()
+            return
+        self.here, self.robot = Namespace("10.92.1.1"), Namespace("10.92.1.2")
+        self.cable = Cable("cable", (self.here, self.robot), (self.here.address, self.robot.address))
+
+    def close(self):
+        self.robot.close()
+        self.here.close()

@@ -8,7 +8,7 @@ from extperfc.health.part_state import ERROR, OK, STALE, WARN, State
 from extperfc.health.processes import Process
 from extperfc.health.supervisor import End, Supervisor, Unload
 
-VALUES = {"look_period_s": 0.2, "publish_period_s": 1.0, "ping_period_s": 1.0, "start_s": 10.0, "max_age_s": 3.0, "hang_s": 6.0,
+VALUES = {"look_period_s": 0.2, "publish_period_s": 1.0, "ping_period_s": 1.0, "master_period_s": 2.0, "start_s": 10.0, "max_age_s": 3.0, "hang_s": 6.0,
           "unload_s": 2.0, "max_restarts_per_minute": 2,
           "parts": {"navigator": {"group": "Navigation"}, "mux": {"group": "Navigation"}, "publisher": {"group": "Robot"}}}
 MANAGER = Process(10, 100, "/manager")
@@ -152,6 +152,11 @@ class Tree(Supervised):
         self.supervisor.add(status("mux: it", ERROR, "broken"), 1.2)
         self.assertEqual((ERROR, "missing: publisher; failing: mux"), self.summary(1.3))
         self.assertEqual((ERROR, "missing: publisher; silent: navigator, mux"), self.summary(5.0))
+
+    def test_summary_begins_with_what_is_not_of_one_part(self):
+        self.report(1.0)
+        made = tree.summary(self.supervisor.parts, 1.0, "no ROS master")
+        self.assertEqual((ERROR, "no ROS master"), (made.level, made.message))
 
     def summary(self, now):
         made = tree.summary(self.supervisor.parts, now)

@@ -103,7 +103,7 @@ class Places(unittest.TestCase):
 class Order(unittest.TestCase):
     def test_each_fault_comes_once_before_any_comes_again(self):
         with mock.patch.object(robot_faults, "ProcessTable"), mock.patch.dict("os.environ", ROS_MASTER_URI="http://localhost:1"):
-            faults = robot_faults.Faults(types.SimpleNamespace(complete=True), 5, lambda: True)
+            faults = robot_faults.Faults(types.SimpleNamespace(complete=True), 5, None)
         faults._kinds = [(str(number), lambda: 0.0) for number in range(6)]
         names = [faults.next().name for _ in range(12)]
         self.assertEqual([sorted(map(str, range(6)))] * 2, [sorted(names[:6]), sorted(names[6:])])
