@@ -12,6 +12,7 @@ from ros_session import Stalled
 from sim_robot import planar
 
 BUMP_M = PERSON_RADIUS_M + 0.1  # of a person's middle from the footprint, where the base stands against that person
+LOST = 9
 DONE = (2, 3, 4, 5, 8)  # preempted, succeeded, aborted, rejected, recalled
 
 
@@ -106,11 +107,13 @@ class NavRobot:
         self.status = None  # the navigator's
         self.last_twist = None
         self.states = {}    # of goals, by id
+        self.listed, self.lost = set(), set()  # ids of goals that the navigator knew, and those that it knew no more
         self.map = None
         self.number = 0
         self.goal_publisher = rospy.Publisher("move_base/goal", move_base_msgs.msg.MoveBaseActionGoal, queue_size=5)
         self.cancel_publisher = rospy.Publisher("move_base/cancel", actionlib_msgs.msg.GoalID, queue_size=5)
         rospy.Subscriber("move_base/result", move_base_msgs.msg.MoveBaseActionResult, self._on_result)
+        rospy.Subscriber("move_base/status", actionlib_msgs.msg.GoalStatusArray, self._on_goals)
         rospy.Subscriber("move_base/global_plan", nav_msgs.msg.Path, self._on_path)
         rospy.Subscriber("navigation_status", extperfc.msg.NavigationStatus, self._on_status)
         rospy.Subscriber("sim/truth/odom", nav_msgs.msg.Odometry, self._on_truth, queue_size=200)
@@ -155,6 +158,12 @@ class NavRobot:
     def _on_result(self, message):
         with self.lock:
             self.states[message.status.goal_id.id] = (message.status.status, message.status.text)
+
+    def _on_goals(self, message):
+        known = {status.goal_id.id for status in message.status_list}
+        with self.lock:
+            self.lost |= self.listed - known
+            self.listed = known
 
     def now(self):
         with self.lock:
@@ -201,13 +210,16 @@ class NavRobot:
         cancelled = False
         while True:
             with self.lock:
-                state = self.states.get(name)
+                state, lost = self.states.get(name), name in self.lost
+            if lost and not state:
+                state = (LOST, "the navigator began anew and lost the goal")
+                break
             if state and state[0] in DONE:
                 break
             if not self.alive():
                 raise Stalled("roslaunch has ended")
             if time.monotonic() > deadline:
-                state = (9, f"no end after {real_s:.0f} s of real time")
+                state = (LOST, f"no end after {real_s:.0f} s of real time")
                 break
             if not cancelled and self.now() - begin > limit_s:
                 cancelled = True
@@ -215,7 +227,7 @@ class NavRobot:
             if meanwhile and meanwhile(self.pose()):
                 meanwhile = None
             time.sleep(0.01)
-        if cancelled:
+        if cancelled and state[0] != LOST:
             state = (state[0], f"not reached in {limit_s:.0f} s: {self.status.reason}")
         return self.recorded(goal, *state)
 
@@ -223,6 +235,7 @@ class NavRobot:
         """What was heard before now, but for the present pose."""
         with self.lock:
             del self.samples[:-1], self.people[:], self.paths[:], self.bumps[:], self.said[:]
+            self.lost.clear()
 
     def recorded(self, goal, state, text):
         """The Drive since forget()."""

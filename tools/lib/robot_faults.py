@@ -27,11 +27,13 @@ POLL_S = 0.02
 
 @dataclasses.dataclass(frozen=True)
 class Fault:
-    """One that was. begin_s, end_s: of time.monotonic(); back_s: from its end, or the kill, on; None: it did not come back."""
+    """One that was. begin_s, end_s: of time.monotonic(), end_s when all parts report that they are well; back_s: from the fault's end, or
+    the kill, until what it broke works again; well_s: until end_s. None: it did not come so far."""
     name: str
     begin_s: float
     end_s: float
     back_s: float
+    well_s: float
 
 
 class Faults:
@@ -40,6 +42,7 @@ class Faults:
     def __init__(self, listener, seed, session, robot=None, cable=None):
         self._listener, self._rng, self._session = listener, random.Random(f"faults {seed}"), session
         self._robot, self._cable = robot, cable
+        self._warn = ()  # parts that warn rightly
         self._nodes = {name: node for name, node in NODES.items() if name != SIMULATOR} | (TRANSLATOR if robot else {})
         self._table = ProcessTable(os.environ["ROS_MASTER_URI"])
         kills = [(f"kill {node}", lambda node=node: self._end(node, signal.SIGKILL)) for node in self._nodes]
@@ -56,11 +59,15 @@ class Faults:
         if not self._left:
             self._left = self._rng.sample(self._kinds, len(self._kinds))
         name, inject = self._left.pop()
+        self._warn = () if self._listener.complete else self._warn
         begin_s = time.monotonic()
         over_s = inject()
-        back = self._wait(lambda: self._listener.complete, RECOVERED_S)
+        works_s = time.monotonic()
+        well = self._wait(lambda: self._listener.well(self._warn), RECOVERED_S)
         end_s = time.monotonic()
-        return Fault(name, begin_s, end_s, end_s - over_s if back and over_s is not None else None)
+        if over_s is None:
+            return Fault(name, begin_s, end_s, None, None)
+        return Fault(name, begin_s, end_s, works_s - over_s, end_s - over_s if well else None)
 
     def _wait(self, condition, seconds):
         deadline = time.monotonic() + seconds
@@ -110,6 +117,8 @@ class Faults:
         return over_s if self._wait(lambda: _knows(master, before), RECOVERED_S) else None
 
     def _restart_robot(self):
+        """It begins elsewhere; the mapper says so until it recognizes a place."""
+        self._warn = ("mapper",)
         self._robot.kill()
         time.sleep(DOWN_S)
         self._robot.start()

@@ -53,6 +53,11 @@ class Listener:
     def complete(self):
         return self.summary is not None and self.summary.level == DiagnosticStatus.OK
 
+    def well(self, but=()):
+        """Complete, but for warnings of these parts."""
+        title, _, parts = self.summary.message.partition(": ") if self.summary else ("", "", "")
+        return self.complete or (title == "warning" and set(parts.split(", ")) <= set(but))
+
     def works(self, topic, since, wait_s):
         """Whether a message came on the topic, or without one the arm's scene can be asked for."""
         if topic:

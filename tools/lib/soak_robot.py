@@ -126,6 +126,7 @@ class Soak:
             fault = self._source.next()
             self.faults.append(fault)
             back = f"works again after {fault.back_s:.1f} s" if fault.back_s is not None else "DOES NOT WORK AGAIN"
+            back += f", all well after {fault.well_s:.1f} s" if fault.well_s is not None else ", NOT ALL IS WELL AGAIN"
             print(f"{(fault.begin_s - self.begin_s) / 60:6.1f} min  {fault.name}: {back}", flush=True)
             self._wait(min(end_s, time.monotonic() + self.options.every))
         self.tasks.stop()
@@ -147,6 +148,8 @@ class Soak:
     def problems(self):
         """What is wrong, a line each."""
         found = [f"{fault.name}: it did not work again" for fault in self.faults if fault.back_s is None]
+        found += [f"{fault.name}: a part still complained {fault.end_s - fault.begin_s:.0f} s later" for fault in self.faults
+                  if fault.back_s is not None and fault.well_s is None]
         found += [f"{task.kind} failed without a fault after {(task.begin_s - self.begin_s) / 60:.1f} min: {task.why}"
                   for task in self.tasks.outcomes if not task.done and not self.of_a_fault(task)]
         found += [f"{part} grows by {rate:.1f} MB a minute" for part, (_, rate) in self.memory.growth().items()
@@ -158,15 +161,17 @@ class Soak:
         return found
 
 
+def spread(values):
+    """Median and maximum; None is left out."""
+    good = [value for value in values if value is not None]
+    return f"{statistics.median(good):.1f}, {max(good):.1f}" if good else "never"
+
+
 def show(soak, problems):
-    times = {}
-    for fault in soak.faults:
-        times.setdefault(fault.name, []).append(fault.back_s)
-    print(f"\n{'fault':34}  times  works again after, median and worst [s]")
-    for name, values in sorted(times.items()):
-        good = [value for value in values if value is not None]
-        text = f"{statistics.median(good):.1f}, {max(good):.1f}" if good else "never"
-        print(f"{name:34}  {len(values):5d}  {text}")
+    print(f"\n{'fault':34}  times  works again after  all parts are well after, median and worst [s]")
+    for name in sorted({fault.name for fault in soak.faults}):
+        own = [fault for fault in soak.faults if fault.name == name]
+        print(f"{name:34}  {len(own):5d}  {spread([fault.back_s for fault in own]):17}  {spread([fault.well_s for fault in own])}")
     print(f"\n{'task':8}  done  failed during a fault  without")
     for kind in sorted({task.kind for task in soak.tasks.outcomes}):
         own = [task for task in soak.tasks.outcomes if task.kind == kind]

@@ -19,6 +19,7 @@ sys.path[:0] = [str(REPO / "src"), str(REPO / "tools" / "lib"), str(REPO / "test
 import bench_system  # noqa: E402
 import part_meter  # noqa: E402
 import robot_faults  # noqa: E402
+import robot_health  # noqa: E402
 import robot_tasks  # noqa: E402
 import soak_robot  # noqa: E402
 import streams  # noqa: E402
@@ -37,7 +38,7 @@ def soak(faults, outcomes, contacts=0, growth=None):
 
 
 class Checks(unittest.TestCase):
-    KILL = Fault("kill /navigator", 100.0, 103.0, 3.0)
+    KILL = Fault("kill /navigator", 100.0, 103.0, 2.0, 3.0)
 
     def problems(self, *arguments, **more):
         return soak(*arguments, **more).problems()
@@ -54,11 +55,13 @@ class Checks(unittest.TestCase):
         self.assertEqual([], self.problems([self.KILL], [Outcome("drive", 80.0, 99.0, True, "")]))
 
     def test_what_does_not_work_again_contacts_and_growth_are_named(self):
-        found = self.problems([Fault("kill /arm", 1.0, 91.0, None)], [], contacts=2, growth={"arm": (90.0, 7.5), "mapper": (95.0, None)})
-        self.assertEqual(3, len(found))
+        found = self.problems([Fault("kill /arm", 1.0, 91.0, None, None), Fault("cut link", 95.0, 190.0, 2.0, None)], [], contacts=2,
+                              growth={"arm": (90.0, 7.5), "mapper": (95.0, None)})
+        self.assertEqual(4, len(found))
         self.assertIn("kill /arm", found[0])
-        self.assertIn("arm grows by 7.5 MB", found[1])
-        self.assertIn("2 times", found[2])
+        self.assertIn("cut link: a part still complained 95 s later", found[1])
+        self.assertIn("arm grows by 7.5 MB", found[2])
+        self.assertIn("2 times", found[3])
 
 
 class Memory(unittest.TestCase):
@@ -103,11 +106,20 @@ class Places(unittest.TestCase):
 class Order(unittest.TestCase):
     def test_each_fault_comes_once_before_any_comes_again(self):
         with mock.patch.object(robot_faults, "ProcessTable"), mock.patch.dict("os.environ", ROS_MASTER_URI="http://localhost:1"):
-            faults = robot_faults.Faults(types.SimpleNamespace(complete=True), 5, None)
+            faults = robot_faults.Faults(types.SimpleNamespace(complete=True, well=lambda but: True), 5, None)
         faults._kinds = [(str(number), lambda: 0.0) for number in range(6)]
         names = [faults.next().name for _ in range(12)]
         self.assertEqual([sorted(map(str, range(6)))] * 2, [sorted(names[:6]), sorted(names[6:])])
         self.assertNotEqual(names[:6], names[6:])
+
+
+class Well(unittest.TestCase):
+    def test_a_robot_that_restarted_is_well_while_the_mapper_alone_warns(self):
+        listener = robot_health.Listener.__new__(robot_health.Listener)
+        for message, but, well in (("all 9 parts run", (), True), ("warning: mapper", (), False), ("warning: mapper", ("mapper",), True),
+                                   ("warning: mapper, arm", ("mapper",), False), ("missing: arm; warning: mapper", ("mapper",), False)):
+            listener.summary = types.SimpleNamespace(level=0 if message.startswith("all") else 1, message=message)
+            self.assertEqual(well, listener.well(but), message)
 
 
 class Meter(unittest.TestCase):
