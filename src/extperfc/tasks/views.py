@@ -14,8 +14,12 @@ SQUARE_M = 0.1        # obstacles and tables are counted in squares of this side
 TOP_WEIGHT = 3.0      # of a square of a table, of an obstacle's border: 1
 LOOK_M = 1.0          # what a look costs, as metres of travel
 LINE_PARTS = numpy.linspace(0.1, 0.85, 8)  # of the line from robot to square: where it is checked
+TIGHT = 0.75          # of the clearance that a path shall have: less is not passable; the navigator has the last word
+TIGHT_COSTS = 4.0     # metres of travel that are as bad as one in such a place
 START_M = 0.8         # from a robot to the next place where its path may lead
 REFUSED_M = 0.25      # places as near to one that could not be reached are not tried
+
+NEIGHBOURS = [(dr, dc, math.hypot(dr, dc)) for dr in (-1, 0, 1) for dc in (-1, 0, 1) if dr or dc]  # of a cell: offsets, distance
 
 
 @dataclass(frozen=True)
@@ -117,61 +121,67 @@ def with_squares(grid, squares, value):
 
 def standing_places(grid, robot, pass_m, stand_m):
     """[(travel [m], (x, y))] of places on a grid of STEP_M where the base may stand in any direction, with stand_m to the
-    next obstacle, and that it reaches from `robot` (x, y) with pass_m on its path."""
+    next obstacle, and that it reaches from `robot` (x, y) with pass_m on its path, or less where no other path leads there."""
     free = ((grid.cells >= 0) & (grid.cells < OCCUPIED)).astype(numpy.uint8)
     clearance_m = cv2.distanceTransform(numpy.pad(free, 1), cv2.DIST_L2, 5)[1:-1, 1:-1] * grid.resolution_m
     stride = max(1, round(STEP_M / grid.resolution_m))
-    coarse = clearance_m[stride // 2::stride, stride // 2::stride]
-    passable, step_m = coarse >= pass_m, stride * grid.resolution_m
-    start = tuple(index // stride for index in grid.cell_of(*robot))
-    travel = travel_m(passable, start, step_m)
-    if not (passable & numpy.isfinite(travel)).any():
-        travel = travel_m(passable, nearest_passable(coarse, passable, start, step_m), step_m)
-    rows, columns = numpy.nonzero((coarse >= stand_m) & numpy.isfinite(travel))
+    widest_m, step_m = block_maxima(clearance_m, stride), stride * grid.resolution_m
+    robot_cell = grid.cell_of(*robot)
+    costs = numpy.where(widest_m >= pass_m, 1.0, numpy.where(widest_m >= TIGHT * pass_m, TIGHT_COSTS, numpy.inf))
+    start = nearest_passable(free, costs, robot_cell, stride, grid.resolution_m)
+    travel = travel_m(costs, start, step_m)
+    stand = clearance_m[stride // 2::stride, stride // 2::stride] >= stand_m
+    rows, columns = numpy.nonzero(stand & numpy.isfinite(travel[:stand.shape[0], :stand.shape[1]]))
     return [(float(travel[r, c]), grid.middle_of(int(r) * stride + stride // 2, int(c) * stride + stride // 2))
             for r, c in zip(rows, columns)]
 
 
-def nearest_passable(clearance_m, passable, start, step_m):
-    """The nearest passable cell for a robot that stands nearer to an obstacle than its path shall lead, or beside what it does not
-    know: over free cells, at most START_M away; else `start`."""
-    travel = numpy.where(passable, travel_m(clearance_m > 0, start, step_m), numpy.inf)
-    best = numpy.unravel_index(numpy.argmin(travel), travel.shape)
-    return tuple(map(int, best)) if travel[best] <= START_M else start
+def block_maxima(values, size):
+    """The maximum of each block of size x size cells: a passage between two of a grid's points is not missed. No path leads through a
+    wall, where size cells are narrower than the clearance that a path needs."""
+    rows, columns = (-(-length // size) for length in values.shape)
+    padded = numpy.zeros((rows * size, columns * size), values.dtype)
+    padded[:values.shape[0], :values.shape[1]] = values
+    return padded.reshape(rows, size, columns, size).max(axis=(1, 3))
 
 
-def travel_m(passable, start, step_m):
-    """Distance of travel from a cell to every other over passable ones, eight neighbours; infinite: out of reach. The start
-    counts as passable; one outside of the grid reaches nothing."""
-    distance = numpy.full(passable.shape, numpy.inf)
-    if not (0 <= start[0] < passable.shape[0] and 0 <= start[1] < passable.shape[1]):
-        return distance
-    distance[start] = 0.0
-    queue = [(0.0, start)]
+def nearest_passable(free, costs, robot, stride, resolution_m):
+    """The nearest block of stride x stride cells where a path may lead, for a robot in the cell `robot` that stands nearer to an obstacle
+    than that, or beside what it does not know: over free cells, at most START_M away; else the robot's own block."""
+    reach = math.ceil(START_M / resolution_m)
+    first = [max(0, index - reach) for index in robot]
+    window = free[first[0]:robot[0] + reach + 1, first[1]:robot[1] + reach + 1]
+    travel = travel_m(numpy.where(window > 0, 1.0, numpy.inf), tuple(numpy.subtract(robot, first)), resolution_m)
+    rows, columns = numpy.indices(window.shape)
+    travel[numpy.isinf(costs[(rows + first[0]) // stride, (columns + first[1]) // stride])] = numpy.inf
+    found = travel.size and travel.min() <= START_M
+    cell = numpy.add(first, numpy.unravel_index(numpy.argmin(travel), travel.shape)) if found else robot
+    return tuple(int(index) // stride for index in cell)
+
+
+def travel_m(costs, start, step_m):
+    """Distance of travel from a cell to every other, eight neighbours, times the cost of each cell that is entered; infinite: out of
+    reach. The start counts as passable; one outside of the grid reaches nothing."""
+    distance = numpy.full(costs.shape, numpy.inf).tolist()  # lists: single cells of arrays are slow
+    rows, columns = costs.shape
+    if not (0 <= start[0] < rows and 0 <= start[1] < columns):
+        return numpy.array(distance).reshape(costs.shape)
+    costs = costs.tolist()
+    distance[start[0]][start[1]] = 0.0
+    queue = [(0.0, *start)]
     while queue:
-        far, (row, column) = heapq.heappop(queue)
-        if far > distance[row, column]:
+        far, row, column = heapq.heappop(queue)
+        if far > distance[row][column]:
             continue
-        for dr in (-1, 0, 1):
-            for dc in (-1, 0, 1):
-                r, c = row + dr, column + dc
-                if not (0 <= r < passable.shape[0] and 0 <= c < passable.shape[1] and passable[r, c]):
-                    continue
-                there = far + step_m * math.hypot(dr, dc)
-                if there < distance[r, c]:
-                    distance[r, c] = there
-                    heapq.heappush(queue, (there, (r, c)))
-    return distance
-
-
-def targets_of(grid):
-    """Middles (x, y) of the squares of TARGET_M with an occupied cell beside a free one: N x 2."""
-    free = ((grid.cells >= 0) & (grid.cells < OCCUPIED)).astype(numpy.uint8)
-    border = (grid.cells >= OCCUPIED) & (cv2.dilate(free, numpy.ones((3, 3), numpy.uint8)) > 0)
-    rows, columns = numpy.nonzero(border)
-    points = numpy.column_stack(grid.middle_of(rows, columns))
-    squares = numpy.unique(numpy.floor(points / TARGET_M).astype(int), axis=0) if len(points) else numpy.zeros((0, 2), int)
-    return (squares + 0.5) * TARGET_M
+        for dr, dc, length in NEIGHBOURS:
+            r, c = row + dr, column + dc
+            if not (0 <= r < rows and 0 <= c < columns):
+                continue
+            there = far + step_m * length * costs[r][c]
+            if there < distance[r][c]:
+                distance[r][c] = there
+                heapq.heappush(queue, (there, r, c))
+    return numpy.array(distance)
 
 
 def borders_of(grid):

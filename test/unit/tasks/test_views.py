@@ -100,6 +100,16 @@ class RoomWithATable(unittest.TestCase):
         fill(self.grid, -0.1, -1.95, 0.0, -1.25)    # closed: no path through its wall, however near the room is
         self.assertIsNone(views.Views().next(self.grid, (-0.3, -1.65)))
 
+    def test_a_passage_between_two_points_of_the_places_is_seen(self):
+        """0.9 m wide, wherever it lies; and one of half of that is none."""
+        for shift_m in numpy.arange(0.0, 0.2, 0.05):
+            for width_m, leads in ((0.9, True), (0.45, False)):
+                grid = room()
+                fill(grid, 0.5, -2.0, 0.6, -1.5 + shift_m)
+                fill(grid, 0.5, -1.5 + shift_m + width_m, 0.6, 2.0)
+                beyond = [place for _, place in views.standing_places(grid, (-0.2, 0.0), 0.42, 0.62) if place[0] > 0.6]
+                self.assertEqual(leads, bool(beyond), (shift_m, width_m))
+
     def test_another_view_when_one_is_out_of_reach(self):
         found, of = tour(self.grid, reach=lambda pose: pose[1] > -0.6)
         refused = [view.pose for view in found if view.pose[1] <= -0.6]
