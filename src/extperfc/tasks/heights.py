@@ -29,3 +29,10 @@ class Heights:
                 known[:] = known[0] + count, min(known[1], low), max(known[2], high)
             elif len(self.spans) < self.max_squares:
                 self.spans[square] = [count, low, high]
+
+
+def runs(indices):
+    """[(first, length)] of what follows one another among whole numbers."""
+    indices = numpy.array(sorted(indices), dtype=int)
+    found = numpy.split(indices, numpy.flatnonzero(numpy.diff(indices) > 1) + 1)
+    return [(int(run[0]), len(run)) for run in found if len(run)]

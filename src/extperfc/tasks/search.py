@@ -175,6 +175,11 @@ class Lidar:
             cls._of[frame] = cls(frame)
         return cls._of[frame]
 
+    @classmethod
+    def known(cls, frame):
+        """That of a leaf that needs it; None where none does."""
+        return cls._of.get(frame)
+
     def __init__(self, frame):
         self.frame, self._tops, self._solids, self._lock = frame, Tops(), Solids(), threading.Lock()
         self._last_s = -math.inf

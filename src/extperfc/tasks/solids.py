@@ -2,9 +2,7 @@
 
 import math
 
-import numpy
-
-from extperfc.tasks.heights import Heights
+from extperfc.tasks.heights import Heights, runs
 
 SQUARE_M = 0.05
 LOW_M, HIGH_M = 0.25, 2.2     # heights above the floor that arms come to
@@ -36,9 +34,7 @@ class Solids:
                 rows.setdefault((j, HIGH_M if high >= TALL_M else math.ceil((high + RISE_M) / 0.1) * 0.1), []).append(i)
         found = []
         for (j, top), columns in sorted(rows.items()):
-            columns = numpy.array(sorted(columns))
-            for run in numpy.split(columns, numpy.flatnonzero(numpy.diff(columns) > 1) + 1):
-                size = (len(run) * SQUARE_M, SQUARE_M, top)
-                middle = ((run[0] + len(run) / 2) * SQUARE_M, (j + 0.5) * SQUARE_M, top / 2)
-                found.append((size, tuple(float(v) for v in middle)))
+            for first, length in runs(columns):
+                middle = ((first + length / 2) * SQUARE_M, (j + 0.5) * SQUARE_M, top / 2)
+                found.append(((length * SQUARE_M, SQUARE_M, top), middle))
         return found

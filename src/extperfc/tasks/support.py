@@ -11,7 +11,8 @@ from extperfc.tasks.arm_leaves import scene
 from extperfc.tasks.blackboard import read
 from extperfc.tasks.find import point_of
 from extperfc.tasks.leaf import Leaf
-from extperfc.tasks.search import BASE_FRAME
+from extperfc.tasks.search import BASE_FRAME, Lidar
+from extperfc.tasks.tops import middle_of, strips, table_at
 
 IMAGES = "camera/aligned_depth_to_color"
 PIXEL_STEP = 3
@@ -22,6 +23,8 @@ THICK_M = 0.03       # of the box; and what counts as the surface: within half o
 LOWER_M = 0.004      # than the surface: depth is that uncertain, and an object must not seem to stick in it
 REACH_M = 0.7        # from the object, of the box's borders at most
 MIN_POINTS = 60
+TABLE_M = 0.4        # from the object to the next square of its table that the lidar has seen
+BODY_M = 0.55        # from the base's middle: no table is there
 SETTLE_S = 2.0       # of ROS time: the arm node's next images have taken away the points that are the box's now
 
 
@@ -53,9 +56,20 @@ def points_of(depth_mm, info):
     return numpy.column_stack([x, y, z])
 
 
+def beyond(squares, base_T_frame, size, middle):
+    """The squares whose middles lie neither on a box of surface_below() nor at the robot itself."""
+    def is_beyond(square):
+        x, y = (base_T_frame @ (*middle_of(square), 0.0, 1.0))[:2]
+        on_box = abs(x - middle[0]) < size[0] / 2 and abs(y - middle[1]) < size[1] / 2
+        return not on_box and numpy.hypot(x, y) > BODY_M
+    return {square for square in squares if is_beyond(square)}
+
+
 class SeeSupport(Leaf):
     """Adds what an object stands on, or shall stand on, to the arm node's scene, as a flat box that the depth camera has seen;
-    so grippers may come nearer to it than to a cloud of points. The base must stand, with the place before the camera.
+    so grippers may come nearer to it than to a cloud of points. The base must stand, with the place before the camera. What the
+    lidar has seen of the same table outside of the image (a leaf Search or SeeAround of this frame listens to it) is added at the
+    same height: an arm swings that far.
 
     point: the object's middle, (x, y, z) in `frame`, a Found in its own frame, or a Key.
     """
@@ -79,8 +93,23 @@ class SeeSupport(Leaf):
         base_T_frame = robot_state.frames().matrix(BASE_FRAME, frame, WAIT_S)
         place = (base_T_frame @ (*point_of(point), 1.0))[:3]
         size, middle = surface_below(self._seen(), place)
-        scene().add_box(self.object_name, size, middle, BASE_FRAME)
-        self.feedback_message = f"{size[0]:.2f} x {size[1]:.2f} m, {middle[2] + size[2] / 2:.3f} m high"
+        arms = scene()
+        for old in arms.objects:
+            if old.startswith(f"{self.object_name}_"):
+                arms.remove(old)
+        arms.add_box(self.object_name, size, middle, BASE_FRAME)
+        rest = self._rest(frame, base_T_frame, point_of(point), size, middle)
+        for number, (rest_size, rest_middle) in enumerate(rest):
+            arms.add_box(f"{self.object_name}_{number}", rest_size, rest_middle, frame)
+        self.feedback_message = f"{size[0]:.2f} x {size[1]:.2f} m, {middle[2] + size[2] / 2:.3f} m high, and {len(rest)} strips beside it"
+
+    @staticmethod
+    def _rest(frame, base_T_frame, place, size, middle):
+        """[(size, middle)] of boxes in `frame`: the table outside of what the camera sees."""
+        lidar = Lidar.known(frame)
+        table = table_at(lidar.squares(), place[:2], TABLE_M) if lidar else set()
+        height = float((numpy.linalg.inv(base_T_frame) @ (*middle, 1.0))[2])
+        return [((*flat, size[2]), (*at, height)) for flat, at in strips(beyond(table, base_T_frame, size, middle))]
 
     @staticmethod
     def _seen():

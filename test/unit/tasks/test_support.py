@@ -14,7 +14,7 @@ sys.path.insert(0, str(REPO / "src"))
 try:
     from py_trees.common import Status
 
-    from extperfc.tasks import support
+    from extperfc.tasks import search, support
 except ModuleNotFoundError as error:
     raise unittest.SkipTest(f"{error.name} is not installed: tools/setup fetches it") from None
 
@@ -67,7 +67,10 @@ class Leaf(unittest.TestCase):
         self.seconds, self.boxes = 10.0, []
         base_T_map = numpy.eye(4)
         base_T_map[:3, 3] = (-2.0, 0.0, 0.0)
-        scene = types.SimpleNamespace(add_box=lambda *arguments: self.boxes.append(arguments))
+        self.removed = []
+        scene = types.SimpleNamespace(add_box=lambda *arguments: self.boxes.append(arguments), remove=self.removed.append,
+                                      objects={"support": 1, "support_0": 1, "support_1": 1, "cube_1": 1})
+        self.addCleanup(search.Lidar._of.clear)
         frames = types.SimpleNamespace(matrix=lambda target, source, wait_s: base_T_map)
         for patched in (mock.patch.object(support, "scene", lambda: scene),
                         mock.patch.object(support.robot_state, "frames", lambda: frames),
@@ -88,6 +91,21 @@ class Leaf(unittest.TestCase):
         (name, size, middle, frame), = self.boxes
         self.assertEqual(("support", "base_footprint"), (name, frame))
         self.assertAlmostEqual(0.8, middle[0], delta=0.02)
+        self.assertEqual(["support_0", "support_1"], self.removed)
+
+    def test_what_the_lidar_saw_of_the_table_beside_the_image_is_added_at_its_height(self):
+        """In the map the table reaches from y = -0.4 to 1.5, and the image shows it to 0.4; another table is 1 m away from it."""
+        squares = {(i, j) for i in range(25, 31) for j in range(-4, 15)} - {(27, 10), (28, 11)}
+        search.Lidar._of["map"] = types.SimpleNamespace(squares=lambda: squares | {(i, j) for i in range(25, 31) for j in range(25, 30)})
+        support.SeeSupport((2.8, 0.0, 0.72), "map").tick_once()
+        (_, _, middle, _), *rest = self.boxes
+        self.assertEqual({f"support_{number}" for number in range(len(rest))}, {name for name, *_ in rest})
+        self.assertEqual({"map"}, {frame for *_, frame in rest})
+        covered = sum(size[0] * size[1] for _, size, _, _ in rest)
+        self.assertAlmostEqual(0.6 * 1.1, covered, delta=0.05)
+        for _, size, at, _ in rest:
+            self.assertTrue(0.35 < at[1] < 1.5, at)
+            self.assertAlmostEqual(middle[2], at[2])
 
     def test_without_a_surface_it_fails(self):
         leaf = support.SeeSupport((4.8, 0.0, 0.72), "map")
