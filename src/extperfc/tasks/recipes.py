@@ -18,12 +18,16 @@ def _sequence(name, children):
     return py_trees.composites.Sequence(name, memory=True, children=children)
 
 
+def _selector(name, children):
+    return py_trees.composites.Selector(name, memory=True, children=children)
+
+
 def pick_up(label, found="found", held="held", place_at=None, frame=None, attempts=2, start="neutral", **finding):
     """The arms go where they hide nothing from the camera (a state of the SRDF), the object is found and picked; a failure
-    begins again, so many times in all. Beside a wall it is enough when one arm goes there. Writes a Found and a PickResult.
-    finding: further arguments of Find."""
+    begins again, so many times in all. Beside a wall it is enough when one arm goes there, and where none can they stay. Writes a
+    Found and a PickResult. finding: further arguments of Find."""
     return py_trees.decorators.Retry(f"{attempts} attempts", _sequence(f"pick up the {label}", [
-        ArmsTo(start, name=f"arms to {start}"),
+        _selector("arms out of the image", [ArmsTo(start, name=f"arms to {start}"), Say("the arms stay where they are")]),
         Find(label, found, **finding),
         InScene(label),
         Pick(label, key=held, place_at=place_at, frame=frame),
@@ -32,7 +36,7 @@ def pick_up(label, found="found", held="held", place_at=None, frame=None, attemp
 
 def show(distance_m, held="held"):
     """Shows the held object to the camera, with no finger before it where the arm can."""
-    return py_trees.composites.Selector("show", memory=True, children=[
+    return _selector("show", [
         Show(held, distance_m, name="show upright between the fingers"),
         Show(held, distance_m, tilt_rad=1.0, name="show tilted between the fingers"),
         Show(held, distance_m, between=False, name="show somehow")])
@@ -46,7 +50,7 @@ def put_down(pose, held="held", frame=None):
         Place(Key(f"{held}_from"), name="place where it was"),
         GiveUp("it is where it was before"),
     ])
-    return py_trees.composites.Selector("put down", memory=True, children=[Place(pose, frame=frame), put_back])
+    return _selector("put down", [Place(pose, frame=frame), put_back])
 
 
 def bring(to, held="held", frame="map", attempts=5):
@@ -62,6 +66,8 @@ def bring(to, held="held", frame="map", attempts=5):
 
 
 def carry(held="held"):
-    """Brings the arms, of which one holds something, near to the body, as for driving: the first pose that can be reached."""
-    return py_trees.composites.Selector("carry", memory=True, children=[
-        MoveArm("both", "tuck", name="tuck"), MoveArm(Key(held, "arm"), "neutral", name="one arm to neutral")])
+    """Brings the arms, of which one holds something, near to the body, as for driving: the first pose that can be reached. Where
+    there is none they stay: the base knows how far they reach, and there is more room elsewhere."""
+    arm = Key(held, "arm")
+    return _selector("carry", [MoveArm("both", "tuck", name="tuck"), MoveArm(arm, "tuck", name="tuck what holds it"),
+                               MoveArm(arm, "neutral", name="one arm to neutral"), Say("the arms stay where they are")])

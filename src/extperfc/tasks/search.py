@@ -189,6 +189,11 @@ class Lidar:
         with self._lock:
             return self._tops.squares()
 
+    def heights(self):
+        """{(i, j): height} of tables."""
+        with self._lock:
+            return self._tops.heights()
+
     def boxes(self, at, near_m, far_m):
         """As Solids.boxes(), without what is at a table."""
         with self._lock:

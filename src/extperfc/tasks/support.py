@@ -107,7 +107,7 @@ class SeeSupport(Leaf):
     def _rest(frame, base_T_frame, place, size, middle):
         """[(size, middle)] of boxes in `frame`: the table outside of what the camera sees."""
         lidar = Lidar.known(frame)
-        table = table_at(lidar.squares(), place[:2], TABLE_M) if lidar else set()
+        table = table_at(lidar.heights(), place[:2], TABLE_M) if lidar else set()
         height = float((numpy.linalg.inv(base_T_frame) @ (*middle, 1.0))[2])
         return [((*flat, size[2]), (*at, height)) for flat, at in strips(beyond(table, base_T_frame, size, middle))]
 

@@ -14,6 +14,8 @@ FLAT_M = 0.08                # a square whose points at such heights differ by m
 MIN_POINTS = 3               # of a square
 MIN_NEIGHBOURS = 2           # of the eight around it: a square alone is an edge of something
 GAP = 2                      # squares of one table are so near to another one of it
+SAME_M = 0.06                # and differ by less in height
+EDGE = 0.3                   # of a square, by which its middle may lie outside of a table
 MAX_SQUARES = 200_000        # 2,000 m2 of squares with points at such heights; further ones are not kept
 
 
@@ -30,33 +32,43 @@ class Tops:
 
     def squares(self):
         """{(i, j)} of tops."""
-        flat = {square for square, (count, low, high) in self._heights.spans.items() if count >= MIN_POINTS and high - low <= FLAT_M}
-        return {one for one in flat if sum(near in flat for near in around(one)) >= MIN_NEIGHBOURS}
+        return set(self.heights())
+
+    def heights(self):
+        """{(i, j): height} of tops."""
+        flat = {square: (low + high) / 2 for square, (count, low, high) in self._heights.spans.items()
+                if count >= MIN_POINTS and high - low <= FLAT_M}
+        return {one: height for one, height in flat.items() if sum(near in flat for near in around(one)) >= MIN_NEIGHBOURS}
 
 
-def table_at(squares, at, near_m):
-    """{(i, j)} of the table at (x, y): of the nearest square, at most near_m away, those that are joined with it, and those between
-    them. Empty: there is none."""
-    begin = min(squares, key=lambda square: math.dist(middle_of(square), at), default=None)
+def table_at(heights, at, near_m):
+    """{(i, j)} of the table at (x, y), taken to be a rectangle: of the nearest of the squares {(i, j): height}, at most near_m away,
+    with those that are joined at its height, and those between them and at the corners, where legs are seen. Empty: there is none."""
+    begin = min(heights, key=lambda square: math.dist(middle_of(square), at), default=None)
     if begin is None or math.dist(middle_of(begin), at) > near_m:
         return set()
     joined, queue = {begin}, collections.deque([begin])
     while queue:
         i, j = queue.popleft()
         for one in ((i + di, j + dj) for di in range(-GAP, GAP + 1) for dj in range(-GAP, GAP + 1)):
-            if one in squares and one not in joined:
+            if one not in joined and abs(heights.get(one, math.inf) - heights[begin]) < SAME_M:
                 joined.add(one)
                 queue.append(one)
-    return between(joined)
+    return rectangle(joined)
 
 
-def between(squares):
-    """{(i, j)} of the convex hull of squares: a lidar does not meet every square of a plane."""
-    cells = numpy.array(sorted(squares), numpy.int32)
-    low = cells.min(axis=0)
-    filled = numpy.zeros(cells.max(axis=0)[::-1] - low[::-1] + 1, numpy.uint8)
-    cv2.fillConvexPoly(filled, cv2.convexHull(cells - low), 1)
-    return {(int(i + low[0]), int(j + low[1])) for j, i in zip(*numpy.nonzero(filled))}
+def rectangle(squares):
+    """{(i, j)} in the smallest rectangle about squares."""
+    cells = numpy.array(sorted(squares), numpy.float32)
+    middle, size, angle = cv2.minAreaRect(cells)
+    reach = math.ceil(max(size)) + 1
+    i, j = (axis.ravel() for axis in numpy.indices((2 * reach + 1, 2 * reach + 1)) - reach)
+    i, j = i + round(middle[0]), j + round(middle[1])
+    cosine, sine = math.cos(math.radians(angle)), math.sin(math.radians(angle))
+    x, y = i - middle[0], j - middle[1]
+    along, across = numpy.abs(cosine * x + sine * y), numpy.abs(cosine * y - sine * x)
+    inside = (along <= size[0] / 2 + EDGE) & (across <= size[1] / 2 + EDGE)
+    return set(zip(i[inside].tolist(), j[inside].tolist()))
 
 
 def middle_of(square):

@@ -94,9 +94,12 @@ class Leaf(unittest.TestCase):
         self.assertEqual(["support_0", "support_1"], self.removed)
 
     def test_what_the_lidar_saw_of_the_table_beside_the_image_is_added_at_its_height(self):
-        """In the map the table reaches from y = -0.4 to 1.5, and the image shows it to 0.4; another table is 1 m away from it."""
-        squares = {(i, j) for i in range(25, 31) for j in range(-4, 15)} - {(27, 10), (28, 11)}
-        search.Lidar._of["map"] = types.SimpleNamespace(squares=lambda: squares | {(i, j) for i in range(25, 31) for j in range(25, 30)})
+        """In the map the table reaches from y = -0.4 to 1.5, and the image shows it to 0.4; a lower table is beside it, another one 1 m away from it."""
+        legs = {(25, -4), (30, 14), (30, -4)}
+        heights = {(i, j): 0.7 for i in range(25, 31) for j in range(-4, 15) if (i, j) not in {(27, 10), (28, 11), *legs}}
+        beside = {(i, j): 0.6 for i in range(31, 35) for j in range(-4, 15)}
+        away = {(i, j): 0.7 for i in range(25, 31) for j in range(25, 30)}
+        search.Lidar._of["map"] = types.SimpleNamespace(heights=lambda: {**heights, **beside, **away})
         support.SeeSupport((2.8, 0.0, 0.72), "map").tick_once()
         (_, _, middle, _), *rest = self.boxes
         self.assertEqual({f"support_{number}" for number in range(len(rest))}, {name for name, *_ in rest})
