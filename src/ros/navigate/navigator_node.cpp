@@ -394,7 +394,9 @@ bool NavigatorNode::on_make_plan(nav_msgs::GetPlan::Request& request, nav_msgs::
   const auto path =
       !from ? tl::unexpected(from.error()) : (!to ? tl::unexpected(to.error()) : planning_->plan_now(plan));
   if (!path) {
-    ROS_WARN("make_plan: %s: %s", to_string(path.error().code), path.error().message.c_str());
+    constexpr double kQuietS = 5;  // an explorer asks for plans to dozens of places at once
+    ROS_WARN_THROTTLE(kQuietS, "make_plan: %s: %s", to_string(path.error().code),
+                      path.error().message.c_str());
     return true;
   }
   for (const auto& pose : path->poses) {
