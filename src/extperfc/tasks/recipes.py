@@ -66,8 +66,8 @@ def bring(to, held="held", frame="map", attempts=5):
 
 
 def carry(held="held"):
-    """Brings the arms, of which one holds something, near to the body, as for driving: the first pose that can be reached. Where
-    there is none they stay: the base knows how far they reach, and there is more room elsewhere."""
+    """Brings the arms, of which one holds something, near to the body, as for driving: the first pose that can be reached. Without
+    one they stay: the base knows how far they reach, and elsewhere is more room."""
     arm = Key(held, "arm")
     return _selector("carry", [MoveArm("both", "tuck", name="tuck"), MoveArm(arm, "tuck", name="tuck what holds it"),
                                MoveArm(arm, "neutral", name="one arm to neutral"), Say("the arms stay where they are")])
