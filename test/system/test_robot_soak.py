@@ -12,7 +12,8 @@ REPO = pathlib.Path(__file__).resolve().parents[2]
 class RobotSoak(unittest.TestCase):
     def soak(self, *arguments):
         with tempfile.TemporaryDirectory() as folder:
-            done = subprocess.run([REPO / "tools" / "soak_robot", *arguments, "--out", folder], capture_output=True, text=True, timeout=1200)
+            done = subprocess.run([REPO / "tools" / "soak_robot", *arguments, "--out", folder], capture_output=True, text=True,
+                                  timeout=1200)
             self.assertEqual(0, done.returncode, done.stdout + done.stderr)
             result = json.loads((pathlib.Path(folder) / "soak.json").read_text())
         self.assertGreaterEqual(len(result["faults"]), 10)

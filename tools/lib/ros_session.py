@@ -1,6 +1,5 @@
 """A ROS master and a roslaunch of our own: free port, own ROS_HOME, ended by process id."""
 
-import contextlib
 import os
 import re
 import signal
@@ -25,12 +24,6 @@ def free_port():
     with socket.socket() as probe:
         probe.bind(("127.0.0.1", 0))
         return probe.getsockname()[1]
-
-
-def _listens(port):
-    with contextlib.suppress(OSError), socket.create_connection(("127.0.0.1", port), 1.0):
-        return True
-    return False
 
 
 def end_launch(process):
@@ -58,8 +51,9 @@ class RosSession:
         """A master apart from roslaunch, which either can outlive. Returns when it answers."""
         self.master = subprocess.Popen(["rosmaster", "--core", "-p", str(self.port)], stdout=subprocess.DEVNULL,
                                        stderr=subprocess.DEVNULL, stdin=subprocess.DEVNULL)
+        import rosgraph
         deadline = time.monotonic() + MASTER_S
-        while not _listens(self.port):
+        while not rosgraph.is_master_online():
             if self.master.poll() is not None or time.monotonic() > deadline:
                 raise Stalled("rosmaster does not start")
             time.sleep(0.05)

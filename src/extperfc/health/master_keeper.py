@@ -17,7 +17,7 @@ class MasterKeeper(threading.Thread):
     def __init__(self, uri, caller, period_s):
         super().__init__(daemon=True)
         self._master, self._uri, self._caller, self._period_s = Master(uri, caller), uri, caller, period_s
-        self._noted, self._ended = None, threading.Event()
+        self._noted = None
         self._lost_s = None  # time.monotonic() of the first request without an answer
 
     @property
@@ -25,11 +25,9 @@ class MasterKeeper(threading.Thread):
         """What is wrong with the master, in a few words; "": nothing."""
         return "" if self._lost_s is None else "no ROS master"
 
-    def stop(self):
-        self._ended.set()
-
     def run(self):
-        while not self._ended.wait(RETRY_S if self.complaint or self._noted is None else self._period_s):
+        while True:
+            time.sleep(RETRY_S if self.complaint or self._noted is None else self._period_s)
             self.look()
 
     def look(self):

@@ -43,7 +43,8 @@ class Tops:
 
 def table_at(heights, at, near_m):
     """{(i, j)} of the table at (x, y), taken to be a rectangle: of the nearest of the squares {(i, j): height}, at most near_m away,
-    with those that are joined at its height, and those between them and at the corners, where legs are seen. Empty: no table was seen there."""
+    with those that are joined at its height, and those between them and at the corners, where legs are seen. Empty: no table was
+    seen there."""
     begin = min(heights, key=lambda square: math.dist(middle_of(square), at), default=None)
     if begin is None or math.dist(middle_of(begin), at) > near_m:
         return set()

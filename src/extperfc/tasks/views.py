@@ -162,11 +162,11 @@ def nearest_passable(free, costs, robot, stride, resolution_m):
 def travel_m(costs, start, step_m):
     """Distance of travel from a cell to every other, eight neighbours, times the cost of each cell that is entered; infinite: out of
     reach. The start counts as passable; one outside of the grid reaches nothing."""
-    distance = numpy.full(costs.shape, numpy.inf).tolist()  # lists: single cells of arrays are slow
+    distance = numpy.full(costs.shape, numpy.inf)
     rows, columns = costs.shape
     if not (0 <= start[0] < rows and 0 <= start[1] < columns):
-        return numpy.array(distance).reshape(costs.shape)
-    costs = costs.tolist()
+        return distance
+    costs, distance = costs.tolist(), distance.tolist()  # single cells of arrays are slow
     distance[start[0]][start[1]] = 0.0
     queue = [(0.0, *start)]
     while queue:

@@ -138,7 +138,8 @@ class RestartedMaster(unittest.TestCase):
 class Parameters(unittest.TestCase):
     def test_missing(self):
         self.assertEqual([("a/b/d", 2), ("e", {"f": 3})],
-                         missing({"a": {"b": {"c": 1, "d": 2}}, "e": {"f": 3}, "g": 4, "h": {"i": 5}}, {"a": {"b": {"c": 9}}, "g": {}, "h": 6}))
+                         missing({"a": {"b": {"c": 1, "d": 2}}, "e": {"f": 3}, "g": 4, "h": {"i": 5}},
+                                 {"a": {"b": {"c": 9}}, "g": {}, "h": 6}))
 
 
 if __name__ == "__main__":
