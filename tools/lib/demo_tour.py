@@ -26,20 +26,37 @@ HEADER = "  seed  cube in    explored  searched   fetched  delivered    total   
 STAGES = ("explore", "search", "fetch", "deliver")
 
 
+def sequence(name, *children):
+    return py_trees.composites.Sequence(name, memory=True, children=children)
+
+
+def search():
+    return tasks.Search("cube", "seen", max_size_m=0.1)
+
+
+def fetch():
+    """Picks the cube that was seen, from up to three places before it."""
+    return sequence("fetch it", py_trees.decorators.Retry("3 places", sequence(
+        "from a place before it", tasks.Approach(tasks.Key("seen"), clear_m=tasks.CLEAR_M), tasks.SeeAround(),
+        tasks.SeeSupport(tasks.Key("seen")), tasks.pick_up("cube", frame="map")), num_failures=3), tasks.carry())
+
+
+def bring_though_lost(to):
+    """Brings the cube; one that slipped out of the gripper is sought and fetched again, once."""
+    lost = sequence("fetch it again", py_trees.decorators.Inverter("lost", tasks.StillHeld()), tasks.Say("lost it: looking again"),
+                    search(), fetch(), tasks.bring(to))
+    return py_trees.composites.Selector("though it be lost", memory=True, children=[tasks.bring(to), lost])
+
+
 def tree(to):
     """What the robot does: the cube goes to the point `to` of the map."""
-    def sequence(name, *children):
-        return py_trees.composites.Sequence(name, memory=True, children=children)
     return sequence(
         "tour",
         sequence("explore", tasks.Explore(time_limit=600.0, name="map the flat"), tasks.Say("the flat is mapped")),
-        sequence("search", tasks.Search("cube", "seen", max_size_m=0.1),
+        sequence("search", search(),
                  tasks.Say("there is a cube at ({p.x:.2f}, {p.y:.2f}, {p.z:.2f})", p=tasks.Key("seen", "position"))),
-        sequence("fetch", py_trees.decorators.Retry("3 places", sequence(
-            "from a place before it", tasks.Approach(tasks.Key("seen"), clear_m=tasks.CLEAR_M), tasks.SeeAround(),
-            tasks.SeeSupport(tasks.Key("seen")),
-            tasks.pick_up("cube", frame="map")), num_failures=3), tasks.carry(), tasks.Say("got it")),
-        sequence("deliver", tasks.bring(to), tasks.MoveArm("both", "tuck"), tasks.Say("done")))
+        sequence("fetch", fetch(), tasks.Say("got it")),
+        sequence("deliver", bring_though_lost(to), tasks.MoveArm("both", "tuck"), tasks.Say("done")))
 
 
 class Observer:

@@ -20,6 +20,7 @@ from extperfc.arm.scene import Scene
 
 JOG_PERIOD_S = 0.02
 OPEN_PERCENT, CLOSED_PERCENT = 100.0, 0.0
+EMPTY_PERCENT = 3.0  # fingers with nothing between them close to less than this
 
 StateCheck = collections.namedtuple("StateCheck", "free code message first second distance")
 StateCheck.__doc__ = "Is a state free? Otherwise why not; the nearest pair of names and its distance [m], negative: depth."
@@ -186,7 +187,8 @@ class Arm:
 
     def close(self, timeout=10.0):
         """Closes it. Returns True if an object is between the fingers, for both arms: of either."""
-        return any([self._grip(side, CLOSED_PERCENT, timeout).stalled for side in self.sides])
+        ends = [self._grip(side, CLOSED_PERCENT, timeout) for side in self.sides]
+        return any(end.stalled and end.position > EMPTY_PERCENT for end in ends)
 
     # State.
 

@@ -138,17 +138,22 @@ class Pick(ActionLeaf):
 
 
 class StillHeld(Leaf):
-    """Fails when the arm node's scene has the picked object in no gripper any more."""
+    """Fails when the picked object is in no gripper any more: the arm node's scene says so, or the gripper, which closes again
+    and moves only when it is empty. What slipped out leaves the scene, for where it lies is not known. Blocks the tree for up to
+    `timeout_s` of real time."""
 
-    def __init__(self, held="held", name=None):
+    def __init__(self, held="held", timeout_s=10.0, name=None):
         super().__init__(name or "it is still held")
-        self.held = held
+        self.held, self.timeout_s = held, timeout_s
 
     def step(self):
-        what = read(Key(self.held)).object
-        one = scene().objects.get(what)
+        picked = read(Key(self.held))
+        one = scene().objects.get(picked.object)
         if one is None or not one.link:
-            raise ValueError(f"no gripper holds {what} any more")
+            raise ValueError(f"no gripper holds {picked.object} any more")
+        if not _arm(picked.arm).close(timeout=self.timeout_s):
+            scene().remove(picked.object)
+            raise ValueError(f"{picked.object} slipped out of the {picked.arm} gripper")
         return True
 
 

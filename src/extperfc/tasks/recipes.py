@@ -54,10 +54,12 @@ def put_down(pose, held="held", frame=None):
 
 
 def bring(to, held="held", frame="map", attempts=5):
-    """Drives the held object to a point (x, y, z) of its middle and places it there, seen from up to so many places."""
+    """Drives the held object to a point (x, y, z) of its middle and places it there, seen from up to so many places. What is lost
+    while the arms make room for the drive is noticed before it, where it lies."""
     return py_trees.decorators.Retry(f"{attempts} attempts", _sequence("bring it", [
         StillHeld(held),
         carry(held),
+        StillHeld(held, name="still held for the drive"),
         Approach(to, frame, clear_m=CLEAR_M),
         SeeAround(frame),
         SeeSupport(to, frame),

@@ -239,7 +239,7 @@ class Arms(unittest.TestCase):
                          (asked.group, asked.tool_goals[0].link, asked.tool_goals[0].pose.header.frame_id))
         client.Arm("claw").move_to({"roll": 0.5, "lift": 0.1})
         self.assertEqual(["claw_roll", "lift"], self.servers.asked[-1][1].request.joint_goal.name)
-        self.servers.answers["claw/move"] = (GripperCommandResult(stalled=True),)
+        self.servers.answers["claw/move"] = (GripperCommandResult(stalled=True, position=40.0),)
         self.assertTrue(client.Arm("both").close())
         self.servers.answers["pick"] = (PickResult(object="can"),)
         client.Arm("claw").pick("can", place_at=(0.3, 0.1, 0.2))
@@ -295,9 +295,11 @@ class Arms(unittest.TestCase):
     def test_grippers(self):
         left, right = (f"robot/end_effector/{side}_gripper/gripper_action" for side in ("left", "right"))
         self.servers.answers[left] = (GripperCommandResult(stalled=False, reached_goal=True),)
-        self.servers.answers[right] = (GripperCommandResult(stalled=True),)
+        self.servers.answers[right] = (GripperCommandResult(stalled=True, position=40.0),)
         self.assertEqual((False, True, True), tuple(client.Arm(side).close() for side in ("left", "right", "both")))
         self.assertEqual(4, len(self.servers.asked))  # both of both
+        self.servers.answers[right] = (GripperCommandResult(stalled=True, position=0.0),)  # its fingers press on each other
+        self.assertFalse(client.Arm("right").close())
         client.Arm("left").open(40)
         self.assertEqual((left, 40.0), (self.servers.asked[-1][0], self.servers.asked[-1][1].command.position))
         self.servers.answers[left] = (GripperCommandResult(), GoalStatus.ABORTED, "a finger is stuck")

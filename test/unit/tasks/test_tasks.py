@@ -264,10 +264,14 @@ class MadeUpArm:
         self.asked, self.failures, self.side, self.sides = [], {}, "left", ["left", "right"]
         self.stood = geometry_msgs.msg.PoseStamped()
         self.stood.pose.position.x = 0.7
-        self.scene = types.SimpleNamespace(objects={"cube_1": types.SimpleNamespace(label="cube", pose=self.stood, link="")})
+        objects = {"cube_1": types.SimpleNamespace(label="cube", pose=self.stood, link="")}
+        self.scene = types.SimpleNamespace(objects=objects, remove=objects.pop)
+        self.slips_at = None  # what the arms do when the object slips out of the gripper
 
     def _act(self, name, what, result):
         self.asked.append((name, what))
+        if name == self.slips_at:
+            self.between_fingers = False
         errors = self.failures.get(name, [])
         error = errors.pop(0) if errors else None
         return MadeUpMotion(result, ArmError(ArmCode.NO_GRASP, error) if error else None, ticks=1)
@@ -276,11 +280,14 @@ class MadeUpArm:
         return self._act("move", goal, types.SimpleNamespace(message=""))
 
     def pick(self, what, **_):
-        self.scene.objects["cube_1"].link = "left_gripper"
+        self.scene.objects["cube_1"].link, self.between_fingers = "left_gripper", True
         return self._act("pick", what, PickResult(object="cube_1", arm="left"))
 
     def place(self, pose, **_):
         return self._act("place", pose_stamped(pose).pose.position.x, types.SimpleNamespace(message=""))
+
+    def close(self, **_):
+        return self.between_fingers
 
 
 class Recipes(unittest.TestCase):
@@ -357,6 +364,15 @@ class Recipes(unittest.TestCase):
         self.assertFalse(done)
         self.assertIn("no gripper holds cube_1 any more", why)
         self.assertEqual(["move", "pick"], [name for name, _ in self.arm.asked], "the arms stay, and the base")
+
+    def test_what_slips_out_before_the_drive_is_noticed_there_and_leaves_the_scene(self):
+        self.assertTrue(self.run_tree(tasks.pick_up("cube"))[0])
+        self.arm.slips_at = "move"
+        done, why = self.run_tree(tasks.bring((2.0, 0.5, 0.7), attempts=1))
+        self.assertFalse(done)
+        self.assertIn("cube_1 slipped out of the left gripper", why)
+        self.assertEqual(["move", "pick", "move"], [name for name, _ in self.arm.asked], "the base stays")
+        self.assertEqual({}, self.arm.scene.objects)
 
 
 def found_at(x, y, z):
