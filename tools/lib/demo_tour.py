@@ -82,7 +82,7 @@ class Observer:
         self.bumps += message.data and not self._blocked
         self._blocked = message.data
 
-    def on_tick(self, _):
+    def on_tick(self):
         for stage in self.root.children:
             if stage.status == py_trees.common.Status.SUCCESS and stage.name not in self.stages_s:
                 self.stages_s[stage.name] = self.robot.now() - self.begin
@@ -101,10 +101,15 @@ class Observer:
         return float(numpy.linalg.norm(numpy.diff(numpy.array(self.path), axis=0), axis=1).sum()) if len(self.path) > 1 else 0.0
 
 
-def put_objects(robot, task):
-    """The cube where the seed wants it, sphere and cone on the same table."""
+def put_cube(robot, task):
+    """Where the seed wants it."""
     x, y, yaw = task.cube
     robot.move_body("cube", (x, y, task.top + scene.CUBE_M / 2 + scene.LIFT_M), yaw)
+
+
+def put_objects(robot, task):
+    """The cube, and sphere and cone on the same table."""
+    put_cube(robot, task)
     for name, place in task.neighbours.items():
         robot.move_body(name, place)
 
@@ -138,7 +143,16 @@ def one_run(options, session):
     def alive():
         return session.alive() and robot.now() < observer.begin + options.limit
 
-    done, why = tasks.run(root, alive=alive, on_tick=observer.on_tick)
+    slips = options.slip
+
+    def on_tick(_):
+        nonlocal slips
+        observer.on_tick()
+        if slips and "fetch" in observer.stages_s:
+            slips = False
+            put_cube(robot, task)
+
+    done, why = tasks.run(root, alive=alive, on_tick=on_tick)
     robot.sleep(1.0)
     cube = robot.true_pose("cube")[:3, 3]
     off = math.hypot(cube[0] - to[0], cube[1] - to[1])
@@ -172,7 +186,8 @@ def show(row):
 
 def series(options):
     """Each seed in a process of its own; returns the exit code."""
-    arguments = ["--limit", str(options.limit), "--model", str(options.model), *(["--film"] if options.film else [])]
+    flags = [f"--{name}" for name in ("film", "slip") if getattr(options, name)]
+    arguments = ["--limit", str(options.limit), "--model", str(options.model), *flags]
     return each_seed("demo_tour.py", options, arguments, HEADER, "log and tour.json")
 
 

@@ -26,6 +26,7 @@ def parse_arguments(argv):
                         help="model folder, see models/README.md; default: models/shapes")
     parser.add_argument("--out", default=WS / "demo_tour", metavar="FOLDER",
                         help="results, logs, maps and paths; default: .ws/demo_tour")
+    parser.add_argument("--slip", action="store_true", help="the cube slips out of the gripper once, back to where it was")
     parser.add_argument("--film", action="store_true", help="write an animation, tour.webp, too")
     parser.add_argument("--no-rviz", action="store_true", help="no window, even with a display")
     options = parser.parse_args(argv)
