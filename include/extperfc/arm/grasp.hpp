@@ -58,6 +58,7 @@ struct GraspCandidate {
   double lean_rad{0};       ///< angle between the pads' normal and the surface where they touch it
   double support_gap_m{0};  ///< from the hand's lowest point to the support; 1 without support
   double score{0};          ///< (0, 1], more is better
+  double spare_m{0};        ///< by which the hand opens wider than opening_m
 };
 
 /// Grasps of an object by a parallel hand, best first; equal inputs give equal results.

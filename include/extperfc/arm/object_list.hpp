@@ -18,8 +18,8 @@ struct ObjectListParams {
   double max_age_s{30.0};  ///< objects not seen for longer are removed, [0, 1e6]; 0: never
   double match_m{0.08};    ///< a detection of the class within this distance is the same object, [0.001, 10]
   int max_objects{50};     ///< maximum number of listed objects, and of waiting ones, [1, 500]
-  double min_change_m{0.005};   ///< smaller changes of position or size are not reported, [0, 1]
-  double min_change_rad{0.09};  ///< smaller rotations are not reported, [0, 3.15]
+  double min_change_m{0.001};   ///< smaller changes of position or size are not reported, [0, 1]
+  double min_change_rad{0.02};  ///< smaller rotations are not reported, [0, 3.15]
   int average{10};              ///< maximum number of detections in the mean, [1, 1000]
 
   [[nodiscard]] Result<void> validate() const;

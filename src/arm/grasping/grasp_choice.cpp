@@ -15,7 +15,8 @@ namespace {
 
 constexpr double kStep = 0.01;  // [m] between places on a straight path
 constexpr double kMaxRotation =
-    0.2;  // [rad] of a joint between two of them: more is a jump to another branch
+    0.2;                          // [rad] of a joint between two of them: more is a jump to another branch
+constexpr double kTight = 0.003;  // [m] a gripper with less to spare may touch what it shall enclose
 constexpr double kSupportSlack = 0.01;  // [m] an object's support ends at most this far above its bottom
 
 /// One arm among all joints of its checker.
@@ -228,13 +229,17 @@ tl::expected<GraspChoice, NoGrasp> choose_grasp(const std::vector<GraspCandidate
     ++failure.tried;
     std::optional<ReachableGrasps::Found> best;
     int arm = -1;
+    bool best_is_tight = false;
     for (std::size_t i = 0; i < reachable.size(); ++i) {
       if (rank >= lists[i]->size()) continue;
-      auto found = reachable[i].reach(rank, (*lists[i])[rank]);
+      const GraspCandidate& candidate = (*lists[i])[rank];
+      const bool is_tight = candidate.spare_m < kTight;
+      auto found = reachable[i].reach(rank, candidate);
       if (!found) {
         ++failure.refusals[i][static_cast<int>(found.error())];
-      } else if (!best || found->effort < best->effort) {
+      } else if (!best || std::pair(is_tight, found->effort) < std::pair(best_is_tight, best->effort)) {
         best = std::move(*found);
+        best_is_tight = is_tight;
         arm = static_cast<int>(i);
       }
     }

@@ -144,6 +144,7 @@ class Generator {
     candidate.approach_m = params_.approach_m;
     candidate.lift_m = params_.lift_m;
     candidate.opening_m = opening_m;
+    candidate.spare_m = hand_.opening_max_m - opening_m;
     candidate.closed_m = 2 * contact.half_width_m;
     candidate.lean_rad = contact.lean_rad;
     candidate.support_gap_m = gap_m;

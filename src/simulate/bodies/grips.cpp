@@ -131,17 +131,27 @@ bool Grips::closes(int gripper) const {
   return came_closing || shall_go(1, gripper, robot_->positions()[fingers.joint], kCloses);
 }
 
+bool Grips::opens(int gripper) const {
+  constexpr double kOpens = 5e-4;  // [m]
+  const GripperFingers& fingers = plan_->grippers[gripper];
+  const auto& joint = plan_->model->joints()[fingers.joint];
+  // Fingers that hold something about as wide as they open cannot open by more than the rest.
+  const double held = grips_[gripper].finger_position;
+  const double from = fingers.closing > 0 ? std::max(held, joint.lower + 2 * kOpens)
+                                          : std::min(held, joint.upper - 2 * kOpens);
+  return shall_go(-1, gripper, from, kOpens);
+}
+
 Pose Grips::hand_T_body(int gripper, int body) const {
   return robot_->world_T_group(plan_->grippers[gripper].hand).inverse() * scenery_->world_T_body(body);
 }
 
 void Grips::update_held(int gripper) {
   Grip& grip = grips_[gripper];
-  constexpr double kOpens = 5e-4;  // [m]
   if (grip.held) {
     const double moved_m =
         (hand_T_body(gripper, *grip.touched).translation() - grip.hand_T_body.translation()).norm();
-    if (shall_go(-1, gripper, grip.finger_position, kOpens) || moved_m > kLost) {
+    if (opens(gripper) || moved_m > kLost) {
       robot_->release(gripper);
       grip = Grip{};
     }

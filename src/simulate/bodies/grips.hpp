@@ -58,6 +58,8 @@ class Grips {
   /// Whether the driven finger shall go on from there; `direction` 1 closes, -1 opens.
   [[nodiscard]] bool shall_go(double direction, int gripper, double from_m, double by_m) const;
   [[nodiscard]] bool closes(int gripper) const;
+  /// Whether the fingers are commanded to let go of what is held.
+  [[nodiscard]] bool opens(int gripper) const;
   [[nodiscard]] Pose hand_T_body(int gripper, int body) const;
   [[nodiscard]] int gripper_of(int finger_joint) const;
 

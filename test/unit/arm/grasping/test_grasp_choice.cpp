@@ -1,4 +1,5 @@
 // Choosing a grasp that an arm of Baxter reaches free of collisions.
+#include <algorithm>
 #include <stdexcept>
 #include <string>
 
@@ -222,6 +223,26 @@ TEST(GraspChoice, EveryArmHasItsHandsGrasps) {
   EXPECT_EQ(choice->arm, 1);
   EXPECT_EQ(choice->candidate, 2);
   EXPECT_EQ(choice->tried, 3);
+}
+
+TEST(GraspChoice, AGripperWithRoomToSpareTakesIt) {
+  Scene scene(cube_at({0.75, 0.05, kTable}));
+  auto arms = scene.arms();
+  const auto grasps = scene.grasps();
+  const auto reached_by_both = std::find_if(grasps.begin(), grasps.end(), [&](const GraspCandidate& grasp) {
+    return choose_grasp({grasp}, {arms[0]}) && choose_grasp({grasp}, {arms[1]});
+  });
+  ASSERT_NE(reached_by_both, grasps.end());
+  std::vector<GraspCandidate> wide{*reached_by_both}, tight = wide;
+  wide[0].spare_m = 0.01;
+  tight[0].spare_m = 0.001;
+  for (const int roomy : {0, 1}) {
+    arms[roomy].grasps = &wide;
+    arms[1 - roomy].grasps = &tight;
+    const auto choice = choose_grasp({}, arms);
+    ASSERT_TRUE(choice) << choice.error().message;
+    EXPECT_EQ(choice->arm, roomy);
+  }
 }
 
 TEST(GraspChoice, StopsWhenCancelled) {

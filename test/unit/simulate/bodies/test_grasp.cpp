@@ -92,6 +92,33 @@ TEST_P(Grasp, CubeIsLiftedCarriedAndPutDown) {
   EXPECT_LT(bodies.body_velocity(2).norm(), 1e-3);
 }
 
+TEST(GraspOblique, WhatIsHeldAsWideAsTheGripperOpensIsLetGo) {
+  // The pads, 58 mm apart at most, hold the cube across its edges.
+  constexpr double kYaw = 0.42;
+  WorldSpec world = table_with_cube();
+  const Eigen::Vector3d place(kCube.x(), kCube.y(), kTop + 0.0225);
+  world.bodies[2] = make_cube("cube", 0.045, place);
+  world.bodies[2].world_T_body = make_pose(place, {0, 0, kYaw});
+  const Plan plan = make_plan();
+  auto made = Bodies::make({}, mobile_baxter(), world, Pose::Identity(), plan.above);
+  ASSERT_TRUE(made) << made.error().message;
+  Bodies& bodies = **made;
+  const int finger = joint_index("l_gripper_l_finger_joint");
+  JointDriver driver(bodies, plan.above);
+  driver.move(plan.above, 1);
+  driver.move(plan.at, 1.5);
+  driver.move(closed(plan.at), 0.8);
+  ASSERT_EQ(bodies.gripped(finger), 2);
+  ASSERT_GT(bodies.position(finger), 0.0203) << "it opens to 0.0208";
+  driver.move(closed(plan.above), 1.5);
+  EXPECT_GT(bodies.world_T_body(2).translation().z(), place.z() + 0.09);
+  driver.move(closed(plan.at), 1.5);
+  driver.move(plan.at, 0.4);
+  driver.move(plan.above, 1.5);
+  EXPECT_FALSE(bodies.gripped(finger));
+  EXPECT_NEAR(bodies.world_T_body(2).translation().z(), place.z(), 0.002);
+}
+
 INSTANTIATE_TEST_SUITE_P(Modes, Grasp,
                          ::testing::Values(Mode{"kinematic", false, true, 1e-5},
                                            Mode{"dynamic_held", true, true, 0.001},
