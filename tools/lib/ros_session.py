@@ -74,11 +74,12 @@ class RosSession:
         return self.process is not None and self.process.poll() is None
 
     def errors(self):
-        """Lines of the log that report what went wrong, without colours and stamps."""
+        """What the log reports to have gone wrong, without colours and stamps. Such a report may begin within a line: a program's
+        standard output comes in blocks, whose ends are not those of lines."""
         with open(self.log_file, errors="replace") as log:
             text = _COLOR.sub("", log.read())
         found = []
-        for match in re.finditer(r"^\[\s*(FATAL|ERROR)\] \[[\d., ]*\]:? ?(.*(?:\n  .*)*)", text, re.M):
+        for match in re.finditer(r"\[\s*(FATAL|ERROR)\] \[[\d., ]*\]:? ?(.*(?:\n  .*)*)", text):
             if match.group(2) not in found and not _NOISE.search(match.group(2)):
                 found.append(match.group(2))
         return found
