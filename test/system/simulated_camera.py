@@ -8,7 +8,6 @@ import time
 
 import numpy as np
 import rospy
-from demo import wait_for_master
 from ros_session import RosSession
 from sensor_msgs.msg import CameraInfo, Image
 
@@ -103,7 +102,6 @@ def launch(case, node, launch_file, **arguments):
     session = RosSession(os.path.join(folder.name, "log"))
     case.addClassCleanup(session.close)
     session.launch("extperfc", launch_file, model=str(SQUARE_MODEL), backend="opencv", **arguments)
-    wait_for_master(session, PATIENCE_S)
-    rospy.init_node(node, disable_signals=True)
+    session.join(node, simulated=False, wait_s=PATIENCE_S)
     case.addClassCleanup(rospy.signal_shutdown, "the test is over")
     return session

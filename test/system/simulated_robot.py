@@ -5,7 +5,6 @@ import tempfile
 import time
 
 import rospy
-from demo import wait_for_master
 from ros_session import RosSession
 
 DEADLINE_S = 120.0  # of what health is waited to say
@@ -34,9 +33,7 @@ def launch(case, node, launch_file, separate_master=False, **arguments):
     if separate_master:
         session.start_master()
     session.launch("extperfc", launch_file, rviz="false", **arguments)
-    wait_for_master(session)
-    rospy.set_param("/use_sim_time", True)  # the launch may not have come to it yet, and a node asks once
-    rospy.init_node(node, disable_signals=True)
+    session.join(node)
     return session
 
 

@@ -14,7 +14,6 @@ import actionlib  # noqa: E402
 import rospy  # noqa: E402
 import yaml  # noqa: E402
 from control_msgs.msg import FollowJointTrajectoryAction  # noqa: E402
-from demo import wait_for_master  # noqa: E402
 from ros_session import RosSession  # noqa: E402
 from sensor_msgs.msg import JointState  # noqa: E402
 from trajectory_msgs.msg import JointTrajectory  # noqa: E402
@@ -61,8 +60,7 @@ class ArmStart(unittest.TestCase):
         launch_file = pathlib.Path(folder.name) / "robot_and_arm.launch"
         launch_file.write_text(LAUNCH.format(urdf=REPO / "urdf" / "mobile_baxter.urdf", config=config_file))
         session.launch(None, launch_file)
-        wait_for_master(session)
-        rospy.init_node("test_arm_start", disable_signals=True)
+        session.join("test_arm_start", simulated=False)
         cls.addClassCleanup(rospy.signal_shutdown, "the tests are over")
         cls.delay_s = config["execution"]["start_delay_s"]
         cls.servers = {side: Server(side) for side in ("left", "right")}

@@ -11,7 +11,6 @@ from diagnostic_msgs.msg import DiagnosticStatus
 from geometry_msgs.msg import PolygonStamped, PoseStamped, Twist
 from nav_msgs.msg import Odometry
 
-from demo import wait_for_master
 from nav_robot import NavRobot
 from pose_errors import Pose
 from ros_session import RosSession
@@ -37,8 +36,7 @@ class SmallRobot(unittest.TestCase):
         self.addCleanup(self.session.close)
         self.session.launch("extperfc", "bringup.launch", robot="small_robot", robot_folder=FOLDER, rviz="false", scan="false",
                             cameras="false")
-        wait_for_master(self.session)
-        rospy.init_node("test_bringup_robot", disable_signals=True)
+        self.session.join("test_bringup_robot", simulated=False)
         self.addCleanup(rospy.signal_shutdown, "the test is over")
         self.summary, self.pose, self.footprint, self.cube, self.sideways = None, None, None, None, []
         rospy.Subscriber("truth/cube", PoseStamped, lambda message: setattr(self, "cube", message.pose.position))

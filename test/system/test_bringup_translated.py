@@ -24,7 +24,7 @@ from nav_robot import NavRobot
 from pose_errors import Pose
 from robot_health import Listener, named, runs
 from ros_session import RosSession
-from simulated_robot import DEADLINE_S, Supervised, wait_for_master
+from simulated_robot import DEADLINE_S, Supervised
 from translated_robot import LAUNCH_FILE, RobotSide
 
 from harness import eras, network, processes  # noqa: E402 (translated_robot adds its place)
@@ -49,9 +49,7 @@ class TranslatedRobot(Supervised, unittest.TestCase):
         cls.session = RosSession(os.path.join(cls.folder.path, "launch.log"))
         cls.addClassCleanup(cls.session.close)
         cls.session.launch(None, LAUNCH_FILE, robot_master=cls.robot.uri)
-        wait_for_master(cls.session)
-        rospy.set_param("/use_sim_time", True)  # the launch may not have come to it yet, and a node asks once
-        rospy.init_node("test_bringup_translated", disable_signals=True)
+        cls.session.join("test_bringup_translated")
         cls.addClassCleanup(rospy.signal_shutdown, "the tests are over")
         cls.listener, cls.begin = Listener(topics=()), time.monotonic()
 

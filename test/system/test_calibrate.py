@@ -104,9 +104,6 @@ def write_bag(file):
 
 class Launch(unittest.TestCase):
     def test_the_launch_argument_publishes_the_pose(self):
-        import rospy
-        import tf2_msgs.msg
-        from demo import wait_for_master
         from ros_session import RosSession
         with tempfile.TemporaryDirectory() as folder:
             file = pathlib.Path(folder) / "camera_pose.yaml"
@@ -115,7 +112,7 @@ class Launch(unittest.TestCase):
             # rospy belongs to the master of the first test of this process, so this one asks by a command.
             with RosSession(pathlib.Path(folder) / "log") as session:
                 session.launch("extperfc", "camera_frames.launch", camera_pose=file)
-                wait_for_master(session, trial_calibrate.MASTER_S)
+                session.wait_for_master(trial_calibrate.MASTER_S)
                 seen = subprocess.run(["rostopic", "echo", "-n", "2", "/tf_static"],
                                       capture_output=True,
                                       text=True,

@@ -12,7 +12,6 @@ sys.path[:0] = [str(REPO / "tools" / "lib")]
 
 import rosgraph  # noqa: E402
 import rospy  # noqa: E402
-from demo import wait_for_master  # noqa: E402
 from ros_session import RosSession  # noqa: E402
 from vision_msgs.msg import Detection3DArray  # noqa: E402
 
@@ -25,8 +24,7 @@ class DetectionLaunch(unittest.TestCase):
     def test_the_nodelets_listen_to_the_topics_of_the_arguments(self):
         with tempfile.TemporaryDirectory() as folder, RosSession(os.path.join(folder, "log")) as session:
             session.launch("extperfc", "detection.launch", **TOPICS)
-            wait_for_master(session)
-            rospy.init_node("test_detection_launch", disable_signals=True)
+            session.join("test_detection_launch", simulated=False)
             self.addCleanup(rospy.signal_shutdown, "the test is over")
             rospy.Subscriber("detections_3d", Detection3DArray, lambda message: None)
             master = rosgraph.Master("/test_detection_launch")

@@ -18,12 +18,10 @@ ROUND = [(0.0, 3.2), (4.5, 3.55), (8.0, 3.6), (11.2, 3.2), (11.35, 0.0), (11.35,
 class Office(unittest.TestCase):
     def test_drives_a_round_and_knows_where_it_is(self):
         import rospy
-        from demo import wait_for_master
         from sim_robot import SimRobot
         with tempfile.TemporaryDirectory() as folder, RosSession(pathlib.Path(folder) / "launch.log") as session:
             session.launch("extperfc", "sim_localization.launch", rviz="false", real_time_factor=SPEED)
-            wait_for_master(session)
-            rospy.init_node("test_localization_office", disable_signals=True)
+            session.join("test_localization_office")
             robot = SimRobot()
             robot.ready()
             starting = session.errors()  # on a loaded machine the first cloud may come before the first transform

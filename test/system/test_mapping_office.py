@@ -252,14 +252,7 @@ class OfficeCase(unittest.TestCase):
             self.check_map(robot, true_T_map, pathlib.Path(folder), out)
 
     def connect(self, session, seconds):
-        import rosgraph
-        import rospy
-        end = time.monotonic() + 30
-        while not rosgraph.is_master_online():
-            self.assertTrue(session.alive() and time.monotonic() < end, session.errors())
-            time.sleep(0.05)
-        rospy.set_param("/use_sim_time", True)
-        rospy.init_node("office_test", disable_signals=True)
+        session.join("office_test")
         return Robot(seconds)
 
     def check_poses(self, robot, out):

@@ -20,13 +20,11 @@ GOALS = (Pose(0.0, 3.4, 0.0), Pose(-3.6, 6.0, 1.57))  # the corridor; a room beh
 class Office(unittest.TestCase):
     def test_drives_through_a_door_without_contact_and_stops_when_the_navigator_dies(self):
         import rospy
-        from demo import wait_for_master
         from nav_robot import NavRobot
         with tempfile.TemporaryDirectory() as folder, RosSession(pathlib.Path(folder) / "launch.log") as session:
             session.launch("extperfc", "sim_navigation.launch", rviz="false", real_time_factor=SPEED,
                            navigation_manager="nav_manager")
-            wait_for_master(session)
-            rospy.init_node("test_navigation_office", disable_signals=True)
+            session.join("test_navigation_office")
             robot = NavRobot(session.alive)
             robot.ready()
             info = robot.map.info

@@ -13,7 +13,6 @@ from diagnostic_msgs.msg import DiagnosticStatus
 from geometry_msgs.msg import PoseStamped, Twist
 from nav_msgs.msg import OccupancyGrid, Odometry
 
-from demo import wait_for_master
 from ros_session import RosSession
 
 FOLDER = pathlib.Path(__file__).resolve().parent
@@ -48,8 +47,7 @@ class TwoRobots(unittest.TestCase):
         self.session = RosSession(os.path.join(folder.name, "log"))
         self.addCleanup(self.session.close)
         self.session.launch(None, FOLDER / "two_robots.launch", robot="small_robot", robot_folder=FOLDER / "small_robot")
-        wait_for_master(self.session)
-        rospy.init_node("test_two_robots", disable_signals=True)
+        self.session.join("test_two_robots", simulated=False)
         self.addCleanup(rospy.signal_shutdown, "the test is over")
         self.first, self.second = map(Robot, ROBOTS)
 

@@ -9,9 +9,9 @@ import time
 
 from demo_drive import Swing
 from demo_frames import OPTICAL_FRAME, TruthWatcher, Watcher
-from demo_options import REPO, SECONDS_WITHOUT_DISPLAY, WS, parse_arguments
+from demo_options import REPO, SECONDS_WITHOUT_DISPLAY, parse_arguments
 from demo_tables import Table, TruthTable
-from ros_session import RosSession
+from ros_session import RosSession, Stalled
 
 
 def display_works():
@@ -51,16 +51,6 @@ def count_frames(source):
         if (source / name).is_dir():
             return sum(1 for file in (source / name).iterdir() if file.suffix.lower() in (".png", ".jpg", ".jpeg"))
     return 0
-
-
-def wait_for_master(session, deadline_s=20.0):
-    import rosgraph
-    end = time.monotonic() + deadline_s
-    while time.monotonic() < end and session.alive():
-        if rosgraph.is_master_online():
-            return
-        time.sleep(0.05)
-    raise SystemExit("error: the ROS master did not start; see " + str(session.log_file))
 
 
 def watch(options, session, watcher, frames_once):
@@ -130,16 +120,16 @@ def prepare(options):
 
 
 def run(options):
+    import rospy
     with_rviz = prepare(options)
     launch = launch_recording if options.source else launch_simulation
     with RosSession(options.out / "launch.log") as session:
         frames_once = launch(options, session, with_rviz)
         table = (Table if options.source else TruthTable)(options.out, options.frame)
-        wait_for_master(session)
-        import rospy
-        if not options.source:
-            rospy.set_param("/use_sim_time", True)  # roslaunch sets it too, perhaps after this node has asked
-        rospy.init_node("demo_table", disable_signals=True)
+        try:
+            session.join("demo_table", simulated=not options.source)
+        except Stalled as error:
+            raise SystemExit(f"error: {error}; see {session.log_file}") from None
         watcher = (Watcher if options.source else TruthWatcher)(options, table)
         swing = None if options.source or options.still else Swing()
         try:

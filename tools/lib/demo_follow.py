@@ -11,7 +11,7 @@ import numpy
 import py_trees
 
 import follow_scene as scene
-from demo import display_works, wait_for_master
+from demo import display_works
 from demo_follow_options import REPO, parse_arguments
 from driven_contacts import PERSON_RADIUS_M, TrueMap, distance_to_footprint
 from each_seed import each_seed
@@ -129,7 +129,6 @@ def _cells(message):
 
 
 def start(options, session):
-    import rospy
     world, urdf = options.out / "office.yaml", options.out / "urdf" / "robot.urdf"
     scene.write_world(REPO / "config" / "worlds" / "office.yaml", options.seed, options.seconds, world)
     scene.write_urdf(REPO / "urdf" / "mobile_baxter.urdf", urdf)
@@ -137,9 +136,7 @@ def start(options, session):
     session.launch("extperfc", "sim_follow.launch", rviz=str(with_rviz).lower(), seed=options.seed, world=world.resolve(),
                    urdf=urdf.resolve(), real_time_factor=options.speed, embedder=options.embedder,
                    face_model=options.face_model.resolve() if options.face_model else "")
-    wait_for_master(session, 60.0)
-    rospy.set_param("/use_sim_time", True)  # the launch may not have come to it yet, and a node asks once
-    rospy.init_node("demo_follow", disable_signals=True)
+    session.join("demo_follow", wait_s=60.0)
     observer = Observer(session)
     observer.wait_until_ready()
     return observer

@@ -11,7 +11,7 @@ import numpy
 import py_trees
 
 import grasp_scene as scene
-from demo import display_works, wait_for_master
+from demo import display_works
 from demo_grasp_options import parse_arguments
 from grasp_arms import GraspArms
 from grasp_robot import GraspRobot
@@ -188,10 +188,7 @@ def start(options, session):
     with_rviz = not options.no_rviz and display_works()
     session.launch("extperfc", "sim_grasp.launch", rviz=str(with_rviz).lower(), seed=options.seed,
                    real_time_factor=options.speed, model=pathlib.Path(options.model).resolve(), objects="true", depth="true")
-    wait_for_master(session)
-    import rospy
-    rospy.set_param("/use_sim_time", True)  # the launch may not have come to it yet, and a node asks once
-    rospy.init_node("demo_grasp", disable_signals=True)
+    session.join("demo_grasp")
     robot = GraspRobot(session.alive)
     robot.ready()
     arms = GraspArms(robot)

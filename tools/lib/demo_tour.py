@@ -11,7 +11,7 @@ import py_trees
 
 import tour_film
 import tour_scene as scene
-from demo import display_works, wait_for_master
+from demo import display_works
 from demo_tour_options import REPO, parse_arguments
 from each_seed import each_seed
 from grasp_robot import GraspRobot
@@ -120,10 +120,7 @@ def start(options, task, session):
     with_rviz = not options.no_rviz and display_works()
     session.launch("extperfc", "sim_tour.launch", rviz=str(with_rviz).lower(), seed=options.seed, real_time_factor=options.speed,
                    world=world.resolve(), model=pathlib.Path(options.model).resolve())
-    wait_for_master(session, 60.0)
-    import rospy
-    rospy.set_param("/use_sim_time", True)  # the launch may not have come to it yet, and a node asks once
-    rospy.init_node("demo_tour", disable_signals=True)
+    session.join("demo_tour", wait_s=60.0)
     robot = GraspRobot(session.alive)
     robot.ready()
     return robot

@@ -2,6 +2,7 @@
 configuration for it, its true map with small cells, and where the robot may stand. `options` are a trial's: world, seed, people,
 fine and out."""
 
+import contextlib
 import pathlib
 import subprocess
 import sys
@@ -91,23 +92,26 @@ def fine_map(options, world):
         return TrueMap(stored["cells"], float(stored["resolution"]), float(stored["x0"]), float(stored["y0"]))
 
 
+def next_map(session):
+    """The simulator's next true map."""
+    import rospy
+    from nav_msgs.msg import OccupancyGrid
+    while session.alive():
+        with contextlib.suppress(rospy.ROSException):  # none within this time
+            return rospy.wait_for_message("sim/truth/map", OccupancyGrid, timeout=1)
+    raise Stalled("the simulator does not start")
+
+
 def save_map(file, world, seed, config, log):
     import rospy
-    from demo import wait_for_master
-    from nav_msgs.msg import OccupancyGrid
     with RosSession(log) as session:
         session.launch("extperfc", "sim.launch", rviz="false", world=world, seed=seed, config=config, camera="false",
                        lidar="false", scan="false", paused="true")
-        wait_for_master(session)
-        rospy.init_node("save_map", disable_signals=True)
-        message = None
-        while message is None:
-            if not session.alive():
-                raise SystemExit("error: the simulator does not start; see " + str(log))
-            try:
-                message = rospy.wait_for_message("sim/truth/map", OccupancyGrid, timeout=1)
-            except rospy.ROSException:
-                pass
+        try:
+            session.join("save_map")
+            message = next_map(session)
+        except Stalled as error:
+            raise SystemExit(f"error: {error}; see {log}") from None
         info = message.info
         cells = numpy.array(message.data, numpy.int8).reshape(info.height, info.width)
         numpy.savez_compressed(file, cells=cells, resolution=round(info.resolution, 6), x0=info.origin.position.x,

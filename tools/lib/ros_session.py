@@ -51,12 +51,7 @@ class RosSession:
         """A master apart from roslaunch, which either can outlive. Returns when it answers."""
         self.master = subprocess.Popen(["rosmaster", "--core", "-p", str(self.port)], stdout=subprocess.DEVNULL,
                                        stderr=subprocess.DEVNULL, stdin=subprocess.DEVNULL)
-        import rosgraph
-        deadline = time.monotonic() + MASTER_S
-        while not rosgraph.is_master_online():
-            if self.master.poll() is not None or time.monotonic() > deadline:
-                raise Stalled("rosmaster does not start")
-            time.sleep(0.05)
+        self.wait_for_master()
 
     def kill_master(self):
         self.master.kill()
@@ -69,6 +64,23 @@ class RosSession:
         command += [f"{name}:={value}" for name, value in arguments.items()]
         with open(self.log_file, "w") as log:
             self.process = subprocess.Popen(command, stdout=log, stderr=subprocess.STDOUT, stdin=subprocess.DEVNULL)
+
+    def wait_for_master(self, wait_s=MASTER_S):
+        """Until the master answers; raises Stalled."""
+        import rosgraph
+        starting, deadline = self.process or self.master, time.monotonic() + wait_s
+        while not rosgraph.is_master_online():
+            if starting.poll() is not None or time.monotonic() > deadline:
+                raise Stalled("the ROS master does not start")
+            time.sleep(0.05)
+
+    def join(self, node, simulated=True, wait_s=MASTER_S):
+        """This process becomes a node, by simulated time or not; raises Stalled when the master does not answer."""
+        self.wait_for_master(wait_s)
+        import rospy
+        if simulated:
+            rospy.set_param("/use_sim_time", True)  # the launch may not have come to it yet, and a node asks once
+        rospy.init_node(node, disable_signals=True)
 
     def alive(self):
         return self.process is not None and self.process.poll() is None

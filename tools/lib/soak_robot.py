@@ -17,7 +17,6 @@ import statistics
 import sys
 import time
 
-from demo import wait_for_master
 from part_meter import OTHERS, PartMeter, part_of
 from ros_session import Stalled, run_trial
 import translated_robot  # noqa: E402 (it adds the place of harness)
@@ -98,9 +97,7 @@ class Soak:
             session.launch(None, translated_robot.LAUNCH_FILE, robot_master=robot.master.uri)
         else:
             session.launch("extperfc", "bringup.launch", rviz="false", world=options.world, seed=options.seed)
-        wait_for_master(session, READY_S)
-        rospy.set_param("/use_sim_time", True)  # the launch may not have come to it yet, and a node asks once
-        rospy.init_node("soak_robot", disable_signals=True)
+        session.join("soak_robot", wait_s=READY_S)
         rospy.Subscriber("sim/truth/blocked", std_msgs.msg.Bool, self._on_blocked)
         # Before Listener, which takes any message: a topic's first subscription decides in which type its messages come.
         robot_state.frames()

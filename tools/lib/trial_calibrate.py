@@ -189,9 +189,6 @@ def compare(folder, truth):
 
 def session_of(options):
     """A function that starts a simulation of a URDF; the ROS node of this process is made by the first."""
-    import rospy
-    from demo import wait_for_master
-
     def start(folder, urdf):
         session = RosSession(folder / "launch.log")
         session.launch("extperfc",
@@ -205,9 +202,7 @@ def session_of(options):
                        config=write_config(folder).resolve(),
                        seed=options.seed,
                        real_time_factor=options.speed)
-        wait_for_master(session, MASTER_S)
-        rospy.set_param("/use_sim_time", True)  # the launch may not have come to it yet, and a node asks once
-        rospy.init_node("trial_calibrate", disable_signals=True)
+        session.join("trial_calibrate", wait_s=MASTER_S)
         return session
     return start
 

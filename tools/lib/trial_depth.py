@@ -279,8 +279,6 @@ def report(options, measures, seen, slip_m, seconds):
 def main(argv):
     options = parse_arguments(argv)
     options.out.mkdir(parents=True, exist_ok=True)
-    import rospy
-    from demo import wait_for_master
     begin = time.monotonic()
 
     def body(session):
@@ -291,9 +289,7 @@ def main(argv):
                        real_time_factor=options.speed,
                        model=options.model.resolve(),
                        estimator=options.estimator)
-        wait_for_master(session, MASTER_S)
-        rospy.set_param("/use_sim_time", True)  # the launch may not have come to it yet, and a node asks once
-        rospy.init_node("trial_depth", disable_signals=True)
+        session.join("trial_depth", wait_s=MASTER_S)
         return report(options, *run(options, session), time.monotonic() - begin)
 
     return run_trial(options.out, body)

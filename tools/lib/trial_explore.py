@@ -184,11 +184,7 @@ def draw(grid, drive, unknown, file):
 def run(options, world, true_map, session):
     session.launch("extperfc", "sim_exploration.launch", rviz="false", world=world, seed=options.seed,
                    real_time_factor=options.speed, sim_config=sim_config(options))
-    from demo import wait_for_master
-    wait_for_master(session)
-    import rospy
-    rospy.set_param("/use_sim_time", True)  # the launch may not have come to it yet, and a node asks once
-    rospy.init_node("trial_explore", disable_signals=True)
+    session.join("trial_explore")
     exploration = Exploration(options, session)
     result, drive = exploration.run()
     row = {"world": options.world, "seed": options.seed, "people": options.people, "finished": drive.reached,

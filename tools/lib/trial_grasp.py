@@ -56,10 +56,7 @@ def start(options, session, rospy):
     with_arm = str(not options.without_arm).lower()
     session.launch("extperfc", "sim_grasp.launch", rviz="false", seed=options.seed, real_time_factor=options.speed,
                    arm=with_arm, objects=with_arm, depth=str(options.depth).lower())
-    from demo import wait_for_master
-    wait_for_master(session)
-    rospy.set_param("/use_sim_time", True)  # the launch may not have come to it yet, and a node asks once
-    rospy.init_node("trial_grasp", disable_signals=True)
+    session.join("trial_grasp")
     robot = GraspRobot(session.alive)
     robot.ready()
     if options.without_arm:

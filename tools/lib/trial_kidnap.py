@@ -72,9 +72,7 @@ def start(options, session, rospy):
     session.launch("extperfc", "sim_localization.launch", rviz="false", seed=options.seed,
                    world=pathlib.Path(options.world).resolve() if is_file else options.world,
                    real_time_factor=options.speed, config=write_params(options))
-    from demo import wait_for_master
-    wait_for_master(session)
-    rospy.init_node("trial_kidnap", disable_signals=True)
+    session.join("trial_kidnap")
     robot = SimRobot()
     robot.ready()
     relocalize(robot)

@@ -98,9 +98,7 @@ def start(options, world, session, rospy):
     session.launch("extperfc", "sim_navigation.launch", rviz="false", seed=options.seed, world=world,
                    real_time_factor=options.speed, sim_config=sim_config(options), config=write_params(options),
                    map_file=options.map.resolve() if options.map else "")
-    from demo import wait_for_master
-    wait_for_master(session)
-    rospy.init_node("trial_navigate", disable_signals=True)
+    session.join("trial_navigate")
     robot = NavRobot(session.alive)
     robot.ready()
     return robot

@@ -11,7 +11,6 @@ import rospy
 from diagnostic_msgs.msg import DiagnosticStatus
 from geometry_msgs.msg import PoseStamped, Twist
 
-from demo import wait_for_master
 from ros_session import Stalled
 
 CHAINS = (("image to 3D detections", "images", "3D detections"), ("lidar sweep to planar scan", "lidar sweeps", "planar scans"),
@@ -37,9 +36,7 @@ class Streams:
         self._summary, self._goals_x, self._begun, self._ended = None, None, None, None
         self._asked_at, self._moved_at = None, 0.0  # of a goal that came while the base stood; of the last command that moves it
         self.goal_to_motion_ms = []
-        wait_for_master(session, ready_s)
-        rospy.set_param("/use_sim_time", True)  # the launch may not have come to it yet, and a node asks once
-        rospy.init_node("bench_system", disable_signals=True)
+        session.join("bench_system", wait_s=ready_s)
         for name, topic in topics.items():
             rospy.Subscriber(topic, rospy.AnyMsg, functools.partial(self._on_message, name), queue_size=20, buff_size=2**22)
         rospy.Subscriber("diagnostics_toplevel_state", DiagnosticStatus, lambda message: setattr(self, "_summary", message))
