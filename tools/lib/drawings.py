@@ -7,7 +7,6 @@ they publish, subscribe to, serve and call (see nodelet_pages). Graphviz draws t
 import functools
 import hashlib
 import itertools
-import pathlib
 import re
 import subprocess
 

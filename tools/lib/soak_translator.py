@@ -19,7 +19,7 @@ sys.path[:0] = [str(REPO / "test" / "translator"), str(REPO / "test" / "translat
 import soak_checks  # noqa: E402
 import soak_node  # noqa: E402
 from harness import processes  # noqa: E402
-from harness.session import NAME, Session  # noqa: E402
+from harness.session import Session  # noqa: E402
 from soak_checks import Fault, Stream  # noqa: E402
 from soak_faults import Faults  # noqa: E402
 

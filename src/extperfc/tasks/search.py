@@ -12,8 +12,7 @@ import sensor_msgs.msg
 from extperfc.arm import robot_state
 from extperfc.arm.connection import Service
 from extperfc.arm.errors import ArmError
-from extperfc.arm.goals import pose_stamped
-from extperfc.tasks.base_leaves import START, GoTo, planar_pose
+from extperfc.tasks.base_leaves import GoTo, planar_pose
 from extperfc.tasks.blackboard import Key, read
 from extperfc.tasks.find import Find, point_of
 from extperfc.tasks.leaf import Leaf
