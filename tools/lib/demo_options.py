@@ -7,6 +7,7 @@ import sys
 
 REPO = pathlib.Path(__file__).resolve().parents[2]
 WS = pathlib.Path(os.environ.get("EXTPERFC_WS", REPO / ".ws"))
+ENOUGH_PROCESSORS = 4  # for the whole robot and its simulation in real time
 SECONDS_WITHOUT_DISPLAY = 20.0  # of the simulation, unless the user says otherwise
 DESCRIPTION = """Detects objects, computes their 3D positions, and shows the result as a table and as images.
 
@@ -25,6 +26,11 @@ def parse_arguments(argv):
     options = parser.parse_args(argv)
     check(parser, options)
     return options
+
+
+def speed_here(with_few):
+    """Simulated seconds per second: 1, or so many where the processors are too few for the whole robot."""
+    return 1.0 if len(os.sched_getaffinity(0)) >= ENOUGH_PROCESSORS else with_few
 
 
 def add_common(parser):

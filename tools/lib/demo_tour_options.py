@@ -3,7 +3,9 @@
 import argparse
 import sys
 
-from demo_options import REPO, WS
+from demo_options import ENOUGH_PROCESSORS, REPO, WS, speed_here
+
+FEW_PROCESSORS_SPEED = 0.7
 
 DESCRIPTION = """The simulated robot comes into a flat that it does not know: it explores and maps it, searches the tables for a cube,
 picks the cube, and brings it to a table in another room. Mapping, navigation, perception and arms run at once.
@@ -20,7 +22,8 @@ def parse_arguments(argv):
     parser.add_argument("--runs", type=int, default=1, metavar="N",
                         help="with the seeds SEED, SEED + 1, ..., each with a simulation of its own; default: 1")
     parser.add_argument("--seed", type=int, default=1, metavar="N", help="default: 1")
-    parser.add_argument("--speed", type=float, default=1.0, metavar="FACTOR", help="simulated seconds per second; default: 1")
+    parser.add_argument("--speed", type=float, default=speed_here(FEW_PROCESSORS_SPEED), metavar="FACTOR",
+                        help=f"simulated seconds per second; default: 1, {FEW_PROCESSORS_SPEED} with fewer than {ENOUGH_PROCESSORS} processors")
     parser.add_argument("--limit", type=float, default=1200.0, metavar="S", help="simulated seconds for a run; default: 1200")
     parser.add_argument("--model", default=REPO / "models" / "shapes", metavar="FOLDER",
                         help="model folder, see models/README.md; default: models/shapes")
