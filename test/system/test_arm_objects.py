@@ -181,7 +181,7 @@ class ArmObjects(unittest.TestCase):
         self.assertAlmostEqual(0.0, found.pose.pose.orientation.y, delta=1e-3)
         # Each kind has its shape, and jitter changes nothing.
         count = iter(range(10 ** 6))
-        self.detector.say(lambda: [detection("cone", (0.8, 0.3, 0.002 * (next(count) % 2)), (0.06, 0.12, 0.07), OPTICAL),
+        self.detector.say(lambda: [detection("cone", (0.8, 0.3, 0.001 * (next(count) % 2)), (0.06, 0.12, 0.07), OPTICAL),
                                    detection("sphere", (0.8, 0.0, 0.0)), detection("book", (0.8, -0.3, 0.0), (0.2, 0.1, 0.03)),
                                    detection("book", (0.5, -0.6, 0.0), (0.2, 0.1, 0.03))])
         self.appears("book_2")
