@@ -26,6 +26,7 @@ LOOK_S = 1.0        # of ROS time at each pose, after the base has stopped, at l
 LOOK_IMAGES = 8     # for the detector at each pose; with fewer a slow computer misses what is there
 MAX_LOOK_S = 10.0   # a detector that is silent for so long is not waited for
 AGAIN_S = 6.0       # of ROS time, for a look from near
+NEAR_PLACES = 2     # to look from, at most: a detector that misses an object from one may see it from the other
 NEAR_M = 0.2        # detections as near to each other are of one object
 CLOUD_S = 1.0       # of ROS time, between clouds that are used
 ROBOT_M = 0.9       # from the lidar: what is nearer may be the robot
@@ -49,9 +50,9 @@ class Search(Leaf):
 
     The views show the camera the obstacles of the map (topic `map`) that border on free space, and the tables that the lidar
     (topic `velodyne_points`) has seen since setup(); tables first. A view to which the navigator has no plan is left out.
-    What was found is looked at again from where the arms would reach it (Approach): where it is not found there, with a score
-    of at least `min_score`, the search goes on. from_near=False: once is enough. Fails when nothing is left to look at, or
-    after `max_views`.
+    What was found is looked at again from where the arms would reach it (Approach), and then from another such place: where it is
+    not found there, with a score of at least `min_score`, the search goes on. from_near=False: once is enough. Fails when nothing
+    is left to look at, or after `max_views`.
     """
 
     def __init__(self, label, key, frame="map", camera=Camera(), from_near=True, min_score=0.5, max_views=200, name=None,
@@ -86,9 +87,9 @@ class Search(Leaf):
             if not self.from_near:
                 return True
             super().terminate(None)
-            self._motion, self._looks_since, self._closer = None, None, self._approach
+            self._motion, self._looks_since, self._near_places = None, None, 0
             self.feedback_message = f"there may be a {self.label}: looking from near"
-            return self._begin_closer()
+            return self._come_closer()
         return self._look_around()
 
     def _look_around(self):
@@ -144,11 +145,16 @@ class Search(Leaf):
                     return True
                 self._closer = self._find_again
                 self._closer.begin()
+                self._near_places += 1
         except (ArmError, ValueError) as error:
-            self._ignore(error)
+            if self._closer is self._find_again and self._near_places < NEAR_PLACES:
+                self._come_closer()
+            else:
+                self._ignore(error)
         return None
 
-    def _begin_closer(self):
+    def _come_closer(self):
+        self._closer = self._approach
         try:
             self._closer.begin()
         except (ArmError, ValueError) as error:

@@ -387,6 +387,7 @@ class Driving(unittest.TestCase):
 
     def setUp(self):
         self.clock, self.sent, self.failing, self.seen_at, self.real = Clock(self), [], set(), (), True
+        self.blind_at = ()  # in the count of poses that it was sent to: from there it is not seen from near
         self.images = 1  # with each tick
         cells = numpy.zeros((80, 80), numpy.int8)
         cells[[0, -1], :] = cells[:, [0, -1]] = 100
@@ -412,7 +413,7 @@ class Driving(unittest.TestCase):
         """In place of Find.step: from afar, and from near."""
         leaf.images += self.images
         if leaf.near is not None:
-            if not self.real:
+            if not self.real or len(self.sent) in self.blind_at:
                 raise ValueError("it is a book")
             return True
         seen = len(self.sent) in self.seen_at and not any(math.dist(place, self.object_at()) < 0.01 for place in leaf.ignored)
@@ -446,6 +447,13 @@ class Driving(unittest.TestCase):
         leaf = self.search()
         self.assertEqual((SUCCESS, 4), (leaf.status, len(self.sent)))
         self.assertAlmostEqual(0.72, math.dist(self.sent[-1][:2], (0.3, 0.0)))
+
+    def test_what_is_not_seen_from_one_near_place_is_looked_at_from_another(self):
+        self.seen_at, self.blind_at = (3,), (4,)
+        leaf = self.search()
+        self.assertEqual((SUCCESS, 5), (leaf.status, len(self.sent)))
+        self.assertAlmostEqual(0.72, math.dist(self.sent[-1][:2], (0.3, 0.0)))
+        self.assertGreater(math.dist(self.sent[-1][:2], self.sent[-2][:2]), search.AGAIN_M)
 
     def test_what_is_none_from_near_does_not_count_and_the_search_goes_on(self):
         self.seen_at, self.real = (3,), False
