@@ -17,6 +17,8 @@ import statistics
 import sys
 import time
 
+import rospy
+
 from part_meter import OTHERS, PartMeter, part_of
 from ros_session import Stalled, run_trial
 import translated_robot  # noqa: E402 (it adds the place of harness)
@@ -84,7 +86,6 @@ class Soak:
     """One run: what was injected and what was done meanwhile."""
 
     def __init__(self, options, session, robot, cable):
-        import rospy
         import std_msgs.msg
         from nav_robot import NavRobot
         from extperfc.arm import robot_state
