@@ -146,7 +146,9 @@ TEST(ObjectList, ThePoseIsTheMeanOfTheLatestDetections) {
 }
 
 TEST(ObjectList, ReportsNoChangeForSmallMotions) {
-  Listing list;
+  ObjectListParams params;
+  params.min_change_m = 0.005;
+  Listing list(params);
   list.repeat(20, {seen("cube", 0.7)});
   for (int i = 0; i < 50; ++i)
     EXPECT_FALSE(list.update({seen("cube", 0.7 + (i % 2 == 0 ? 0.004 : -0.004))}).changed);
