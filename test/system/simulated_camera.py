@@ -102,6 +102,6 @@ def launch(case, node, launch_file, **arguments):
     session = RosSession(os.path.join(folder.name, "log"))
     case.addClassCleanup(session.close)
     session.launch("extperfc", launch_file, model=str(SQUARE_MODEL), backend="opencv", **arguments)
-    session.join(node, simulated=False, wait_s=PATIENCE_S)
+    session.join(node, simulated=False)
     case.addClassCleanup(rospy.signal_shutdown, "the test is over")
     return session

@@ -112,7 +112,7 @@ class Launch(unittest.TestCase):
             # rospy belongs to the master of the first test of this process, so this one asks by a command.
             with RosSession(pathlib.Path(folder) / "log") as session:
                 session.launch("extperfc", "camera_frames.launch", camera_pose=file)
-                session.wait_for_master(trial_calibrate.MASTER_S)
+                session.wait_for_master()
                 seen = subprocess.run(["rostopic", "echo", "-n", "2", "/tf_static"],
                                       capture_output=True,
                                       text=True,

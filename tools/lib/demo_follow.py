@@ -136,7 +136,7 @@ def start(options, session):
     session.launch("extperfc", "sim_follow.launch", rviz=str(with_rviz).lower(), seed=options.seed, world=world.resolve(),
                    urdf=urdf.resolve(), real_time_factor=options.speed, embedder=options.embedder,
                    face_model=options.face_model.resolve() if options.face_model else "")
-    session.join("demo_follow", wait_s=60.0)
+    session.join("demo_follow")
     observer = Observer(session)
     observer.wait_until_ready()
     return observer

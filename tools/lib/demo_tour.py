@@ -41,11 +41,11 @@ def fetch():
         tasks.SeeSupport(tasks.Key("seen")), tasks.pick_up("cube", frame="map")), num_failures=3), tasks.carry())
 
 
-def bring_though_lost(to):
+def bring_or_fetch_again(to):
     """Brings the cube; one that slipped out of the gripper is sought and fetched again, once."""
     lost = sequence("fetch it again", py_trees.decorators.Inverter("lost", tasks.StillHeld()), tasks.Say("lost it: looking again"),
                     search(), fetch(), tasks.bring(to))
-    return py_trees.composites.Selector("though it be lost", memory=True, children=[tasks.bring(to), lost])
+    return py_trees.composites.Selector("bring, or fetch again", memory=True, children=[tasks.bring(to), lost])
 
 
 def tree(to):
@@ -56,7 +56,7 @@ def tree(to):
         sequence("search", search(),
                  tasks.Say("there is a cube at ({p.x:.2f}, {p.y:.2f}, {p.z:.2f})", p=tasks.Key("seen", "position"))),
         sequence("fetch", fetch(), tasks.Say("got it")),
-        sequence("deliver", bring_though_lost(to), tasks.MoveArm("both", "tuck"), tasks.Say("done")))
+        sequence("deliver", bring_or_fetch_again(to), tasks.MoveArm("both", "tuck"), tasks.Say("done")))
 
 
 class Observer:
@@ -120,7 +120,7 @@ def start(options, task, session):
     with_rviz = not options.no_rviz and display_works()
     session.launch("extperfc", "sim_tour.launch", rviz=str(with_rviz).lower(), seed=options.seed, real_time_factor=options.speed,
                    world=world.resolve(), model=pathlib.Path(options.model).resolve())
-    session.join("demo_tour", wait_s=60.0)
+    session.join("demo_tour")
     robot = GraspRobot(session.alive)
     robot.ready()
     return robot

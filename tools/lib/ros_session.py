@@ -9,7 +9,7 @@ import sys
 import tempfile
 import time
 
-MASTER_S = 20.0  # for a master to answer
+MASTER_S = 120.0  # for a master to answer, also where processors are slow or few; one that ends is noticed at once
 
 _COLOR = re.compile(r"\x1b\[[0-9;]*m")
 _NOISE = re.compile(r"Failed to load nodelet|REQUIRED process|Initiating shutdown|^=+$|bond broken")
@@ -65,18 +65,18 @@ class RosSession:
         with open(self.log_file, "w") as log:
             self.process = subprocess.Popen(command, stdout=log, stderr=subprocess.STDOUT, stdin=subprocess.DEVNULL)
 
-    def wait_for_master(self, wait_s=MASTER_S):
+    def wait_for_master(self):
         """Until the master answers; raises Stalled."""
         import rosgraph
-        starting, deadline = self.process or self.master, time.monotonic() + wait_s
+        starting, deadline = self.process or self.master, time.monotonic() + MASTER_S
         while not rosgraph.is_master_online():
             if starting.poll() is not None or time.monotonic() > deadline:
                 raise Stalled("the ROS master does not start")
             time.sleep(0.05)
 
-    def join(self, node, simulated=True, wait_s=MASTER_S):
+    def join(self, node, simulated=True):
         """This process becomes a node, by simulated time or not; raises Stalled when the master does not answer."""
-        self.wait_for_master(wait_s)
+        self.wait_for_master()
         import rospy
         if simulated:
             rospy.set_param("/use_sim_time", True)  # the launch may not have come to it yet, and a node asks once

@@ -98,7 +98,7 @@ class Soak:
             session.launch(None, translated_robot.LAUNCH_FILE, robot_master=robot.master.uri)
         else:
             session.launch("extperfc", "bringup.launch", rviz="false", world=options.world, seed=options.seed)
-        session.join("soak_robot", wait_s=READY_S)
+        session.join("soak_robot")
         rospy.Subscriber("sim/truth/blocked", std_msgs.msg.Bool, self._on_blocked)
         # Before Listener, which takes any message: a topic's first subscription decides in which type its messages come.
         robot_state.frames()

@@ -36,7 +36,6 @@ PLANNED_CAMERA = views.Camera(640, 480, numpy.array([[615.0, 0, 319.5], [0, 615.
 GRIP_M, GRIP_RAD = 0.015, math.radians(8)  # by which the board is held askew
 GOAL_M, GOAL_RAD = 0.002, math.radians(0.3)
 MAX_POSES = 80
-MASTER_S = 60.0  # of real time for roslaunch to start its master
 
 
 class Failed(Exception):
@@ -202,7 +201,7 @@ def session_of(options):
                        config=write_config(folder).resolve(),
                        seed=options.seed,
                        real_time_factor=options.speed)
-        session.join("trial_calibrate", wait_s=MASTER_S)
+        session.join("trial_calibrate")
         return session
     return start
 

@@ -34,7 +34,6 @@ from extperfc import robot_description as rd  # noqa: E402
 WS = pathlib.Path(os.environ.get("EXTPERFC_WS", REPO / ".ws"))
 NEAR_M = 0.15          # an estimate that is farther from the object is of something else
 MIN_RANGE_M = 0.195    # nearer centres have surfaces at or below the camera's minimum depth (0.175 m)
-MASTER_S = 60.0        # of real time for roslaunch to start its master
 IMAGES_S = 20.0        # of simulated time for the images of one distance
 TAKE_M = 0.4          # where an object is put between the fingers
 AWAY = (-1.4, -1.5)    # where tray and column go, out of the image
@@ -289,7 +288,7 @@ def main(argv):
                        real_time_factor=options.speed,
                        model=options.model.resolve(),
                        estimator=options.estimator)
-        session.join("trial_depth", wait_s=MASTER_S)
+        session.join("trial_depth")
         return report(options, *run(options, session), time.monotonic() - begin)
 
     return run_trial(options.out, body)

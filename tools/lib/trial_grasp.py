@@ -51,7 +51,7 @@ def parse_arguments(argv):
     return options
 
 
-def start(options, session, rospy):
+def start(options, session):
     """Simulator, detection and arm node: a GraspRobot and its GraspArms, None without arm."""
     with_arm = str(not options.without_arm).lower()
     session.launch("extperfc", "sim_grasp.launch", rviz="false", seed=options.seed, real_time_factor=options.speed,
@@ -187,8 +187,7 @@ def report(options, trials):
 
 def main(argv):
     options = parse_arguments(argv)
-    import rospy
-    return run_trial(options.out, lambda session: report(options, run(options, *start(options, session, rospy))),
+    return run_trial(options.out, lambda session: report(options, run(options, *start(options, session))),
                      scene.NoPlace)
 
 

@@ -66,7 +66,7 @@ def write_params(options):
     return file
 
 
-def start(options, session, rospy):
+def start(options, session):
     """Simulator and localizer; returns the robot, localized."""
     is_file = "/" in options.world or options.world.endswith(".yaml")
     session.launch("extperfc", "sim_localization.launch", rviz="false", seed=options.seed,
@@ -152,9 +152,8 @@ def report(options, found):
 
 def main(argv):
     options = parse_arguments(argv)
-    import rospy
     options.out.mkdir(parents=True, exist_ok=True)  # start() writes the parameters into it
-    return run_trial(options.out, lambda session: report(options, run(options, start(options, session, rospy))))
+    return run_trial(options.out, lambda session: report(options, run(options, start(options, session))))
 
 
 if __name__ == "__main__":

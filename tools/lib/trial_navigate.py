@@ -94,7 +94,7 @@ def write_params(options):
     return file
 
 
-def start(options, world, session, rospy):
+def start(options, world, session):
     session.launch("extperfc", "sim_navigation.launch", rviz="false", seed=options.seed, world=world,
                    real_time_factor=options.speed, sim_config=sim_config(options), config=write_params(options),
                    map_file=options.map.resolve() if options.map else "")
@@ -240,10 +240,9 @@ def report(options, rows):
 
 def main(argv):
     options = parse_arguments(argv)
-    import rospy
     world, true_map = prepare(options)
     return run_trial(options.out,
-                     lambda session: report(options, run(options, start(options, world, session, rospy), true_map, world)))
+                     lambda session: report(options, run(options, start(options, world, session), true_map, world)))
 
 
 if __name__ == "__main__":

@@ -84,11 +84,11 @@ struct NoGrasp {
 };
 
 /// The first candidate that one of the arms reaches free of collisions, with a straight collision-free path
-/// from its pregrasp. Arms with lists of their own are asked rank by rank. Where both reach theirs, the arm
-/// whose gripper has more than 3 mm to spare, and of equal ones the arm that has to move less (largest joint
-/// displacement). Equal inputs give equal results as long as no time is
-/// up. Throws std::invalid_argument for an arm without kinematics or checker, a state or start of another
-/// size, a chain with a joint that the checker's model does not move, or no arm.
+/// from its pregrasp. Arms with lists of their own are asked rank by rank. Where both reach theirs, an arm
+/// whose gripper has at least 3 mm to spare comes before one without, then the arm that has to move less
+/// (largest joint displacement). Equal inputs give equal results as long as no time is up. Throws
+/// std::invalid_argument for an arm without kinematics or checker, a state or start of another size, a chain
+/// with a joint that the checker's model does not move, or no arm.
 [[nodiscard]] tl::expected<GraspChoice, NoGrasp> choose_grasp(const std::vector<GraspCandidate>& candidates,
                                                               const std::vector<GraspArm>& arms,
                                                               const GraspChoiceOptions& options = {});

@@ -15,9 +15,9 @@ namespace {
 
 constexpr double kStep = 0.01;  // [m] between places on a straight path
 constexpr double kMaxRotation =
-    0.2;                          // [rad] of a joint between two of them: more is a jump to another branch
-constexpr double kTight = 0.003;  // [m] a gripper with less to spare may touch what it shall enclose
+    0.2;  // [rad] of a joint between two of them: more is a jump to another branch
 constexpr double kSupportSlack = 0.01;  // [m] an object's support ends at most this far above its bottom
+constexpr double kTight = 0.003;        // [m] a gripper with less to spare may touch what it shall enclose
 
 /// One arm among all joints of its checker.
 class ReachableGrasps {

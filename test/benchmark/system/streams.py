@@ -36,7 +36,7 @@ class Streams:
         self._summary, self._goals_x, self._begun, self._ended = None, None, None, None
         self._asked_at, self._moved_at = None, 0.0  # of a goal that came while the base stood; of the last command that moves it
         self.goal_to_motion_ms = []
-        session.join("bench_system", wait_s=ready_s)
+        session.join("bench_system")
         for name, topic in topics.items():
             rospy.Subscriber(topic, rospy.AnyMsg, functools.partial(self._on_message, name), queue_size=20, buff_size=2**22)
         rospy.Subscriber("diagnostics_toplevel_state", DiagnosticStatus, lambda message: setattr(self, "_summary", message))

@@ -266,7 +266,7 @@ class MadeUpArm:
         self.stood.pose.position.x = 0.7
         objects = {"cube_1": types.SimpleNamespace(label="cube", pose=self.stood, link="")}
         self.scene = types.SimpleNamespace(objects=objects, remove=objects.pop)
-        self.slips_at = None  # what the arms do when the object slips out of the gripper
+        self.between_fingers, self.slips_at = False, None  # slips_at: what the arms do when the object slips out of the gripper
 
     def _act(self, name, what, result):
         self.asked.append((name, what))
