@@ -57,10 +57,11 @@ KnownMapTracker::KnownMapTracker(const OdometryNoise& noise, double minimum_fit,
 }
 
 Tracked KnownMapTracker::add(const ScanPoints& points, const std::optional<Pose2>& odom_T_base,
-                             const std::vector<KeyFrame>& frames, const std::vector<Pose2>& poses) {
+                             double gap_s, const std::vector<KeyFrame>& frames,
+                             const std::vector<Pose2>& poses) {
   look_around(frames, poses);
-  const Tracked moved = motion_.add(points, odom_T_base);
-  Tracked tracked = tracker_.add(points, moved.pose);
+  const Tracked moved = motion_.add(points, odom_T_base, gap_s);
+  Tracked tracked = tracker_.add(points, moved.pose, gap_s);
   tracked.odometry_contradicted = moved.odometry_contradicted;
   const Eigen::Matrix3d step = tracked.information.inverse();
   covariance_ = tracked.matched ? step : Eigen::Matrix3d(covariance_ + step);

@@ -21,8 +21,8 @@ class KnownMapTracker {
   KnownMapTracker(const OdometryNoise& noise, double minimum_fit, const Pose2& pose,
                   const Eigen::Matrix3d& covariance);
 
-  /// `frames` must not be empty; `poses` are theirs in the map.
-  Tracked add(const ScanPoints& points, const std::optional<Pose2>& odom_T_base,
+  /// `frames` must not be empty; `poses` are theirs in the map. gap_s: as of Tracker::add.
+  Tracked add(const ScanPoints& points, const std::optional<Pose2>& odom_T_base, double gap_s,
               const std::vector<KeyFrame>& frames, const std::vector<Pose2>& poses);
   /// The key frames were moved: the robot moves with the one that is nearest to it.
   void follow(const std::vector<Pose2>& before, const std::vector<Pose2>& after);

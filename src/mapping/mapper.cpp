@@ -113,6 +113,7 @@ class Mapper::Impl {
   double key_path_m_{0};
   Eigen::Matrix3d doubt_{Eigen::Matrix3d::Zero()};  ///< of the steps since then
   double key_stamp_s_{0};
+  std::optional<double> last_stamp_s_;
   std::size_t lost_scans_{0};        ///< the latest ones
   std::optional<StartPose> put_at_;  ///< since the latest scan
   std::size_t first_of_part_{0};  ///< key frame from which on the robot's pose in the other parts is unknown
@@ -125,8 +126,11 @@ class Mapper::Impl {
 MapperUpdate Mapper::Impl::add(const LaserScan& scan, const std::optional<Pose2>& odom_T_base) {
   const auto points = scan_points(scan, {params_.max_usable_range_m, params_.max_range_m});
   const Pose2 before = tracker_.pose();
-  const Tracked tracked = known_map_ ? known_map_->add(points, odom_T_base, filter_.frames(), filter_.poses())
-                                     : tracker_.add(points, odom_T_base);
+  const double gap_s = last_stamp_s_ ? std::max(0.0, scan.stamp_s - *last_stamp_s_) : 0.0;
+  last_stamp_s_ = scan.stamp_s;
+  const Tracked tracked =
+      known_map_ ? known_map_->add(points, odom_T_base, gap_s, filter_.frames(), filter_.poses())
+                 : tracker_.add(points, odom_T_base, gap_s);
   statistics_.path_m += distance(tracker_.pose(), before);
   ++statistics_.scans;
   if (tracked.odometry_contradicted) ++statistics_.odometry_contradictions;

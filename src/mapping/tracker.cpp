@@ -17,9 +17,16 @@ constexpr double kReachOfNewestM =
 constexpr double kPointReachM = 0.25;  // maximum distance from a point to its surface
 // A match this many standard deviations from odometry contradicts it.
 constexpr double kContradiction = 6.0;
-// No robot moves this far from scan to scan: its odometry was reset.
+// No robot moves this far from scan to scan: its odometry was reset. In a gap between scans it may move on.
 constexpr double kJumpM = 3.0;
 constexpr double kJumpRad = 1.5;
+constexpr double kFastMPerS = 1.0;
+constexpr double kFastRadPerS = 1.0;
+constexpr double kLongestDriveS = 10.0;  // without scans that odometry is believed for
+// After a gap this long and a motion this large the surroundings may be others.
+constexpr double kUnseenS = 0.3;
+constexpr double kUnseenM = 0.5;
+constexpr double kUnseenRad = 0.5;
 // Scans whose fit is below the minimum plus this are searched in a wider window.
 constexpr double kComfortableFit = 0.15;
 constexpr double kUnusualDrop = 0.12;  // of the fit, below that of the latest scans
@@ -46,7 +53,22 @@ Eigen::Vector2d moved_along(const Eigen::Vector2d& along, const Pose2& from, con
 bool Tracker::jumps(const std::optional<Pose2>& odom_T_base) const {
   if (!odom_T_base || !last_odometry_) return false;
   const Pose2 step = between(*last_odometry_, *odom_T_base);
-  return std::hypot(step.x, step.y) > kJumpM || std::abs(step.yaw) > kJumpRad;
+  const double unseen_s = std::min(gap_s_, kLongestDriveS);
+  return std::hypot(step.x, step.y) > kJumpM + kFastMPerS * unseen_s ||
+         std::abs(step.yaw) > kJumpRad + kFastRadPerS * unseen_s;
+}
+
+/// Whether scans were missing while the robot drove from its last pose to `there`.
+bool Tracker::drove_unseen(const Pose2& there) const {
+  const Pose2 step = between(pose_, there);
+  return gap_s_ >= kUnseenS && (std::hypot(step.x, step.y) > kUnseenM || std::abs(step.yaw) > kUnseenRad);
+}
+
+/// Where a scan is looked for about the pose at which it is expected.
+Tracker::Window Tracker::window_about(const Pose2& expected) const {
+  constexpr Window kUsual{0.4, 0.3};
+  constexpr Window kWide{1.2, 0.6};
+  return resuming_ || drove_unseen(expected) ? kWide : kUsual;
 }
 
 Pose2 Tracker::expected_step(const std::optional<Pose2>& odom_T_base) const {
@@ -68,7 +90,8 @@ PosePrior Tracker::prior(const Pose2& step, bool has_odometry) const {
   return prior;
 }
 
-Tracked Tracker::add(const ScanPoints& points, const std::optional<Pose2>& odom_T_base) {
+Tracked Tracker::add(const ScanPoints& points, const std::optional<Pose2>& odom_T_base, double gap_s) {
+  gap_s_ = gap_s;
   const bool jump = jumps(odom_T_base);
   const bool has_odometry = odom_T_base && last_odometry_ && !jump;
   const Pose2 step = expected_step(odom_T_base);
@@ -116,15 +139,18 @@ Tracked Tracker::add(const ScanPoints& points, const std::optional<Pose2>& odom_
   return tracked;
 }
 
-/// Scans that show other surroundings follow odometry; after some of them tracking begins anew.
+/// Scans that show other surroundings follow odometry; after some of them, or where the robot drove on
+/// without scans, tracking begins anew.
 void Tracker::watch_place(const ScanPoints& points, const PosePrior& prior, Tracked& tracked) {
-  const bool lost = shows_elsewhere(points, tracked);
-  lost_scans_ = lost ? lost_scans_ + 1 : 0;
+  const bool lost = shows_elsewhere(points, prior, tracked);
+  const bool drove = lost && lost_scans_ == 0 && !fixed_ && drove_unseen(prior.mean);
+  lost_scans_ = lost && !drove ? lost_scans_ + 1 : 0;
   if (!lost) return;
   const double fit = tracked.fit;
   tracked = {};
   tracked.pose = prior.mean;
   tracked.fit = fit;
+  if (drove) return restart();
   tracked.lost = fixed_ || lost_scans_ < kCarriedScans;
   if (fixed_ && lost_scans_ >= kCarriedScans) resuming_ = true;
   if (tracked.lost) return;
@@ -150,7 +176,8 @@ bool Tracker::is_unusual(const ScanMatch& match) const {
 /// True when a scan has too little in common with the one before it, wherever near it is placed, or when
 /// those since then still do not fit the local map. A robot that drives through a door sees both sides of it
 /// for a while.
-bool Tracker::shows_elsewhere(const ScanPoints& points, const Tracked& tracked) const {
+bool Tracker::shows_elsewhere(const ScanPoints& points, const PosePrior& prior,
+                              const Tracked& tracked) const {
   constexpr double kResumedFit = 0.55;
   constexpr double kMaxFit = 0.65;
   constexpr double kDrop = 0.25;    // of the fit, below that of the latest scans
@@ -160,13 +187,11 @@ bool Tracker::shows_elsewhere(const ScanPoints& points, const Tracked& tracked) 
   if (tracked.fit > std::min(kMaxFit, usual_fit_ - kDrop)) return false;
   if (lost_scans_ > 0) return true;
   return last_scan_.surface.size() >= kMinContradictingPoints &&
-         common_with_last(points, between(pose_, tracked.pose)) < kCommon;
+         common_with_last(points, between(pose_, tracked.pose), window_about(prior.mean)) < kCommon;
 }
 
 /// The largest fraction of the scan or of the one before it that the other explains, near `step`.
-double Tracker::common_with_last(const ScanPoints& points, const Pose2& step) const {
-  constexpr double kWindowM = 0.4;
-  constexpr double kWindowRad = 0.3;
+double Tracker::common_with_last(const ScanPoints& points, const Pose2& step, const Window& window) const {
   SurfaceMap last;
   last.add(last_scan_, {});
   SurfaceMap now;
@@ -177,7 +202,7 @@ double Tracker::common_with_last(const ScanPoints& points, const Pose2& step) co
     return std::max(forward.on_surface / std::max(1.0, forward.all),
                     backward.on_surface / std::max(1.0, backward.all));
   };
-  const Pose2 wide = search_near(last, points, step, kWindowM, kWindowRad);
+  const Pose2 wide = search_near(last, points, step, window.m, window.rad);
   return std::max(common(match(last, points, step, {step, 0.1, 0.1}, kPointReachM)),
                   common(match(last, points, wide, {wide, 1.0, 1.0}, kPointReachM)));
 }
@@ -338,14 +363,12 @@ void Tracker::end_hold() {
 /// the scan must speak for a pose: the logarithm of a heavy-tailed prior, weighed against the support.
 ScanMatch Tracker::look_wider(const ScanPoints& points, const PosePrior& prior,
                               const ScanMatch& first) const {
-  constexpr double kWindowM = 0.4;
-  constexpr double kResumingWindowM = 1.2;
-  constexpr double kWindowRad = 0.3;
-  constexpr double kResumingWindowRad = 0.6;
+  constexpr double kSameRad = 0.15;
   constexpr double kMinGain = 0.05;
   constexpr double kGainPerLog = 0.045;
   constexpr double kFullScan = 200;  // points; fewer prove less
   constexpr double kSamePlaceM = 0.2;
+  const Window window = window_about(prior.mean);
   ScanMatch best = first;
   double best_score = support(points, first.pose) + kMinGain;
   const double per_log =
@@ -360,12 +383,11 @@ ScanMatch Tracker::look_wider(const ScanPoints& points, const PosePrior& prior,
   for (const Pose2& centre : {prior.mean, compose(pose_, last_step_), pose_}) {
     const bool known = std::any_of(tried.begin(), tried.end(), [&](const Pose2& other) {
       return std::hypot(other.x - centre.x, other.y - centre.y) < kSamePlaceM &&
-             std::abs(wrap_angle(other.yaw - centre.yaw)) < 0.5 * kWindowRad;
+             std::abs(wrap_angle(other.yaw - centre.yaw)) < kSameRad;
     });
     if (known) continue;
     tried.push_back(centre);
-    const Pose2 start = search_near(map_, points, centre, resuming_ ? kResumingWindowM : kWindowM,
-                                    resuming_ ? kResumingWindowRad : kWindowRad);
+    const Pose2 start = search_near(map_, points, centre, window.m, window.rad);
     const ScanMatch wide = match(map_, points, start, {start, 1.0, 1.0}, kPointReachM);
     const double score = support(points, wide.pose) - cost(wide.pose);
     if (score <= best_score) continue;

@@ -50,7 +50,9 @@ class Tracker {
 
   Tracker(const OdometryNoise& noise, double minimum_fit) : noise_(noise), minimum_fit_(minimum_fit) {}
 
-  [[nodiscard]] Tracked add(const ScanPoints& points, const std::optional<Pose2>& odom_T_base);
+  /// gap_s: since the scan before; 0: not known.
+  [[nodiscard]] Tracked add(const ScanPoints& points, const std::optional<Pose2>& odom_T_base,
+                            double gap_s = 0);
   [[nodiscard]] const Pose2& pose() const { return pose_; }
   /// Resumes at `pose`, using the key frames about it as local map, in the frame of their `poses`. The robot
   /// may stand a step away from there, and its odometry may begin anywhere.
@@ -77,7 +79,13 @@ class Tracker {
     double wheels_m{0};           ///< expected error of wheel odometry over the same distance
   };
 
+  struct Window {
+    double m{0};
+    double rad{0};
+  };
+  [[nodiscard]] Window window_about(const Pose2& expected) const;
   [[nodiscard]] bool jumps(const std::optional<Pose2>& odom_T_base) const;
+  [[nodiscard]] bool drove_unseen(const Pose2& there) const;
   [[nodiscard]] Pose2 expected_step(const std::optional<Pose2>& odom_T_base) const;
   [[nodiscard]] PosePrior prior(const Pose2& step, bool has_odometry) const;
   void match_scan(const ScanPoints& points, const PosePrior& prior, Tracked& tracked) const;
@@ -88,8 +96,10 @@ class Tracker {
   void judge_hold(const ScanPoints& points, Tracked& tracked);
   void end_hold();
   [[nodiscard]] bool is_unusual(const ScanMatch& match) const;
-  [[nodiscard]] bool shows_elsewhere(const ScanPoints& points, const Tracked& tracked) const;
-  [[nodiscard]] double common_with_last(const ScanPoints& points, const Pose2& step) const;
+  [[nodiscard]] bool shows_elsewhere(const ScanPoints& points, const PosePrior& prior,
+                                     const Tracked& tracked) const;
+  [[nodiscard]] double common_with_last(const ScanPoints& points, const Pose2& step,
+                                        const Window& window) const;
   [[nodiscard]] double support(const ScanPoints& points, const Pose2& pose) const;
   struct StepError {
     double m{0};
@@ -121,6 +131,7 @@ class Tracker {
   std::optional<WheelSpin> wheel_spin_;  ///< while odometry decides along a corridor
   double longest_step_m_{0};             ///< of the latest scans
   double usual_fit_{0};                  ///< of the latest scans
+  double gap_s_{0};                      ///< between the last two scans
   bool resuming_{false};                 ///< until a scan matches, it is looked for in a wider window
   int lost_scans_{0};                    ///< the latest ones, one after another
   bool fixed_{false};                    ///< scans are not added to the local map

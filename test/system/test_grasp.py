@@ -108,13 +108,31 @@ class Grasp(unittest.TestCase):
         self.assertTrue(scene.is_placed("cube", pose[:3, 3], pose[:3, :3], self.place_pose), f"\n{pose}\n{self.place_pose}")
         self.assertEqual([], self.held())
 
+    def wait_stage(self, motion, stage):
+        deadline = time.monotonic() + ANSWER_S
+        while motion.feedback is None or motion.feedback.stage != stage:
+            self.assertFalse(motion.done)
+            self.assertLess(time.monotonic(), deadline, f"not {stage}")
+            time.sleep(0.01)
+
+    def test_a_cube_that_comes_along_from_its_place_is_reported(self):
+        goal = (*scene.middle("cube", self.other), 0.0, 0.0, self.other.yaw)
+        picked = self.arms.arms.pick("cube", lift=LIFT_M, place_at=goal, frame="map", timeout=ANSWER_S)
+        tip = f"{picked.arm}_gripper"
+        tip_T_cube = numpy.linalg.inv(self.robot.transform("map", tip)) @ self.robot.true_pose("cube")
+        motion = self.arms.arms.place(goal, frame="map", wait=False)
+        self.wait_stage(motion, "checking")
+        while not motion.done:
+            self.robot.move_body_to("cube", self.robot.transform("map", tip) @ tip_T_cube)
+            time.sleep(0.01)
+        self.fails(ArmCode.NOT_RELEASED, motion)
+        self.assertEqual([picked.object], self.held())
+        self.arms.arms.place(goal, frame="map", timeout=ANSWER_S)
+        self.assertEqual([], self.held())
+
     def test_a_cube_that_is_taken_away_is_reported(self):
         motion = self.arms.arms.pick("cube", lift=LIFT_M, wait=False)
-        deadline = time.monotonic() + ANSWER_S
-        while motion.feedback is None or motion.feedback.stage != "approaching":
-            self.assertFalse(motion.done)
-            self.assertLess(time.monotonic(), deadline, "no approach")
-            time.sleep(0.01)
+        self.wait_stage(motion, "approaching")
         self.robot.park("cube")
         self.fails(ArmCode.GRASP_MISSED, motion)
         self.assertEqual([], self.held())

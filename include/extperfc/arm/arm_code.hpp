@@ -33,6 +33,7 @@ enum class ArmCode : int {
   kNothingHeld = 34,
   kGrippersFull = 35,
   kGripperFailed = 36,
+  kNotReleased = 37,
   kInternal = 99,
 };
 

@@ -78,6 +78,7 @@ struct PlaceTask {
 struct PlacePlan {
   PlaceCandidate candidate;
   StraightPaths paths;  ///< down with the object, back without it
+  bool clear{false};    ///< the retreat ends with all of the object in front of the fingers: they may close
 };
 
 /// A way to place a held object: first with the padding of plans, then without. A ball may rest in any

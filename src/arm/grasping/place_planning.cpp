@@ -140,7 +140,16 @@ class PlacePlanner {
     if (!chosen)
       return failure(ArmCode::kGoalUnreachable,
                      "cannot place " + task_.object.name + " there: " + chosen.error().message);
-    return PlacePlan{candidates[static_cast<std::size_t>(chosen->candidate)], std::move(chosen->paths)};
+    const auto& candidate = candidates[static_cast<std::size_t>(chosen->candidate)];
+    return PlacePlan{candidate, std::move(chosen->paths), clear_after(candidate)};
+  }
+
+  /// The tip's z points from the palm to the fingers' ends.
+  [[nodiscard]] bool clear_after(const PlaceCandidate& candidate) const {
+    const Pose tip_T_object = candidate.root_T_retreat.inverse() * candidate.root_T_object;
+    const double object_m = vertical_extent(task_.object.shapes, tip_T_object).low_m;
+    return std::all_of(hand_.parts.begin(), hand_.parts.end(),
+                       [&](const FingerPart& part) { return part.z_high_m < object_m; });
   }
 
   [[nodiscard]] GraspChoiceOptions options_of(const Attempt& attempt) const {

@@ -78,6 +78,8 @@ const char* to_string(ArmCode code) {
       return "grippers_full";
     case ArmCode::kGripperFailed:
       return "gripper_failed";
+    case ArmCode::kNotReleased:
+      return "not_released";
     case ArmCode::kInternal:
       return "internal";
   }

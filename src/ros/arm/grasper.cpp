@@ -297,7 +297,29 @@ Status Grasper::put_down(Hand& hand, const CollisionObject& item, const arm::Pla
   const auto touch = [&](arm::CollisionWorld& world) {
     arm::allow_grasp(world, item.name, hand.manipulator.hand);
   };
-  return move_along(hand, plan.paths.departure, time_s, with_stage(callbacks, "retreating", touch));
+  if (auto moved =
+          move_along(hand, plan.paths.departure, time_s, with_stage(callbacks, "retreating", touch));
+      failed(moved) || !plan.clear)
+    return moved;
+  return left_behind(hand, item, callbacks);
+}
+
+/// Closing the empty gripper shows whether the object came along, stuck to a finger for example. The scene
+/// then says so.
+Status Grasper::left_behind(Hand& hand, const CollisionObject& item, const MotionCallbacks& callbacks) {
+  callbacks.progress("checking", 0.0);
+  const auto holds = hand.gripper->close(callbacks);
+  if (!holds) return holds.error();
+  if (!*holds) return success();
+  SceneObject in_hand;
+  in_hand.operation = SceneObject::MOVE;
+  in_hand.name = item.name;
+  in_hand.pose.header.frame_id = hand.tip();
+  in_hand.pose.pose = ros_convert::to_message(item.frame_T_object);
+  if (const auto moved = execution_.shared().scene.apply({in_hand}); !moved) return moved.error();
+  if (auto done = change(SceneObject::ATTACH, item.name, &hand); failed(done)) return done;
+  return {ArmCode::kNotReleased, item.name + " came along: it is still in the " + hand.manipulator.name +
+                                     " gripper. Place it again, or take it out by hand."};
 }
 
 // Motions.

@@ -59,6 +59,7 @@ class Grasper {
   [[nodiscard]] Maybe<Hand*> holding(const extperfc::PlaceGoal& goal, CollisionObject* item);
   [[nodiscard]] Status put_down(Hand& hand, const CollisionObject& item, const arm::PlacePlan& plan,
                                 double time_s, const MotionCallbacks& callbacks);
+  [[nodiscard]] Status left_behind(Hand& hand, const CollisionObject& item, const MotionCallbacks& callbacks);
 
   // Motions.
   [[nodiscard]] Status move_joints(const Hand& hand, const arm::JointVector& goal, double time_s,

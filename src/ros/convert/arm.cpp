@@ -47,6 +47,7 @@ static_assert(to_message(arm::ArmCode::kObjectLost) == extperfc::ArmCode::OBJECT
 static_assert(to_message(arm::ArmCode::kNothingHeld) == extperfc::ArmCode::NOTHING_HELD);
 static_assert(to_message(arm::ArmCode::kGrippersFull) == extperfc::ArmCode::GRIPPERS_FULL);
 static_assert(to_message(arm::ArmCode::kGripperFailed) == extperfc::ArmCode::GRIPPER_FAILED);
+static_assert(to_message(arm::ArmCode::kNotReleased) == extperfc::ArmCode::NOT_RELEASED);
 static_assert(to_message(arm::ArmCode::kInternal) == extperfc::ArmCode::INTERNAL);
 
 constexpr std::size_t kMaxTriangles = 100'000;  ///< of one mesh

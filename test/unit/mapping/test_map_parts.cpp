@@ -100,6 +100,31 @@ TEST(CarriedRobot, StaysBesideAMapThatItDoesNotKnow) {
   }
 }
 
+/// Wheels tell how the robot drove on while its lidar was silent; what it sees then may have nothing in common
+/// with what it saw before.
+TEST(SilentLidar, IsNoCarriedRobot) {
+  const auto route = planar_drive(kThroughAll, 0.12, 0.12);
+  const auto beyond = [&](double x_m) {
+    return std::find_if(route.begin(), route.end(), [&](const Pose2& pose) { return pose.x > x_m; }) -
+           route.begin();
+  };
+  for (const double door_m : {8.0, 16.0}) {
+    SCOPED_TRACE(door_m);
+    MapperDrive drive = drive_through(kThroughAll, 31);
+    const auto cut = [&](auto& values) {
+      values.erase(values.begin() + beyond(door_m - 1.5), values.begin() + beyond(door_m + 2));
+    };
+    cut(drive.scans);
+    cut(drive.odometry);
+    cut(drive.truth);
+    Mapper mapper = make_mapper();
+    EXPECT_EQ(add_and_search(mapper, drive, 0, drive.scans.size()), 0U);
+    EXPECT_EQ(mapper.statistics().parts, 1U);
+    mapper.finish();
+    EXPECT_LT(worst_m(mapper, drive, 0), 0.12);
+  }
+}
+
 class ResumedElsewhere : public testing::Test {
  protected:
   /// A session of all rooms, loaded again; the drive goes on in the third one.

@@ -169,6 +169,15 @@ TEST_F(PickAndPlace, AFreePlaceHasADescentAndARetreat) {
   expect_straight_and_free(down, standing);
   standing.remove("cube");
   expect_straight_and_free(back, standing);
+  EXPECT_TRUE(plan->clear);
+}
+
+TEST_F(PickAndPlace, FingersThatStayBesideThePlacedObjectMustNotClose) {
+  auto task = place(on_table(0.8, 0.35));
+  task.place.retreat_m = 0.01;
+  const auto plan = plan_place(pipeline_, task, world_);
+  ASSERT_TRUE(plan) << plan.error().message;
+  EXPECT_FALSE(plan->clear);
 }
 
 TEST_F(PickAndPlace, SaysWhyAPlaceIsTaken) {
