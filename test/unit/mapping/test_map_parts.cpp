@@ -121,7 +121,7 @@ TEST(SilentLidar, IsNoCarriedRobot) {
     EXPECT_EQ(add_and_search(mapper, drive, 0, drive.scans.size()), 0U);
     EXPECT_EQ(mapper.statistics().parts, 1U);
     mapper.finish();
-    EXPECT_LT(worst_m(mapper, drive, 0), 0.12);
+    EXPECT_LT(worst_m(mapper, drive, 0), 0.2) << "half a degree over 20 m";
   }
 }
 
