@@ -20,10 +20,10 @@ constexpr double kContradiction = 6.0;
 // No robot moves this far from scan to scan: its odometry was reset. In a gap between scans it may move on.
 constexpr double kJumpM = 3.0;
 constexpr double kJumpRad = 1.5;
-constexpr double kFastMPerS = 1.0;
+constexpr double kFastMPerS = 1.5;
 constexpr double kFastRadPerS = 1.0;
-constexpr double kLongestDriveS = 10.0;  // without scans that odometry is believed for
-// After a gap this long and a motion this large the surroundings may be others.
+constexpr double kLongestDriveS = 30.0;  // without scans that odometry is believed for
+// After a gap at least this long and a motion this large the surroundings may be others.
 constexpr double kUnseenS = 0.3;
 constexpr double kUnseenM = 0.5;
 constexpr double kUnseenRad = 0.5;
@@ -53,7 +53,7 @@ Eigen::Vector2d moved_along(const Eigen::Vector2d& along, const Pose2& from, con
 bool Tracker::jumps(const std::optional<Pose2>& odom_T_base) const {
   if (!odom_T_base || !last_odometry_) return false;
   const Pose2 step = between(*last_odometry_, *odom_T_base);
-  const double unseen_s = std::min(gap_s_, kLongestDriveS);
+  const double unseen_s = gap_s_ <= kLongestDriveS ? gap_s_ : 0.0;
   return std::hypot(step.x, step.y) > kJumpM + kFastMPerS * unseen_s ||
          std::abs(step.yaw) > kJumpRad + kFastRadPerS * unseen_s;
 }
@@ -61,7 +61,8 @@ bool Tracker::jumps(const std::optional<Pose2>& odom_T_base) const {
 /// Whether scans were missing while the robot drove from its last pose to `there`.
 bool Tracker::drove_unseen(const Pose2& there) const {
   const Pose2 step = between(pose_, there);
-  return gap_s_ >= kUnseenS && (std::hypot(step.x, step.y) > kUnseenM || std::abs(step.yaw) > kUnseenRad);
+  return gap_s_ >= kUnseenS && gap_s_ <= kLongestDriveS &&
+         (std::hypot(step.x, step.y) > kUnseenM || std::abs(step.yaw) > kUnseenRad);
 }
 
 /// Where a scan is looked for about the pose at which it is expected.

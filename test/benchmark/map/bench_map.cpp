@@ -12,6 +12,7 @@
 #include "test/benchmark/map/options.hpp"
 #include "test/benchmark/map/rows.hpp"
 #include "test/benchmark/map/subjects.hpp"
+#include "test/benchmark/map/varied_part.hpp"
 #include "test/benchmark/map/worlds_part.hpp"
 #include "test/benchmark/report.hpp"
 #include "test/support/temporary_folder.hpp"
@@ -42,6 +43,7 @@ Result<std::vector<Row>> measure(const MapOptions& options) {
   const TemporaryFolder folder;
   const auto subjects = find_subjects(options.log, folder.path());
   if (!subjects) return tl::unexpected(subjects.error());
+  if (options.only == kVariedPart) return varied_rows(*subjects);
   struct Part {
     const char* name;
     std::function<Result<std::vector<Row>>()> rows;

@@ -2,11 +2,11 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 #include <fstream>
 #include <string>
 #include <vector>
 
+#include "test/benchmark/map/carmen_writer.hpp"
 #include "test/support/planar_world.hpp"
 
 namespace extperfc::benchmark {
@@ -115,38 +115,6 @@ Office OfficeBuilder::build() {
   return std::move(office_);
 }
 
-/// One line of a CARMEN log: a full revolution of rays, no remissions, the scanner in the robot's middle.
-class CarmenWriter {
- public:
-  explicit CarmenWriter(const fs::path& file) : out_(file) {}
-
-  void add(const LaserScan& scan, const Pose2& odometry) {
-    std::string line = "ROBOTLASER1 0 " + number(scan.angle_min) + number(2 * M_PI) +
-                       number(scan.angle_increment) + number(scan.range_max) + "0.01 0 " +
-                       std::to_string(scan.ranges.size()) + " ";
-    for (const float range : scan.ranges)
-      line += number(std::isfinite(range) ? static_cast<double>(range) : scan.range_max);
-    line += "0 ";
-    for (int i = 0; i < 2; ++i) line += number(odometry.x) + number(odometry.y) + number(odometry.yaw);
-    line += "0 0 0 0 0 " + number(scan.stamp_s) + "nobody " + number(scan.stamp_s);
-    out_ << line << '\n';
-  }
-
-  [[nodiscard]] Result<void> finish(const fs::path& file) {
-    out_.close();
-    if (out_.fail()) return fail(ErrorCode::kFailed, "cannot write " + file.string());
-    return {};
-  }
-
- private:
-  static std::string number(double value) {
-    char text[32];
-    std::snprintf(text, sizeof(text), "%.6f ", value);
-    return text;
-  }
-  std::ofstream out_;
-};
-
 /// Between scans a second apart, and between those that saw the same place at different times.
 Result<void> write_relations(const std::vector<Pose2>& poses, std::size_t second, const fs::path& file) {
   std::ofstream out(file);
@@ -236,7 +204,7 @@ Result<Recording> record_office(const DriveParams& params, const fs::path& folde
     writer.add(scanner.scan(office.world, poses[i], rng, static_cast<double>(i) / params.rate_hz),
                odometry.pose);
   }
-  if (auto done = writer.finish(recording.log); !done) return tl::unexpected(done.error());
+  if (auto done = writer.finish(); !done) return tl::unexpected(done.error());
   const auto second = static_cast<std::size_t>(std::lround(params.rate_hz));
   if (auto done = write_relations(poses, std::max<std::size_t>(second, 1), recording.relations); !done)
     return tl::unexpected(done.error());
@@ -256,7 +224,7 @@ Result<Recording> record_hall(const fs::path& folder) {
     if (i > 0) odometry.move(between(poses[i - 1], poses[i]), rng);
     writer.add(scanner.scan(hall.near(poses[i]), poses[i], rng, static_cast<double>(i)), odometry.pose);
   }
-  if (auto done = writer.finish(recording.log); !done) return tl::unexpected(done.error());
+  if (auto done = writer.finish(); !done) return tl::unexpected(done.error());
   return recording;
 }
 

@@ -10,7 +10,7 @@
 namespace extperfc::benchmark {
 namespace {
 
-const std::set<std::string> kParts{"log", "peer", "rates", "hall", kWorldsPart};
+const std::set<std::string> kParts{"log", "peer", "rates", "hall", kVariedPart, kWorldsPart};
 constexpr int kMaxSeeds = 100;
 constexpr int kMaxWorlds = 1000;
 
@@ -38,7 +38,7 @@ Result<void> read_choice(const Arguments& arguments, MapOptions& options) {
   options.only = arguments.last("--only").value_or("");
   if (!options.only.empty() && kParts.count(options.only) == 0)
     return fail(ErrorCode::kInvalidArgument,
-                "--only needs log, peer, rates, hall or worlds, not '" + options.only + "'");
+                "--only needs log, peer, rates, hall, varied or worlds, not '" + options.only + "'");
   options.log = arguments.last("--log").value_or("");
   const auto& logs = log_names();
   if (arguments.has("--log") && std::find(logs.begin(), logs.end(), options.log) == logs.end())
@@ -89,8 +89,10 @@ void print_map_help(std::ostream& out) {
          "  --peer-scans  of every log, for the peers (default 0: all of them, or the longest first part "
          "that\n"
          "                a peer does in ten minutes of CPU; takes most of an hour)\n"
-         "  --only        log, peer, rates or hall (default: all four), or worlds: accuracy and CPU time in\n"
-         "                generated buildings of ten kinds; takes minutes, and runs only when asked for\n"
+         "  --only        log, peer, rates or hall (default: all four). Only when asked for, since they "
+         "take\n"
+         "                minutes: varied, the logs with a poorer scanner, worse wheels, missing scans, and\n"
+         "                backwards; worlds, generated buildings of ten kinds\n"
          "  --worlds      of every kind (default 2)\n"
          "  --json        write the results too\n";
 }

@@ -10,7 +10,9 @@
 namespace extperfc::benchmark {
 
 constexpr std::size_t kWholeLog = 1'000'000'000;
-constexpr char kWorldsPart[] = "worlds";  ///< runs only when it is asked for
+// These run only when they are asked for.
+constexpr char kVariedPart[] = "varied";
+constexpr char kWorldsPart[] = "worlds";
 
 struct MapOptions {
   int seeds{3};                       ///< of every log, with 30 particles; with other numbers at most three
@@ -19,7 +21,7 @@ struct MapOptions {
   double drive_s{400};                ///< length of the drives in generated buildings [s], at most
   bool quick{false};                  ///< parts of everything
   int worlds{2};                      ///< generated buildings of every kind
-  std::string only;  ///< "log", "peer", "rates", "hall", kWorldsPart, or empty: all but the last
+  std::string only;  ///< "log", "peer", "rates", "hall", or empty: all of these; kVariedPart, kWorldsPart
   std::string log;   ///< one of log_names(), or empty: all that are there
   std::string json;
   bool help{false};
