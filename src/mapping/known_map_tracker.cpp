@@ -56,9 +56,8 @@ KnownMapTracker::KnownMapTracker(const OdometryNoise& noise, double minimum_fit,
   tracker_.begin_at(pose);
 }
 
-Tracked KnownMapTracker::add(const ScanPoints& points, const std::optional<Pose2>& odom_T_base,
-                             double gap_s, const std::vector<KeyFrame>& frames,
-                             const std::vector<Pose2>& poses) {
+Tracked KnownMapTracker::add(const ScanPoints& points, const std::optional<Pose2>& odom_T_base, double gap_s,
+                             const std::vector<KeyFrame>& frames, const std::vector<Pose2>& poses) {
   look_around(frames, poses);
   const Tracked moved = motion_.add(points, odom_T_base, gap_s);
   Tracked tracked = tracker_.add(points, moved.pose, gap_s);

@@ -128,9 +128,9 @@ MapperUpdate Mapper::Impl::add(const LaserScan& scan, const std::optional<Pose2>
   const Pose2 before = tracker_.pose();
   const double gap_s = last_stamp_s_ ? std::max(0.0, scan.stamp_s - *last_stamp_s_) : 0.0;
   last_stamp_s_ = scan.stamp_s;
-  const Tracked tracked =
-      known_map_ ? known_map_->add(points, odom_T_base, gap_s, filter_.frames(), filter_.poses())
-                 : tracker_.add(points, odom_T_base, gap_s);
+  const Tracked tracked = known_map_
+                              ? known_map_->add(points, odom_T_base, gap_s, filter_.frames(), filter_.poses())
+                              : tracker_.add(points, odom_T_base, gap_s);
   statistics_.path_m += distance(tracker_.pose(), before);
   ++statistics_.scans;
   if (tracked.odometry_contradicted) ++statistics_.odometry_contradictions;
