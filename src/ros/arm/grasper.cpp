@@ -297,8 +297,7 @@ Status Grasper::put_down(Hand& hand, const CollisionObject& item, const arm::Pla
   const auto touch = [&](arm::CollisionWorld& world) {
     arm::allow_grasp(world, item.name, hand.manipulator.hand);
   };
-  if (auto moved =
-          move_along(hand, plan.paths.departure, time_s, with_stage(callbacks, "retreating", touch));
+  if (auto moved = move_along(hand, plan.paths.departure, time_s, with_stage(callbacks, "retreating", touch));
       failed(moved) || !plan.clear)
     return moved;
   return left_behind(hand, item, callbacks);
