@@ -100,8 +100,8 @@ TEST(CarriedRobot, StaysBesideAMapThatItDoesNotKnow) {
   }
 }
 
-/// Wheels tell how the robot drove on while its lidar was silent; what it sees then may have nothing in common
-/// with what it saw before.
+/// Wheels tell how the robot drove on while its lidar was silent; what it sees then may have nothing in
+/// common with what it saw before.
 TEST(SilentLidar, IsNoCarriedRobot) {
   const auto route = planar_drive(kThroughAll, 0.12, 0.12);
   const auto beyond = [&](double x_m) {
