@@ -144,7 +144,7 @@ Tracked Tracker::add(const ScanPoints& points, const std::optional<Pose2>& odom_
 /// without scans, tracking begins anew.
 void Tracker::watch_place(const ScanPoints& points, const PosePrior& prior, Tracked& tracked) {
   const bool lost = shows_elsewhere(points, prior, tracked);
-  const bool drove = lost && lost_scans_ == 0 && !fixed_ && drove_unseen(prior.mean);
+  const bool drove = lost && lost_scans_ == 0 && !fixed_ && !resuming_ && drove_unseen(prior.mean);
   lost_scans_ = lost && !drove ? lost_scans_ + 1 : 0;
   if (!lost) return;
   const double fit = tracked.fit;

@@ -56,6 +56,25 @@ TEST(CarriedRobot, IsNoticedAndFoundAgain) {
   EXPECT_LT(worst_m(mapper, drive, before), 0.1);
 }
 
+/// The wheels turned while it was in the air.
+TEST(CarriedRobot, IsExpectedAfterAPause) {
+  const std::size_t before = planar_drive(kThroughAll, 0.12, 0.12).size();
+  MapperDrive drive = carried_between(kThroughAll, kBackFromThird, 3);
+  const Pose2 moved = compose(drive.odometry[before - 1], {1, 0, 0});
+  const Pose2 put_down = drive.odometry[before];
+  for (std::size_t i = before; i < drive.scans.size(); ++i) {
+    drive.odometry[i] = compose(moved, between(put_down, drive.odometry[i]));
+    drive.scans[i].stamp_s = drive.scans[before - 1].stamp_s + 5 + 0.1 * static_cast<double>(i - before);
+  }
+  Mapper mapper = make_mapper();
+  EXPECT_EQ(add_and_search(mapper, drive, 0, before), 0U);
+  mapper.expect_elsewhere();
+  EXPECT_EQ(add_and_search(mapper, drive, before, drive.scans.size()), 1U);
+  mapper.finish();
+  EXPECT_EQ(mapper.statistics().parts, 1U);
+  EXPECT_LT(worst_m(mapper, drive, before), 0.1);
+}
+
 /// A lidar that was silent while the robot drove through a doorway: odometry is right, and too few places are
 /// seen again to find the robot without it.
 TEST(CarriedRobot, ThatWasNotCarriedStandsWhereOdometryHasIt) {
