@@ -53,16 +53,14 @@ Eigen::Vector2d moved_along(const Eigen::Vector2d& along, const Pose2& from, con
 bool Tracker::jumps(const std::optional<Pose2>& odom_T_base) const {
   if (!odom_T_base || !last_odometry_) return false;
   const Pose2 step = between(*last_odometry_, *odom_T_base);
-  const double unseen_s = gap_s_ <= kLongestDriveS ? gap_s_ : 0.0;
-  return std::hypot(step.x, step.y) > kJumpM + kFastMPerS * unseen_s ||
-         std::abs(step.yaw) > kJumpRad + kFastRadPerS * unseen_s;
+  return std::hypot(step.x, step.y) > kJumpM + kFastMPerS * gap_s_ ||
+         std::abs(step.yaw) > kJumpRad + kFastRadPerS * gap_s_;
 }
 
 /// Whether scans were missing while the robot drove from its last pose to `there`.
 bool Tracker::drove_unseen(const Pose2& there) const {
   const Pose2 step = between(pose_, there);
-  return gap_s_ >= kUnseenS && gap_s_ <= kLongestDriveS &&
-         (std::hypot(step.x, step.y) > kUnseenM || std::abs(step.yaw) > kUnseenRad);
+  return gap_s_ >= kUnseenS && (std::hypot(step.x, step.y) > kUnseenM || std::abs(step.yaw) > kUnseenRad);
 }
 
 /// Where a scan is looked for about the pose at which it is expected.
@@ -92,7 +90,7 @@ PosePrior Tracker::prior(const Pose2& step, bool has_odometry) const {
 }
 
 Tracked Tracker::add(const ScanPoints& points, const std::optional<Pose2>& odom_T_base, double gap_s) {
-  gap_s_ = gap_s;
+  gap_s_ = gap_s <= kLongestDriveS ? gap_s : 0.0;
   const bool jump = jumps(odom_T_base);
   const bool has_odometry = odom_T_base && last_odometry_ && !jump;
   const Pose2 step = expected_step(odom_T_base);

@@ -131,10 +131,10 @@ class Tracker {
   std::optional<WheelSpin> wheel_spin_;  ///< while odometry decides along a corridor
   double longest_step_m_{0};             ///< of the latest scans
   double usual_fit_{0};                  ///< of the latest scans
-  double gap_s_{0};                      ///< between the last two scans
-  bool resuming_{false};                 ///< until a scan matches, it is looked for in a wider window
-  int lost_scans_{0};                    ///< the latest ones, one after another
-  bool fixed_{false};                    ///< scans are not added to the local map
+  double gap_s_{0};       ///< between the last two scans; 0: not known, or too long for odometry
+  bool resuming_{false};  ///< until a scan matches, it is looked for in a wider window
+  int lost_scans_{0};     ///< the latest ones, one after another
+  bool fixed_{false};     ///< scans are not added to the local map
 };
 
 }  // namespace extperfc::mapping

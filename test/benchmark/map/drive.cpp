@@ -116,13 +116,11 @@ Office OfficeBuilder::build() {
 }
 
 /// Between scans a second apart, and between those that saw the same place at different times.
-Result<void> write_relations(const std::vector<Pose2>& poses, std::size_t second, const fs::path& file) {
-  std::ofstream out(file);
+std::vector<offline::Relation> relations_of(const std::vector<Pose2>& poses, std::size_t second) {
+  std::vector<offline::Relation> relations;
   const auto add = [&](std::size_t i, std::size_t j) {
-    const Pose2 relation = between(poses[i], poses[j]);
-    out << i << ' ' << j << ' ' << relation.x << ' ' << relation.y << " 0 0 0 " << relation.yaw << '\n';
+    relations.push_back({i, j, between(poses[i], poses[j])});
   };
-  out.precision(9);
   constexpr double kSamePlaceM = 1.0;
   for (std::size_t i = 0; i + second < poses.size(); i += 2 * second) {
     add(i, i + second);
@@ -132,9 +130,7 @@ Result<void> write_relations(const std::vector<Pose2>& poses, std::size_t second
         break;
       }
   }
-  out.close();
-  if (out.fail()) return fail(ErrorCode::kFailed, "cannot write " + file.string());
-  return {};
+  return relations;
 }
 
 /// Pillars of a hall, and its outer walls, near a place: rays are cast against these alone.
@@ -188,6 +184,16 @@ std::vector<Pose2> hall_drive() {
 
 }  // namespace
 
+Result<void> write_relations(const std::vector<offline::Relation>& relations, const fs::path& file) {
+  std::ofstream out(file);
+  out.precision(9);
+  for (const auto& [from, to, pose] : relations)
+    out << from << ' ' << to << ' ' << pose.x << ' ' << pose.y << " 0 0 0 " << pose.yaw << '\n';
+  out.close();
+  if (out.fail()) return fail(ErrorCode::kFailed, "cannot write " + file.string());
+  return {};
+}
+
 Result<Recording> record_office(const DriveParams& params, const fs::path& folder) {
   const Office office = OfficeBuilder().build();
   auto poses = planar_drive(office.route, kSpeedMPerS / params.rate_hz, kYawRateRadPerS / params.rate_hz);
@@ -206,8 +212,8 @@ Result<Recording> record_office(const DriveParams& params, const fs::path& folde
   }
   if (auto done = writer.finish(); !done) return tl::unexpected(done.error());
   const auto second = static_cast<std::size_t>(std::lround(params.rate_hz));
-  if (auto done = write_relations(poses, std::max<std::size_t>(second, 1), recording.relations); !done)
-    return tl::unexpected(done.error());
+  const auto relations = relations_of(poses, std::max<std::size_t>(second, 1));
+  if (auto done = write_relations(relations, recording.relations); !done) return tl::unexpected(done.error());
   return recording;
 }
 

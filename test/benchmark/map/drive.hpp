@@ -2,8 +2,10 @@
 
 #include <cstddef>
 #include <filesystem>
+#include <vector>
 
 #include "extperfc/base/error.hpp"
+#include "extperfc/offline/relations.hpp"
 
 namespace extperfc::benchmark {
 
@@ -19,6 +21,10 @@ struct Recording {
   std::filesystem::path log;
   std::filesystem::path relations;  ///< empty: there are none
 };
+
+/// As offline::read_relations() reads them. Errors: the file cannot be written.
+[[nodiscard]] Result<void> write_relations(const std::vector<offline::Relation>& relations,
+                                           const std::filesystem::path& file);
 
 /// A robot at 0.5 m/s and 0.6 rad/s through an office of 46 m x 30 m: the corridor around its middle, every
 /// room, and the corridor again. Ranges up to 12 m with 1 cm of noise; odometry 2 % too long, with a veer and

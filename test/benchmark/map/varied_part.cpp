@@ -2,17 +2,16 @@
 
 #include <algorithm>
 #include <cmath>
-#include <fstream>
 #include <functional>
 #include <iostream>
 #include <limits>
 #include <map>
 #include <optional>
-#include <sstream>
 #include <string>
 #include <utility>
 
 #include "extperfc/base/rng.hpp"
+#include "extperfc/offline/relations.hpp"
 #include "extperfc/sources/scan_log.hpp"
 
 #include "test/benchmark/map/carmen_writer.hpp"
@@ -120,24 +119,16 @@ Result<Records> read_all(const Recording& recording) {
 }
 
 /// The relations between those scans that are left, by their new places.
-Result<void> write_relations(const Records& records, const std::filesystem::path& from,
-                             const std::filesystem::path& to) {
+Result<std::vector<offline::Relation>> relations_left(const Records& records,
+                                                      const std::filesystem::path& file) {
+  const auto relations = offline::read_relations(file);
+  if (!relations) return tl::unexpected(relations.error());
   std::map<std::size_t, std::size_t> place;
   for (std::size_t i = 0; i < records.size(); ++i) place[records[i].index] = i;
-  std::ifstream in(from);
-  std::ofstream out(to);
-  for (std::string line; std::getline(in, line);) {
-    std::istringstream fields(line);
-    std::size_t i = 0;
-    std::size_t j = 0;
-    std::string relation;
-    if (!(fields >> i >> j) || !std::getline(fields, relation)) continue;
-    if (place.count(i) == 0 || place.count(j) == 0) continue;
-    out << place[i] << ' ' << place[j] << relation << '\n';
-  }
-  out.close();
-  if (out.fail()) return fail(ErrorCode::kFailed, "cannot write " + to.string());
-  return {};
+  std::vector<offline::Relation> left;
+  for (const auto& [from, to, from_T_to] : *relations)
+    if (place.count(from) != 0 && place.count(to) != 0) left.push_back({place[from], place[to], from_T_to});
+  return left;
 }
 
 Result<Recording> write_varied(const Records& records, const Recording& original,
@@ -146,7 +137,9 @@ Result<Recording> write_varied(const Records& records, const Recording& original
   CarmenWriter writer(varied.log);
   for (const auto& record : records) writer.add(record.scan, record.odom_T_base.value_or(Pose2{}));
   if (auto written = writer.finish(); !written) return tl::unexpected(written.error());
-  if (auto written = write_relations(records, original.relations, varied.relations); !written)
+  const auto relations = relations_left(records, original.relations);
+  if (!relations) return tl::unexpected(relations.error());
+  if (auto written = write_relations(*relations, varied.relations); !written)
     return tl::unexpected(written.error());
   return varied;
 }
