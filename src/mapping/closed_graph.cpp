@@ -111,6 +111,27 @@ class GraphSearch {
     }
     return best;
   }
+  /// The same for whole passes of known surroundings, where two contradict each other.
+  [[nodiscard]] Candidate with_passes_reclosed(Candidate best) {
+    constexpr int kMaxRounds = 3;
+    constexpr std::size_t kMaxPasses = 6;
+    for (int round = 0; round < kMaxRounds; ++round) {
+      auto passes = LoopCloser::doubtful_passes(best.graph);
+      passes.resize(std::min(passes.size(), kMaxPasses));
+      bool better = false;
+      for (const LoopCloser::Pass& pass : passes) {
+        PoseGraph again = best.graph;
+        const double score = closer_.close_pass_again(pass, frames_, again);
+        Candidate next = with_more_loops(candidate(std::move(again), score));
+        better = next.log_likelihood > best.log_likelihood;
+        if (!better) continue;
+        best = std::move(next);
+        break;
+      }
+      if (!better) break;
+    }
+    return best;
+  }
   /// Takes back the loop closures across unknown steps, where what they join does not fit all along.
   void check_joints(PoseGraph& graph) {
     const Meetings meetings = meetings_in(graph, graph);
@@ -193,7 +214,8 @@ PoseGraph closed_graph(const std::vector<KeyFrame>& frames, PoseGraph graph,
   Candidate by_particles = search.from_graph(std::move(graph));
   const double clearly = kWeightGain * (kClearly * std::abs(by_particles.score) + kFrames);
   const bool particles_win = by_particles.log_likelihood > by_steps.log_likelihood + clearly;
-  PoseGraph best = search.reclosed(std::move(particles_win ? by_particles : by_steps)).graph;
+  PoseGraph best =
+      search.reclosed(search.with_passes_reclosed(std::move(particles_win ? by_particles : by_steps))).graph;
   search.check_joints(best);
   if (count_parts(best) > 1)
     if (auto joined = search.as_driven(best, driven)) best = *std::move(joined);

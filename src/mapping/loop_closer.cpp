@@ -5,6 +5,7 @@
 #include <limits>
 #include <map>
 #include <memory>
+#include <numeric>
 #include <utility>
 
 #include <Eigen/LU>
@@ -70,6 +71,62 @@ std::optional<SearchWindow> window_of(const Pose2& expected, const RelativeUncer
   return SearchWindow{{(left + right) / 2, (bottom + top) / 2, expected.yaw},
                       std::max(right - left, top - bottom) / 2,
                       std::min(kMaxWindowRad, known.reach_rad() + 0.05)};
+}
+
+/// Takes back the loop closures of the key frames for which `is_chosen`.
+template <typename IsChosen>
+void forget_closures_at(const std::vector<KeyFrame>& frames, PoseGraph& graph, const IsChosen& is_chosen) {
+  auto& constraints = graph.constraints();
+  const auto is_forgotten = [&](const Constraint& constraint) {
+    return constraint.is_loop_closure && !frames[constraint.to].is_thinned() &&
+           (is_chosen(constraint.from) || is_chosen(constraint.to));
+  };
+  constraints.erase(std::remove_if(constraints.begin(), constraints.end(), is_forgotten), constraints.end());
+  graph.optimize(0, kGraphIterations);
+}
+
+/// Key frames that were recognized in an older submap.
+std::vector<bool> closed_frames(const PoseGraph& graph) {
+  std::vector<bool> closed(graph.poses().size(), false);
+  for (const Constraint& constraint : graph.constraints())
+    if (constraint.is_loop_closure) closed[constraint.to] = true;
+  return closed;
+}
+
+/// Key frames [begin, end).
+struct FrameRange {
+  std::size_t begin{0};
+  std::size_t end{0};
+};
+
+/// Where key frames that were recognized follow each other, with short gaps.
+std::vector<FrameRange> passes_in(const PoseGraph& graph) {
+  constexpr std::size_t kGap = 16;  // key frames
+  const auto closed = closed_frames(graph);
+  std::vector<FrameRange> passes;
+  for (std::size_t i = 0; i < closed.size(); ++i) {
+    if (!closed[i]) continue;
+    if (passes.empty() || i - passes.back().end >= kGap) passes.push_back({i, i});
+    passes.back().end = i + 1;
+  }
+  return passes;
+}
+
+LoopCloser::Pass pass_of(const FrameRange& range, const PoseGraph& graph) {
+  LoopCloser::Pass pass{std::vector<bool>(graph.poses().size(), false), range.end - range.begin};
+  for (const Constraint& constraint : graph.constraints())
+    if (constraint.is_loop_closure && constraint.to >= range.begin && constraint.to < range.end)
+      pass.frames[constraint.from] = pass.frames[constraint.to] = true;
+  return pass;
+}
+
+/// From each key frame to the nearest of these, in key frames.
+std::vector<std::size_t> frames_to(const std::vector<bool>& chosen) {
+  std::vector<std::size_t> away(chosen.size(), chosen.size());
+  for (std::size_t i = 0; i < chosen.size(); ++i)
+    away[i] = chosen[i] ? 0 : i > 0 ? std::min(away[i], away[i - 1] + 1) : away[i];
+  for (std::size_t i = chosen.size(); i-- > 1;) away[i - 1] = std::min(away[i - 1], away[i] + 1);
+  return away;
 }
 
 }  // namespace
@@ -344,17 +401,47 @@ double LoopCloser::close_more(const std::vector<KeyFrame>& frames, PoseGraph& gr
 }
 
 void LoopCloser::close_along(bool open_ones_only, const std::vector<KeyFrame>& frames, PoseGraph& graph) {
-  const auto is_closed = [&](std::size_t query) {
-    return std::any_of(graph.constraints().begin(), graph.constraints().end(),
-                       [&](const Constraint& c) { return c.is_loop_closure && c.to == query; });
-  };
+  const auto closed = closed_frames(graph);
+  std::vector<std::size_t> queries;
   for (std::size_t query = kStride / 2; query < frames.size(); query += kStride)
-    if (!open_ones_only || !is_closed(query)) (void)close(query, frames, graph);
+    if (!open_ones_only || !closed[query]) queries.push_back(query);
+  if (open_ones_only) {
+    const auto away = frames_to(closed);
+    std::stable_sort(queries.begin(), queries.end(),
+                     [&](std::size_t a, std::size_t b) { return away[a] < away[b]; });
+  }
+  for (const std::size_t query : queries) (void)close(query, frames, graph);
   if (!pool_.empty()) (void)accept(0, kMinWeightAtEnd, frames, pool_, graph);
   if (!joining_.empty()) (void)accept(0, kMinJoiningWeight, frames, joining_, graph);
   pool_.clear();
   joining_.clear();
   graph.optimize(0, kGraphIterations);
+}
+
+std::vector<LoopCloser::Pass> LoopCloser::doubtful_passes(const PoseGraph& graph) {
+  constexpr double kStrained = 25.0;  // chi-square of the steps between two passes
+  const auto ranges = passes_in(graph);
+  std::vector<double> strain(graph.poses().size() + 1, 0.0);  // of all steps before
+  for (const Constraint& constraint : graph.constraints())
+    if (!constraint.is_loop_closure) strain[constraint.to + 1] += graph.squared_error(constraint);
+  std::partial_sum(strain.begin(), strain.end(), strain.begin());
+  std::vector<Pass> doubtful;
+  for (std::size_t r = 1; r < ranges.size(); ++r) {
+    const std::size_t from = ranges[r - 1].end - std::min(ranges[r - 1].end, kStride);
+    const std::size_t to = std::min(graph.poses().size(), ranges[r].begin + kStride);
+    if (strain[to] - strain[from] < kStrained) continue;
+    doubtful.push_back(pass_of(ranges[r - 1], graph));
+    doubtful.push_back(pass_of(ranges[r], graph));
+  }
+  std::stable_sort(doubtful.begin(), doubtful.end(),
+                   [](const Pass& a, const Pass& b) { return a.length < b.length; });
+  return doubtful;
+}
+
+double LoopCloser::close_pass_again(const Pass& pass, const std::vector<KeyFrame>& frames, PoseGraph& graph) {
+  const auto away = frames_to(pass.frames);
+  forget_closures_at(frames, graph, [&](std::size_t i) { return away[i] < kStride; });
+  return close_more(frames, graph);
 }
 
 std::optional<double> LoopCloser::close_worst_again(const std::vector<KeyFrame>& frames, PoseGraph& graph,
@@ -374,15 +461,7 @@ std::optional<double> LoopCloser::close_worst_again(const std::vector<KeyFrame>&
   std::fill(tried.begin() + static_cast<std::ptrdiff_t>(begin),
             tried.begin() + static_cast<std::ptrdiff_t>(end), true);
   const auto inside = [&](std::size_t i) { return i + kStretch / 2 >= begin && i < end + kStretch / 2; };
-  auto& constraints = graph.constraints();
-  constraints.erase(std::remove_if(constraints.begin(), constraints.end(),
-                                   [&](const Constraint& constraint) {
-                                     return constraint.is_loop_closure &&
-                                            !frames[constraint.to].is_thinned() &&
-                                            (inside(constraint.from) || inside(constraint.to));
-                                   }),
-                    constraints.end());
-  graph.optimize(0, kGraphIterations);
+  forget_closures_at(frames, graph, inside);
   return close_more(frames, graph);
 }
 

@@ -39,6 +39,19 @@ class LoopCloser {
   std::optional<double> close_worst_again(const std::vector<KeyFrame>& frames, PoseGraph& graph,
                                           std::vector<bool>& tried);
 
+  /// Key frames of a pass of known surroundings, and those of the earlier passes that they were recognized
+  /// in.
+  struct Pass {
+    std::vector<bool> frames;
+    std::size_t length{0};  ///< of the pass [key frames]
+  };
+  /// Passes between which the graph strains the steps of the path: one of two may be closed wrongly as a
+  /// whole, off by one of many doors that look alike. The shortest first.
+  [[nodiscard]] static std::vector<Pass> doubtful_passes(const PoseGraph& graph);
+  /// Takes back the loop closures of a pass, and closes it anew from what the rest of the graph knows. Gives
+  /// the score of refine().
+  double close_pass_again(const Pass& pass, const std::vector<KeyFrame>& frames, PoseGraph& graph);
+
  private:
   static void forget_closures(const std::vector<KeyFrame>& frames, PoseGraph& graph);
   /// Searches the submap of `query` in older ones and accepts what is certain. True when a far closure was
