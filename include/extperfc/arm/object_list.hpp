@@ -21,6 +21,7 @@ struct ObjectListParams {
   double min_change_m{0.001};   ///< smaller changes of position or size are not reported, [0, 1]
   double min_change_rad{0.02};  ///< smaller rotations are not reported, [0, 3.15]
   int average{10};              ///< maximum number of detections in the mean, [1, 1000]
+  double new_score{0.5};        ///< detections below move objects but do not add any, [0, 1]
 
   [[nodiscard]] Result<void> validate() const;
 };
@@ -30,6 +31,7 @@ struct ObjectDetection {
   std::string label;      ///< its class, not empty
   UprightBox box;         ///< in the world's frame
   bool ambiguous{false};  ///< its pose is not reliable, e.g. because the robot hides a part
+  double score{1.0};      ///< confidence, [0, 1]
 };
 
 /// An object of the scene as input of the list.
@@ -62,6 +64,7 @@ struct ObjectListUpdate {
   int no_room{0};       ///< detections dropped because of max_objects
   int waiting{0};       ///< objects with too few detections so far
   bool changed{false};  ///< an object was added, removed, or changed
+  int doubtful{0};      ///< detections below new_score that match no object
 };
 
 /// Tracks objects over the detections of successive images: association, pose, size, and removal.
@@ -72,8 +75,10 @@ struct ObjectListUpdate {
 /// from the mean start a new mean when `confirm` of them arrive in a row. An object that is detected inside
 /// another one, nearer to its centre than half of its shortest edge, is ignored while the other one is
 /// detected, and replaces it otherwise. An ambiguous detection is matched after all others; it neither adds
-/// nor moves an object, but prevents a matching object from expiring. An object that is not detected
-/// `confirm` times in a row before it is listed is dropped. Deterministic; not thread-safe; holds at most 2
+/// nor moves an object, but prevents a matching object from expiring. A detection below new_score moves a
+/// listed object, but neither begins one nor counts towards `confirm`: of the robot's own parts a detector is
+/// rarely sure, again and again. An object that is not detected `confirm` times in a row before it is listed
+/// is dropped. Deterministic; not thread-safe; holds at most 2
 /// max_objects.
 class ObjectList {
  public:
@@ -112,7 +117,7 @@ class ObjectList {
   [[nodiscard]] std::vector<int> match(const std::vector<ObjectDetection>& detections) const;
   [[nodiscard]] bool claimed(const ObjectDetection& detection, const std::vector<KnownObject>& scene) const;
   void put(Track& track, const Pose& pose, double time_s) const;
-  void see(Track& track, const UprightBox& detection, double time_s) const;
+  void see(Track& track, const ObjectDetection& detection, double time_s) const;
   void begin(const ObjectDetection& detection, double time_s, ObjectListUpdate& done);
   [[nodiscard]] bool leave(double time_s);
   [[nodiscard]] bool join(const std::vector<KnownObject>& scene);

@@ -46,6 +46,7 @@ Result<void> ObjectListParams::validate() const {
   if (!(min_change_rad >= 0.0 && min_change_rad <= 3.15))
     return wrong("min_change_rad must be from 0 to 3.15");
   if (average < 1 || average > 1000) return wrong("average must be from 1 to 1000");
+  if (!(new_score >= 0.0 && new_score <= 1.0)) return wrong("new_score must be from 0 to 1");
   return {};
 }
 
@@ -67,7 +68,7 @@ ObjectListUpdate ObjectList::update(const std::vector<ObjectDetection>& detectio
     Track& track = tracks_[static_cast<std::size_t>(matches[i])];
     ++done.matched;
     if (!is_claimed(i) && !detections[i].ambiguous) {
-      see(track, detections[i].box, time_s);
+      see(track, detections[i], time_s);
     } else if (!track.name.empty()) {
       // It may be the other object that is seen: it is there, but who knows where.
       track.seen_s = time_s;
@@ -80,6 +81,8 @@ ObjectListUpdate ObjectList::update(const std::vector<ObjectDetection>& detectio
       ++done.claimed;
     else if (detections[i].ambiguous)
       ++done.ambiguous;
+    else if (detections[i].score < params_.new_score)
+      ++done.doubtful;
     else
       begin(detections[i], time_s, done);
   }
@@ -159,12 +162,13 @@ void ObjectList::put(Track& track, const Pose& pose, double time_s) const {
   track.seen_s = time_s;
 }
 
-void ObjectList::see(Track& track, const UprightBox& detection, double time_s) const {
+void ObjectList::see(Track& track, const ObjectDetection& detection, double time_s) const {
   track.seen_s = time_s;
   track.missed = 0;
-  track.detections = std::min(track.detections + 1, params_.confirm);
-  track.last_m = detection.position_m;
-  const UprightBox box = rotated_to(detection, track.mean.yaw_rad);
+  if (detection.score >= params_.new_score)
+    track.detections = std::min(track.detections + 1, params_.confirm);
+  track.last_m = detection.box.position_m;
+  const UprightBox box = rotated_to(detection.box, track.mean.yaw_rad);
   if (track.count > 0 && (box.position_m - track.mean.position_m).norm() > 0.5 * params_.match_m) {
     if (++track.far < params_.confirm) return;
     track.count = 0;
@@ -194,7 +198,7 @@ void ObjectList::begin(const ObjectDetection& detection, double time_s, ObjectLi
   Track track;
   track.label = detection.label;
   track.mean = detection.box;
-  see(track, detection.box, time_s);
+  see(track, detection, time_s);
   tracks_.push_back(std::move(track));
 }
 

@@ -109,6 +109,7 @@ Result<bool> ObjectMonitor::update(const vision_msgs::Detection3DArray& message)
   const auto done = list_.update(detections, *scene, message.header.stamp.toSec());
   ignored_.claimed += static_cast<std::uint64_t>(done.claimed);
   ignored_.ambiguous += static_cast<std::uint64_t>(done.ambiguous);
+  ignored_.doubtful += static_cast<std::uint64_t>(done.doubtful);
   ignored_.duplicate += static_cast<std::uint64_t>(done.duplicate);
   ignored_.no_room += static_cast<std::uint64_t>(done.no_room);
   waiting_ = done.waiting;
@@ -165,7 +166,7 @@ std::vector<arm::ObjectDetection> ObjectMonitor::detections_of(const vision_msgs
     } else {
       const auto& label = names[static_cast<std::size_t>(best->id)];
       if (arm::is_round(kind_of(label))) box->yaw_rad = 0.0;
-      detections.push_back({label, *box, false});
+      detections.push_back({label, *box, false, best->score});
     }
   }
   return detections;
@@ -254,6 +255,7 @@ void ObjectMonitor::report(diagnostic_updater::DiagnosticStatusWrapper& status) 
   status.add("ignored: too many in one message", ignored_.too_many);
   status.add("ignored: held or already in the scene", ignored_.claimed);
   status.add("ignored: at the robot", ignored_.ambiguous);
+  status.add("ignored: below objects/new_score, at no object", ignored_.doubtful);
   status.add("ignored: inside another object", ignored_.duplicate);
   status.add("ignored: more than objects/max_objects", ignored_.no_room);
 }

@@ -71,7 +71,7 @@ class ObjectMonitor {
   /// Ignored detections since the start, by reason.
   struct Ignored {
     std::uint64_t broken{0}, unknown_class{0}, low_score{0}, too_large{0}, too_many{0}, claimed{0},
-        ambiguous{0}, duplicate{0}, no_room{0};
+        ambiguous{0}, doubtful{0}, duplicate{0}, no_room{0};
   };
 
   ObjectMonitor(SceneMonitorContext context, const ros_params::ObjectMonitorParams& params,

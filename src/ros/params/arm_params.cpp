@@ -165,6 +165,7 @@ void read_objects(ParamReader& reader, const ros::NodeHandle& handle, ObjectMoni
   reader.read("min_change_m", params.list.min_change_m, {0.0, 1.0});
   reader.read("min_change_rad", params.list.min_change_rad, {0.0, 3.15});
   reader.read("average", params.list.average, {1, 1000});
+  reader.read("new_score", params.list.new_score, {0.0, 1.0});
 }
 
 void read_grippers(ParamReader& reader, const ros::NodeHandle& handle, ArmNodeParams& params) {

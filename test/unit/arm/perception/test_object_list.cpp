@@ -71,7 +71,7 @@ using Names = std::vector<std::string>;
 
 TEST(ObjectList, RefusesParametersOutOfRange) {
   const double nan = std::numeric_limits<double>::quiet_NaN();
-  std::vector<ObjectListParams> wrong(8);
+  std::vector<ObjectListParams> wrong(9);
   wrong[0].confirm = 0;
   wrong[1].max_age_s = -1;
   wrong[2].match_m = nan;
@@ -80,6 +80,7 @@ TEST(ObjectList, RefusesParametersOutOfRange) {
   wrong[5].min_change_rad = -0.1;
   wrong[6].average = 0;
   wrong[7].match_m = 0;
+  wrong[8].new_score = nan;
   for (const auto& params : wrong) EXPECT_FALSE(ObjectList::make(params));
 }
 
@@ -101,6 +102,23 @@ TEST(ObjectList, WhatFlickersRarelyIsNone) {
     list.repeat(3, {});
   }
   EXPECT_EQ(Names{}, list.names());
+}
+
+/// The detector takes a gripper for a cube, unsure, image after image.
+TEST(ObjectList, LowScoresAddNoObjectButMoveOne) {
+  ObjectDetection unsure = seen("cube", 0.7);
+  unsure.score = 0.45;
+  Listing list;
+  EXPECT_EQ(1, list.repeat(20, {unsure}).doubtful);
+  EXPECT_EQ(Names{}, list.names());
+  list.update({seen("cube", 0.7)});
+  list.repeat(20, {unsure});
+  EXPECT_EQ(Names{}, list.names()) << "one sure detection is not enough";
+  list.repeat(2, {seen("cube", 0.7)});
+  EXPECT_EQ(Names{"cube_1"}, list.names());
+  unsure.box.position_m.x() = 0.72;
+  EXPECT_EQ(0, list.repeat(60, {unsure}).doubtful);
+  EXPECT_NEAR(0.72, list.position().x(), 0.001);
 }
 
 TEST(ObjectList, OneObjectForEach) {
