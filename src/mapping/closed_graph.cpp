@@ -5,12 +5,12 @@
 #include <map>
 #include <numeric>
 #include <optional>
+#include <set>
 #include <utility>
 #include <vector>
 
 #include "mapping/loop_closer.hpp"
 #include "mapping/map_parts.hpp"
-#include "mapping/pass_matcher.hpp"
 #include "mapping/path_filter_common.hpp"
 
 namespace extperfc::mapping {
@@ -84,7 +84,7 @@ class Meetings {
 class GraphSearch {
  public:
   GraphSearch(const std::vector<KeyFrame>& frames, SubmapCache& submaps)
-      : frames_(frames), closer_(submaps), passes_(submaps) {}
+      : frames_(frames), closer_(submaps) {}
 
   [[nodiscard]] Candidate from_steps(PoseGraph graph) {
     const double score = closer_.close_all(frames_, graph);
@@ -113,22 +113,20 @@ class GraphSearch {
   }
   /// The same for whole passes of known surroundings, where two contradict each other.
   [[nodiscard]] Candidate with_passes_reclosed(Candidate best) {
-    constexpr int kMaxRounds = 3;
-    constexpr std::size_t kMaxPasses = 6;
-    for (int round = 0; round < kMaxRounds; ++round) {
-      auto passes = LoopCloser::doubtful_passes(best.graph);
-      passes.resize(std::min(passes.size(), kMaxPasses));
-      bool better = false;
-      for (const LoopCloser::Pass& pass : passes) {
-        PoseGraph again = best.graph;
-        const double score = closer_.close_pass_again(pass, frames_, again);
-        Candidate next = with_more_loops(candidate(std::move(again), score));
-        better = next.log_likelihood > best.log_likelihood;
-        if (!better) continue;
-        best = std::move(next);
-        break;
-      }
-      if (!better) break;
+    constexpr int kMaxAttempts = 6;
+    std::set<std::pair<std::size_t, std::size_t>> tried;
+    const auto is_new = [&](const LoopCloser::Pass& pass) {
+      return tried.count({pass.begin, pass.end}) == 0;
+    };
+    for (int attempt = 0; attempt < kMaxAttempts; ++attempt) {
+      const auto passes = LoopCloser::doubtful_passes(best.graph);
+      const auto pass = std::find_if(passes.begin(), passes.end(), is_new);
+      if (pass == passes.end()) break;
+      tried.insert({pass->begin, pass->end});
+      PoseGraph again = best.graph;
+      const double score = closer_.close_pass_again(*pass, frames_, again);
+      Candidate next = candidate(std::move(again), score);
+      if (next.log_likelihood > best.log_likelihood) best = with_more_loops(std::move(next));
     }
     return best;
   }
@@ -173,7 +171,7 @@ class GraphSearch {
   [[nodiscard]] Meetings meetings_in(const PoseGraph& graph, const PoseGraph& steps) {
     Meetings meetings(frames_.size(), steps);
     if (meetings.stretches() > 1)
-      for (const Constraint& match : passes_.match_all(frames_, graph.poses())) meetings.add(match);
+      for (const Constraint& match : closer_.passes().match_all(frames_, graph.poses())) meetings.add(match);
     return meetings;
   }
   [[nodiscard]] static Candidate candidate(PoseGraph graph, double score) {
@@ -189,7 +187,7 @@ class GraphSearch {
     for (int round = 0; round < kMaxRounds; ++round) {
       PoseGraph more = best.graph;
       if (!closer_.close_open(frames_, more)) break;
-      const double score = passes_.refine(frames_, more);
+      const double score = closer_.passes().refine(frames_, more);
       Candidate next = candidate(std::move(more), score);
       if (next.log_likelihood <= best.log_likelihood) break;
       best = std::move(next);
@@ -199,7 +197,6 @@ class GraphSearch {
 
   const std::vector<KeyFrame>& frames_;
   LoopCloser closer_;
-  PassMatcher passes_;
 };
 
 }  // namespace

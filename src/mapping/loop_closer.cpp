@@ -93,31 +93,17 @@ std::vector<bool> closed_frames(const PoseGraph& graph) {
   return closed;
 }
 
-/// Key frames [begin, end).
-struct FrameRange {
-  std::size_t begin{0};
-  std::size_t end{0};
-};
-
 /// Where key frames that were recognized follow each other, with short gaps.
-std::vector<FrameRange> passes_in(const PoseGraph& graph) {
+std::vector<LoopCloser::Pass> passes_in(const PoseGraph& graph) {
   constexpr std::size_t kGap = 16;  // key frames
   const auto closed = closed_frames(graph);
-  std::vector<FrameRange> passes;
+  std::vector<LoopCloser::Pass> passes;
   for (std::size_t i = 0; i < closed.size(); ++i) {
     if (!closed[i]) continue;
     if (passes.empty() || i - passes.back().end >= kGap) passes.push_back({i, i});
     passes.back().end = i + 1;
   }
   return passes;
-}
-
-LoopCloser::Pass pass_of(const FrameRange& range, const PoseGraph& graph) {
-  LoopCloser::Pass pass{std::vector<bool>(graph.poses().size(), false), range.end - range.begin};
-  for (const Constraint& constraint : graph.constraints())
-    if (constraint.is_loop_closure && constraint.to >= range.begin && constraint.to < range.end)
-      pass.frames[constraint.from] = pass.frames[constraint.to] = true;
-  return pass;
 }
 
 /// From each key frame to the nearest of these, in key frames.
@@ -420,26 +406,35 @@ void LoopCloser::close_along(bool open_ones_only, const std::vector<KeyFrame>& f
 
 std::vector<LoopCloser::Pass> LoopCloser::doubtful_passes(const PoseGraph& graph) {
   constexpr double kStrained = 25.0;  // chi-square of the steps between two passes
-  const auto ranges = passes_in(graph);
-  std::vector<double> strain(graph.poses().size() + 1, 0.0);  // of all steps before
+  const auto passes = passes_in(graph);
+  std::vector<double> squared_errors(graph.poses().size() + 1, 0.0);  // of all steps before
   for (const Constraint& constraint : graph.constraints())
-    if (!constraint.is_loop_closure) strain[constraint.to + 1] += graph.squared_error(constraint);
-  std::partial_sum(strain.begin(), strain.end(), strain.begin());
-  std::vector<Pass> doubtful;
-  for (std::size_t r = 1; r < ranges.size(); ++r) {
-    const std::size_t from = ranges[r - 1].end - std::min(ranges[r - 1].end, kStride);
-    const std::size_t to = std::min(graph.poses().size(), ranges[r].begin + kStride);
-    if (strain[to] - strain[from] < kStrained) continue;
-    doubtful.push_back(pass_of(ranges[r - 1], graph));
-    doubtful.push_back(pass_of(ranges[r], graph));
+    if (!constraint.is_loop_closure) squared_errors[constraint.to + 1] += graph.squared_error(constraint);
+  std::partial_sum(squared_errors.begin(), squared_errors.end(), squared_errors.begin());
+  std::vector<std::pair<double, std::size_t>> strained;  // by how much, and the second of two passes
+  for (std::size_t i = 1; i < passes.size(); ++i) {
+    const std::size_t from = passes[i - 1].end - std::min(passes[i - 1].end, kStride);
+    const std::size_t to = std::min(graph.poses().size(), passes[i].begin + kStride);
+    const double strain = squared_errors[to] - squared_errors[from];
+    if (strain > kStrained) strained.emplace_back(strain, i);
   }
-  std::stable_sort(doubtful.begin(), doubtful.end(),
-                   [](const Pass& a, const Pass& b) { return a.length < b.length; });
+  std::sort(strained.rbegin(), strained.rend());
+  const auto length = [&](std::size_t i) { return passes[i].end - passes[i].begin; };
+  std::vector<Pass> doubtful;
+  for (const auto& [strain, i] : strained) {
+    const bool first_is_shorter = length(i - 1) < length(i);
+    doubtful.push_back(passes[first_is_shorter ? i - 1 : i]);
+    doubtful.push_back(passes[first_is_shorter ? i : i - 1]);
+  }
   return doubtful;
 }
 
 double LoopCloser::close_pass_again(const Pass& pass, const std::vector<KeyFrame>& frames, PoseGraph& graph) {
-  const auto away = frames_to(pass.frames);
+  std::vector<bool> joined(frames.size(), false);
+  for (const Constraint& constraint : graph.constraints())
+    if (constraint.is_loop_closure && constraint.to >= pass.begin && constraint.to < pass.end)
+      joined[constraint.from] = joined[constraint.to] = true;
+  const auto away = frames_to(joined);
   forget_closures_at(frames, graph, [&](std::size_t i) { return away[i] < kStride; });
   return close_more(frames, graph);
 }

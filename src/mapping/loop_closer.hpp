@@ -25,6 +25,9 @@ class LoopCloser {
 
   static constexpr std::size_t kStride = 8;  ///< key frames from one submap to the next
 
+  /// To score the same key frames with.
+  [[nodiscard]] PassMatcher& passes() { return passes_; }
+
   /// Forgets the graph's loop closures and finds those of the whole path, from its beginning to its end.
   /// Gives the score of PassMatcher::refine().
   double close_all(const std::vector<KeyFrame>& frames, PoseGraph& graph);
@@ -39,14 +42,14 @@ class LoopCloser {
   std::optional<double> close_worst_again(const std::vector<KeyFrame>& frames, PoseGraph& graph,
                                           std::vector<bool>& tried);
 
-  /// Key frames of a pass of known surroundings, and those of the earlier passes that they were recognized
-  /// in.
+  /// Key frames [begin, end) that were recognized in earlier passes of the same surroundings.
   struct Pass {
-    std::vector<bool> frames;
-    std::size_t length{0};  ///< of the pass [key frames]
+    std::size_t begin{0};
+    std::size_t end{0};
   };
   /// Passes between which the graph strains the steps of the path: one of two may be closed wrongly as a
-  /// whole, off by one of many doors that look alike. The shortest first.
+  /// whole, off by one of many doors that look alike. Where the strain is greatest first, the shorter one of
+  /// two before the other.
   [[nodiscard]] static std::vector<Pass> doubtful_passes(const PoseGraph& graph);
   /// Takes back the loop closures of a pass, and closes it anew from what the rest of the graph knows. Gives
   /// the score of refine().

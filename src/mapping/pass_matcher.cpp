@@ -78,6 +78,31 @@ Constraint PassMatcher::match_scan(std::size_t reference, std::size_t query,
   return {reference, query, seen.pose, covariance.inverse(), true, fit};
 }
 
+Constraint PassMatcher::remembered_match(std::size_t reference, std::size_t query,
+                                         const std::vector<KeyFrame>& frames,
+                                         const std::vector<Pose2>& poses) {
+  constexpr double kStillM = 0.003;
+  constexpr double kStillRad = 0.001;
+  constexpr std::size_t kMaxPerFrame = 8;
+  const auto [begin, end] = SubmapCache::range_about(reference, query);
+  const Match now{{},
+                  between(poses[reference], poses[query]),
+                  between(poses[reference], poses[begin]),
+                  between(poses[reference], poses[end - 1])};
+  const auto known = matches_.find({reference, query});
+  if (known != matches_.end()) {
+    const Match& then = known->second;
+    if (near(now.start, then.start, kStillM, kStillRad) && near(now.first, then.first, kStillM, kStillRad) &&
+        near(now.last, then.last, kStillM, kStillRad))
+      return then.constraint;
+  }
+  if (matches_.size() > kMaxPerFrame * frames.size()) matches_.clear();
+  Match& match = matches_[{reference, query}];
+  match = now;
+  match.constraint = match_scan(reference, query, frames, poses);
+  return match.constraint;
+}
+
 /// Every key frame in the old submaps about it.
 std::vector<Constraint> PassMatcher::match_all(const std::vector<KeyFrame>& frames,
                                                const std::vector<Pose2>& poses) {
@@ -85,7 +110,7 @@ std::vector<Constraint> PassMatcher::match_all(const std::vector<KeyFrame>& fram
   for (std::size_t query = kMinLoopFrames; query < frames.size(); ++query) {
     if (frames[query].is_thinned()) continue;
     for (const std::size_t i : passes(query, frames, poses))
-      matches.push_back(match_scan(i / 4 * 4 + 2, query, frames, poses));  // neighbours share their submaps
+      matches.push_back(remembered_match(i / 4 * 4 + 2, query, frames, poses));  // few submaps for many
   }
   return matches;
 }

@@ -1,6 +1,8 @@
 #pragma once
 
 #include <cstddef>
+#include <map>
+#include <utility>
 #include <vector>
 
 #include "extperfc/world/pose.hpp"
@@ -11,7 +13,9 @@
 
 namespace extperfc::mapping {
 
-/// Matches key frames in the submaps of earlier passes of the same surroundings.
+/// Matches key frames in the submaps of earlier passes of the same surroundings. Matches are remembered: one
+/// is made again where the key frame, or the submap's key frames, moved since. So the scans of the key frames
+/// must stay as they are.
 class PassMatcher {
  public:
   explicit PassMatcher(SubmapCache& submaps) : submaps_(submaps) {}
@@ -27,12 +31,24 @@ class PassMatcher {
   double refine(const std::vector<KeyFrame>& frames, PoseGraph& graph);
 
  private:
+  /// A match, and where the key frame and the submap's ends stood then, in the frame of the submap.
+  struct Match {
+    Constraint constraint;
+    Pose2 start;
+    Pose2 first;
+    Pose2 last;
+  };
+
   [[nodiscard]] std::vector<std::size_t> passes(std::size_t query, const std::vector<KeyFrame>& frames,
                                                 const std::vector<Pose2>& poses) const;
   [[nodiscard]] Constraint match_scan(std::size_t reference, std::size_t query,
                                       const std::vector<KeyFrame>& frames, const std::vector<Pose2>& poses);
+  [[nodiscard]] Constraint remembered_match(std::size_t reference, std::size_t query,
+                                            const std::vector<KeyFrame>& frames,
+                                            const std::vector<Pose2>& poses);
 
   SubmapCache& submaps_;
+  std::map<std::pair<std::size_t, std::size_t>, Match> matches_;  ///< of reference and query
 };
 
 }  // namespace extperfc::mapping

@@ -71,10 +71,13 @@ double contradictions(const Submap& submap, const Submap& other, const Pose2& su
                 worst_in(other, submap.points, inverse(submap_T_other)));
 }
 
+std::pair<std::size_t, std::size_t> SubmapCache::range_about(std::size_t key_frame, std::size_t end) {
+  return {key_frame - std::min(key_frame, kHalfWidth), std::min(key_frame + kHalfWidth, end)};
+}
+
 Submap& SubmapCache::at(std::size_t key_frame, std::size_t end, const std::vector<KeyFrame>& frames,
                         const std::vector<Pose2>& poses) {
-  const std::size_t first = key_frame - std::min(key_frame, kHalfWidth);
-  const std::size_t last = std::min(key_frame + kHalfWidth, end);
+  const auto [first, last] = range_about(key_frame, end);
   ++clock_;
   for (const auto& submap : submaps_) {
     if (submap->key_frame != key_frame || submap->first != first || submap->last != last) continue;

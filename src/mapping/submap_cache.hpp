@@ -3,6 +3,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <memory>
+#include <utility>
 #include <vector>
 
 #include "extperfc/world/pose.hpp"
@@ -43,6 +44,9 @@ class SubmapCache {
   static constexpr std::size_t kMaxSubmaps = 64;
   static constexpr std::size_t kHalfWidth = 8;  ///< key frames before and after the middle
 
+  /// The key frames [first, second) of the submap around `key_frame`, from those before `end`.
+  [[nodiscard]] static std::pair<std::size_t, std::size_t> range_about(std::size_t key_frame,
+                                                                       std::size_t end);
   /// The submap around `key_frame`, from key frames before `end` only. Valid until the next call.
   [[nodiscard]] Submap& at(std::size_t key_frame, std::size_t end, const std::vector<KeyFrame>& frames,
                            const std::vector<Pose2>& poses);
