@@ -171,7 +171,8 @@ class GraphSearch {
   [[nodiscard]] Meetings meetings_in(const PoseGraph& graph, const PoseGraph& steps) {
     Meetings meetings(frames_.size(), steps);
     if (meetings.stretches() > 1)
-      for (const Constraint& match : closer_.passes().match_all(frames_, graph.poses())) meetings.add(match);
+      for (const Constraint& match : closer_.pass_matcher().match_all(frames_, graph.poses()))
+        meetings.add(match);
     return meetings;
   }
   [[nodiscard]] static Candidate candidate(PoseGraph graph, double score) {
@@ -187,7 +188,7 @@ class GraphSearch {
     for (int round = 0; round < kMaxRounds; ++round) {
       PoseGraph more = best.graph;
       if (!closer_.close_open(frames_, more)) break;
-      const double score = closer_.passes().refine(frames_, more);
+      const double score = closer_.pass_matcher().refine(frames_, more);
       Candidate next = candidate(std::move(more), score);
       if (next.log_likelihood <= best.log_likelihood) break;
       best = std::move(next);

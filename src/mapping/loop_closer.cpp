@@ -108,9 +108,10 @@ std::vector<LoopCloser::Pass> passes_in(const PoseGraph& graph) {
 
 /// From each key frame to the nearest of these, in key frames.
 std::vector<std::size_t> frames_to(const std::vector<bool>& chosen) {
-  std::vector<std::size_t> away(chosen.size(), chosen.size());
-  for (std::size_t i = 0; i < chosen.size(); ++i)
-    away[i] = chosen[i] ? 0 : i > 0 ? std::min(away[i], away[i - 1] + 1) : away[i];
+  std::vector<std::size_t> away;
+  away.reserve(chosen.size());
+  for (const bool is_chosen : chosen)
+    away.push_back(is_chosen ? 0 : away.empty() ? chosen.size() : away.back() + 1);
   for (std::size_t i = chosen.size(); i-- > 1;) away[i - 1] = std::min(away[i - 1], away[i] + 1);
   return away;
 }

@@ -26,13 +26,13 @@ class LoopCloser {
   static constexpr std::size_t kStride = 8;  ///< key frames from one submap to the next
 
   /// To score the same key frames with.
-  [[nodiscard]] PassMatcher& passes() { return passes_; }
+  [[nodiscard]] PassMatcher& pass_matcher() { return passes_; }
 
   /// Forgets the graph's loop closures and finds those of the whole path, from its beginning to its end.
   /// Gives the score of PassMatcher::refine().
   double close_all(const std::vector<KeyFrame>& frames, PoseGraph& graph);
-  /// Keeps the graph's loop closures and finds more, for those submaps that have none. True when it found
-  /// some.
+  /// Keeps the graph's loop closures and finds more, for those submaps that have none, in the order of their
+  /// distance from those that have some: from there most is known of them. True when it found some.
   bool close_open(const std::vector<KeyFrame>& frames, PoseGraph& graph);
   /// The same, and PassMatcher::refine(), whose score it gives.
   double close_more(const std::vector<KeyFrame>& frames, PoseGraph& graph);

@@ -84,23 +84,20 @@ Constraint PassMatcher::remembered_match(std::size_t reference, std::size_t quer
   constexpr double kStillM = 0.003;
   constexpr double kStillRad = 0.001;
   constexpr std::size_t kMaxPerFrame = 8;
-  const auto [begin, end] = SubmapCache::range_about(reference, query);
-  const Match now{{},
-                  between(poses[reference], poses[query]),
-                  between(poses[reference], poses[begin]),
-                  between(poses[reference], poses[end - 1])};
+  const auto stands_still = [&](const Pose2& now, const Pose2& then) {
+    return near(now, then, kStillM, kStillRad);
+  };
+  const Pose2 start = between(poses[reference], poses[query]);
+  const SubmapShape submap = SubmapCache::shape_of(reference, query, poses);
   const auto known = matches_.find({reference, query});
-  if (known != matches_.end()) {
-    const Match& then = known->second;
-    if (near(now.start, then.start, kStillM, kStillRad) && near(now.first, then.first, kStillM, kStillRad) &&
-        near(now.last, then.last, kStillM, kStillRad))
-      return then.constraint;
-  }
+  if (known != matches_.end() && stands_still(start, known->second.start) &&
+      stands_still(submap.first_seen, known->second.submap.first_seen) &&
+      stands_still(submap.last_seen, known->second.submap.last_seen))
+    return known->second.constraint;
   if (matches_.size() > kMaxPerFrame * frames.size()) matches_.clear();
-  Match& match = matches_[{reference, query}];
-  match = now;
-  match.constraint = match_scan(reference, query, frames, poses);
-  return match.constraint;
+  Constraint constraint = match_scan(reference, query, frames, poses);
+  matches_[{reference, query}] = {constraint, start, submap};
+  return constraint;
 }
 
 /// Every key frame in the old submaps about it.
@@ -110,7 +107,7 @@ std::vector<Constraint> PassMatcher::match_all(const std::vector<KeyFrame>& fram
   for (std::size_t query = kMinLoopFrames; query < frames.size(); ++query) {
     if (frames[query].is_thinned()) continue;
     for (const std::size_t i : passes(query, frames, poses))
-      matches.push_back(remembered_match(i / 4 * 4 + 2, query, frames, poses));  // few submaps for many
+      matches.push_back(remembered_match(i / 4 * 4 + 2, query, frames, poses));  // neighbours: one submap
   }
   return matches;
 }

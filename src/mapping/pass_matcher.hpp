@@ -31,12 +31,11 @@ class PassMatcher {
   double refine(const std::vector<KeyFrame>& frames, PoseGraph& graph);
 
  private:
-  /// A match, and where the key frame and the submap's ends stood then, in the frame of the submap.
+  /// A match, and where it was made.
   struct Match {
     Constraint constraint;
-    Pose2 start;
-    Pose2 first;
-    Pose2 last;
+    Pose2 start;  ///< of the key frame in the submap
+    SubmapShape submap;
   };
 
   [[nodiscard]] std::vector<std::size_t> passes(std::size_t query, const std::vector<KeyFrame>& frames,

@@ -28,7 +28,9 @@ ScanPoints thinned(const SurfaceMap& map) {
   return points;
 }
 
-void draw(Submap& submap, const std::vector<KeyFrame>& frames, const std::vector<Pose2>& poses) {
+void draw(const SubmapShape& shape, const std::vector<KeyFrame>& frames, const std::vector<Pose2>& poses,
+          Submap& submap) {
+  static_cast<SubmapShape&>(submap) = shape;
   const Pose2& middle = poses[submap.key_frame];
   submap.map.clear();
   submap.pyramid.reset();
@@ -42,8 +44,6 @@ void draw(Submap& submap, const std::vector<KeyFrame>& frames, const std::vector
     submap.profiles.emplace_back(frames[i].points);
     submap.profile_poses.push_back(between(middle, poses[i]));
   }
-  submap.first_seen = between(middle, poses[submap.first]);
-  submap.last_seen = between(middle, poses[submap.last - 1]);
 }
 
 }  // namespace
@@ -71,32 +71,31 @@ double contradictions(const Submap& submap, const Submap& other, const Pose2& su
                 worst_in(other, submap.points, inverse(submap_T_other)));
 }
 
-std::pair<std::size_t, std::size_t> SubmapCache::range_about(std::size_t key_frame, std::size_t end) {
-  return {key_frame - std::min(key_frame, kHalfWidth), std::min(key_frame + kHalfWidth, end)};
+SubmapShape SubmapCache::shape_of(std::size_t key_frame, std::size_t end, const std::vector<Pose2>& poses) {
+  const std::size_t first = key_frame - std::min(key_frame, kHalfWidth);
+  const std::size_t last = std::min(key_frame + kHalfWidth, end);
+  const Pose2& middle = poses[key_frame];
+  return {key_frame, first, last, between(middle, poses[first]), between(middle, poses[last - 1])};
 }
 
 Submap& SubmapCache::at(std::size_t key_frame, std::size_t end, const std::vector<KeyFrame>& frames,
                         const std::vector<Pose2>& poses) {
-  const auto [first, last] = range_about(key_frame, end);
+  const SubmapShape shape = shape_of(key_frame, end, poses);
   ++clock_;
   for (const auto& submap : submaps_) {
-    if (submap->key_frame != key_frame || submap->first != first || submap->last != last) continue;
+    if (submap->key_frame != key_frame || submap->first != shape.first || submap->last != shape.last)
+      continue;
     submap->used = clock_;
-    const Pose2& middle = poses[key_frame];
-    if (moved(submap->first_seen, between(middle, poses[first])) ||
-        moved(submap->last_seen, between(middle, poses[last - 1])))
-      draw(*submap, frames, poses);
+    if (moved(submap->first_seen, shape.first_seen) || moved(submap->last_seen, shape.last_seen))
+      draw(shape, frames, poses, *submap);
     return *submap;
   }
   if (submaps_.size() >= kMaxSubmaps)
     submaps_.erase(std::min_element(submaps_.begin(), submaps_.end(),
                                     [](const auto& a, const auto& b) { return a->used < b->used; }));
   auto submap = std::make_unique<Submap>();
-  submap->key_frame = key_frame;
-  submap->first = first;
-  submap->last = last;
   submap->used = clock_;
-  draw(*submap, frames, poses);
+  draw(shape, frames, poses, *submap);
   submaps_.push_back(std::move(submap));
   return *submaps_.back();
 }

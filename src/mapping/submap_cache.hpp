@@ -3,7 +3,6 @@
 #include <cstddef>
 #include <cstdint>
 #include <memory>
-#include <utility>
 #include <vector>
 
 #include "extperfc/world/pose.hpp"
@@ -15,13 +14,18 @@
 
 namespace extperfc::mapping {
 
-/// Surfaces around an old key frame, in that key frame's frame.
-struct Submap {
+/// Key frames about an old one, and where the outermost stand in its frame: shows when what was made of them
+/// is out of date.
+struct SubmapShape {
   std::size_t key_frame{0};
   std::size_t first{0};  ///< key frames [first, last) make it up
   std::size_t last{0};
-  Pose2 first_seen;  ///< of `first` and of `last - 1` when the map was drawn; shows when it is out of date
-  Pose2 last_seen;
+  Pose2 first_seen;  ///< of `first`
+  Pose2 last_seen;   ///< of `last - 1`
+};
+
+/// Surfaces around an old key frame, in that key frame's frame, as they were when the map was drawn.
+struct Submap : SubmapShape {
   SurfaceMap map;
   ScanPoints points;                       ///< its surfaces, thinned, as if one scan had seen them
   std::vector<RangeProfile> profiles;      ///< of `first`, `key_frame` and `last - 1` ...
@@ -44,9 +48,9 @@ class SubmapCache {
   static constexpr std::size_t kMaxSubmaps = 64;
   static constexpr std::size_t kHalfWidth = 8;  ///< key frames before and after the middle
 
-  /// The key frames [first, second) of the submap around `key_frame`, from those before `end`.
-  [[nodiscard]] static std::pair<std::size_t, std::size_t> range_about(std::size_t key_frame,
-                                                                       std::size_t end);
+  /// Of the submap around `key_frame`, from key frames before `end` only, at these poses.
+  [[nodiscard]] static SubmapShape shape_of(std::size_t key_frame, std::size_t end,
+                                            const std::vector<Pose2>& poses);
   /// The submap around `key_frame`, from key frames before `end` only. Valid until the next call.
   [[nodiscard]] Submap& at(std::size_t key_frame, std::size_t end, const std::vector<KeyFrame>& frames,
                            const std::vector<Pose2>& poses);

@@ -78,8 +78,7 @@ struct ObjectListUpdate {
 /// nor moves an object, but prevents a matching object from expiring. A detection below new_score moves a
 /// listed object, but neither begins one nor counts towards `confirm`: of the robot's own parts a detector is
 /// rarely sure, again and again. An object that is not detected `confirm` times in a row before it is listed
-/// is dropped. Deterministic; not thread-safe; holds at most 2
-/// max_objects.
+/// is dropped. Deterministic; not thread-safe; holds at most 2 max_objects.
 class ObjectList {
  public:
   /// Errors: parameters out of their ranges.
