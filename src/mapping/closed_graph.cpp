@@ -113,7 +113,7 @@ class GraphSearch {
   }
   /// The same for whole passes of known surroundings, where two contradict each other.
   [[nodiscard]] Candidate with_passes_reclosed(Candidate best) {
-    constexpr int kMaxAttempts = 6;
+    constexpr int kMaxAttempts = 24;
     std::set<std::pair<std::size_t, std::size_t>> tried;
     const auto is_new = [&](const LoopCloser::Pass& pass) {
       return tried.count({pass.begin, pass.end}) == 0;

@@ -42,24 +42,35 @@ bool is_explained(const Pose2& residual, Eigen::Matrix3d covariance, double syst
 }
 
 ClosureSets::ClosureSets(const std::vector<SubmapClosure>& closures, const std::vector<KeyFrame>& frames,
-                         const PoseGraph& graph)
-    : closures_(closures), frames_(frames), graph_(graph), by_weight_(closures.size()) {
+                         const std::vector<Pose2>& poses, const RelativeUncertainties& known)
+    : closures_(closures), frames_(frames), poses_(poses), known_(known), by_weight_(closures.size()) {
   std::iota(by_weight_.begin(), by_weight_.end(), std::size_t{0});
   std::stable_sort(by_weight_.begin(), by_weight_.end(), [&](std::size_t a, std::size_t b) {
     return closures[a].distinctness * closures[a].support > closures[b].distinctness * closures[b].support;
   });
+  ends_.reserve(2 * closures.size());
+  for (const SubmapClosure& closure : closures) {
+    ends_.push_back(closure.constraint.from);
+    ends_.push_back(closure.constraint.to);
+  }
+  std::sort(ends_.begin(), ends_.end());
+  ends_.erase(std::unique(ends_.begin(), ends_.end()), ends_.end());
 }
 
 const RelativeUncertainty& ClosureSets::uncertainty(std::size_t from, std::size_t to) {
-  auto& row = known_[from];
-  if (row.empty()) row = relative_uncertainty(graph_, from);
-  return row[to];
+  auto& row = known_ends_[from];
+  if (row.empty()) {
+    const auto all = known_.from(from);
+    row.reserve(ends_.size());
+    for (const std::size_t end : ends_) row.push_back(all[end]);
+  }
+  const auto place = std::lower_bound(ends_.begin(), ends_.end(), to) - ends_.begin();
+  return row[static_cast<std::size_t>(place)];
 }
 
 bool ClosureSets::is_consistent(const SubmapClosure& a, const SubmapClosure& b) {
-  const auto& poses = graph_.poses();
-  const Pose2 from_step = between(poses[a.constraint.from], poses[b.constraint.from]);
-  const Pose2 to_step = between(poses[b.constraint.to], poses[a.constraint.to]);
+  const Pose2 from_step = between(poses_[a.constraint.from], poses_[b.constraint.from]);
+  const Pose2 to_step = between(poses_[b.constraint.to], poses_[a.constraint.to]);
   const Pose2 lever = compose(b.constraint.from_T_to, to_step);
   const Pose2 residual = between(a.constraint.from_T_to, compose(from_step, lever));
   const auto& from_known = uncertainty(a.constraint.from, b.constraint.from);
@@ -121,6 +132,7 @@ double ClosureSets::wanted(const Members& members, double min_weight) const {
 }
 
 ClosureSets::Members ClosureSets::best(std::size_t first_new, double min_weight) {
+  if (weight(by_weight_) < min_weight) return {};  // no set of them weighs more
   Members best;
   for (std::size_t i = first_new; i < closures_.size(); ++i) {
     if (holds(best, i)) continue;

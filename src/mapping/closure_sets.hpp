@@ -36,7 +36,7 @@ class ClosureSets {
   static constexpr double kUsualReachM = 3.0;  ///< within which min_weight is enough
 
   ClosureSets(const std::vector<SubmapClosure>& closures, const std::vector<KeyFrame>& frames,
-              const PoseGraph& graph);
+              const std::vector<Pose2>& poses, const RelativeUncertainties& known);
 
   /// The heaviest set with one of the closures from `first_new` on. Empty where none weighs `min_weight`, or
   /// more where its queries may stand far away, or where another set that contradicts it is nearly as heavy.
@@ -58,9 +58,12 @@ class ClosureSets {
 
   const std::vector<SubmapClosure>& closures_;
   const std::vector<KeyFrame>& frames_;
-  const PoseGraph& graph_;
+  const std::vector<Pose2>& poses_;
+  const RelativeUncertainties& known_;
   Members by_weight_;
-  std::map<std::size_t, std::vector<RelativeUncertainty>> known_;
+  std::vector<std::size_t> ends_;  ///< key frames that closures begin or end at, ascending
+  std::map<std::size_t, std::vector<RelativeUncertainty>>
+      known_ends_;  ///< from a key frame, of each of ends_
   std::map<std::pair<std::size_t, std::size_t>, bool> agreed_;
 };
 

@@ -38,6 +38,7 @@ constexpr double kPeakApartM = 1.0;
 constexpr double kPeakApartRad = 0.3;
 // Verification.
 constexpr double kReachM = 0.4;
+constexpr double kAlongM = 1.0;  // searched along a corridor
 constexpr double kMinFit = 0.4;
 constexpr double kMinSupport = 0.2;
 constexpr double kIndifferentSupport = 0.3;  // of a wrong match in a building of corridors
@@ -53,6 +54,8 @@ constexpr double kMinWeightAtEnd = 0.6;
 constexpr double kMinJoiningWeight = 4.5;  // of a part that may stand anywhere
 constexpr std::size_t kMaxPool = 160;
 constexpr std::size_t kOptimizeEvery = 8;
+constexpr std::size_t kMaxRemembered = 50'000;  // pairs of submaps
+constexpr std::size_t kMaxStarts = 16;          // of verifications of a pair
 
 void keep_newest(std::vector<SubmapClosure>& pool) {
   if (pool.size() > kMaxPool) pool.erase(pool.begin(), pool.end() - static_cast<std::ptrdiff_t>(kMaxPool));
@@ -68,9 +71,17 @@ std::optional<SearchWindow> window_of(const Pose2& expected, const RelativeUncer
   const double bottom = std::max(-kOverlapM, expected.y - reach_m);
   const double top = std::min(kOverlapM, expected.y + reach_m);
   if (left > right || bottom > top) return std::nullopt;
-  return SearchWindow{{(left + right) / 2, (bottom + top) / 2, expected.yaw},
-                      std::max(right - left, top - bottom) / 2,
-                      std::min(kMaxWindowRad, known.reach_rad() + 0.05)};
+  return on_grid({{(left + right) / 2, (bottom + top) / 2, expected.yaw},
+                  std::max(right - left, top - bottom) / 2,
+                  std::min(kMaxWindowRad, known.reach_rad() + 0.05)});
+}
+
+bool is_same_window(const SearchWindow& now, const SearchWindow& then) {
+  constexpr double kAlikeM = 0.01;
+  constexpr double kAlikeRad = 0.003;
+  return near(now.centre, then.centre, kAlikeM, kAlikeRad) &&
+         std::abs(now.half_width_m - then.half_width_m) < kAlikeM &&
+         std::abs(now.half_yaw_rad - then.half_yaw_rad) < kAlikeRad;
 }
 
 /// Takes back the loop closures of the key frames for which `is_chosen`.
@@ -138,9 +149,61 @@ std::vector<std::size_t> LoopCloser::references(std::size_t query, const std::ve
   return references;
 }
 
-std::optional<SubmapClosure> LoopCloser::verify(std::size_t reference, std::size_t query, const Pose2& start,
-                                                double window_m, const std::vector<KeyFrame>& frames,
-                                                const PoseGraph& graph) {
+bool LoopCloser::SubmapPair::stands_as(const SubmapPair& then) const {
+  return is_unchanged(old, then.old) && is_unchanged(seen, then.seen);
+}
+
+LoopCloser::SubmapPair LoopCloser::pair_of(const Ends& ends, const PoseGraph& graph) {
+  const auto& poses = graph.poses();
+  return {SubmapCache::shape_of(ends.first, poses.size(), poses),
+          SubmapCache::shape_of(ends.second, poses.size(), poses)};
+}
+
+std::vector<FoundPose> LoopCloser::search(const Ends& ends, const SearchWindow& window,
+                                          const std::vector<KeyFrame>& frames, const PoseGraph& graph) {
+  const SubmapPair submaps = pair_of(ends, graph);
+  const auto known = searches_.find(ends);
+  if (known != searches_.end() && submaps.stands_as(known->second.submaps) &&
+      is_same_window(window, known->second.window))
+    return known->second.found;
+  if (searches_.size() > kMaxRemembered) searches_.clear();
+  auto found = search_anew(ends, window, frames, graph);
+  searches_[ends] = {submaps, window, found};
+  return found;
+}
+
+std::vector<FoundPose> LoopCloser::search_anew(const Ends& ends, const SearchWindow& window,
+                                               const std::vector<KeyFrame>& frames, const PoseGraph& graph) {
+  Submap& old = submaps_.at(ends.first, frames.size(), frames, graph.poses());
+  if (!old.pyramid) old.pyramid = std::make_unique<SearchPyramid>(old.map);
+  const Submap& seen = submaps_.at(ends.second, frames.size(), frames, graph.poses());
+  return search_peaks(*old.pyramid, seen.points, window, kMinScore, kMaxNodes,
+                      {kPeaks, kPeakApartM, kPeakApartRad, 0.2});
+}
+
+std::optional<SubmapClosure> LoopCloser::verify(const Ends& ends, const Pose2& start,
+                                                const std::vector<KeyFrame>& frames, const PoseGraph& graph) {
+  const SubmapPair submaps = pair_of(ends, graph);
+  if (verifications_.size() > kMaxRemembered) verifications_.clear();
+  auto& known = verifications_[ends];
+  const auto is_out_of_date = [&](const Verification& verification) {
+    return !submaps.stands_as(verification.submaps);
+  };
+  known.erase(std::remove_if(known.begin(), known.end(), is_out_of_date), known.end());
+  const auto same = std::find_if(known.begin(), known.end(), [&](const Verification& verification) {
+    return stands_still(start, verification.start);
+  });
+  if (same != known.end()) return same->closure;
+  if (known.size() >= kMaxStarts) known.erase(known.begin());
+  auto closure = verify_anew(ends, start, frames, graph);
+  known.push_back({submaps, start, closure});
+  return closure;
+}
+
+std::optional<SubmapClosure> LoopCloser::verify_anew(const Ends& ends, const Pose2& start,
+                                                     const std::vector<KeyFrame>& frames,
+                                                     const PoseGraph& graph) {
+  const auto [reference, query] = ends;
   const Submap& old = submaps_.at(reference, frames.size(), frames, graph.poses());
   const Submap& seen = submaps_.at(query, frames.size(), frames, graph.poses());
   const PosePrior prior{start, 0.4, 0.15};
@@ -158,7 +221,7 @@ std::optional<SubmapClosure> LoopCloser::verify(std::size_t reference, std::size
            agreement(seen.map, old.points, inverse(pose)).ratio() -
            kContradictionCost * contradictions(old, seen, pose);
   };
-  found = match_along(old.map, seen.points, found, prior, window_m, kReachM, place);
+  found = match_along(old.map, seen.points, found, prior, kAlongM, kReachM, place);
   SubmapClosure closure;
   closure.support = support(found.pose);
   closure.constraint = {reference,  query,
@@ -174,7 +237,7 @@ std::optional<SubmapClosure> LoopCloser::verify(std::size_t reference, std::size
 bool LoopCloser::match_near(std::size_t reference, std::size_t query, const RelativeUncertainty& known,
                             const std::vector<KeyFrame>& frames, PoseGraph& graph) {
   const Pose2 expected = between(graph.poses()[reference], graph.poses()[query]);
-  const auto closure = verify(reference, query, expected, known.reach_m() + 0.1, frames, graph);
+  const auto closure = verify({reference, query}, expected, frames, graph);
   if (!closure) return false;
   const Pose2 off = between(expected, closure->constraint.from_T_to);
   if (std::hypot(off.x, off.y) > known.reach_m() + 0.15 || std::abs(off.yaw) > known.reach_rad() + 0.05)
@@ -222,11 +285,7 @@ std::vector<LoopCloser::Peak> LoopCloser::find_peaks(const std::vector<std::size
     const Pose2 expected = between(graph.poses()[reference], graph.poses()[query]);
     const auto window = window_of(expected, known[reference]);
     if (!window) continue;
-    Submap& old = submaps_.at(reference, frames.size(), frames, graph.poses());
-    if (!old.pyramid) old.pyramid = std::make_unique<SearchPyramid>(old.map);
-    const Submap& seen = submaps_.at(query, frames.size(), frames, graph.poses());
-    for (const FoundPose& found : search_peaks(*old.pyramid, seen.points, *window, kMinScore, kMaxNodes,
-                                               {kPeaks, kPeakApartM, kPeakApartRad, 0.2}))
+    for (const FoundPose& found : search({reference, query}, *window, frames, graph))
       add(from_nearest({reference, found.pose, found.score}, query, known, frames, graph));
   }
   if (references.empty() || !known[references.front()].is_unknown()) return peaks;
@@ -243,7 +302,7 @@ void LoopCloser::search_far(const std::vector<std::size_t>& references, std::siz
   std::vector<Pose2> places;  // of the candidates, in the graph's frame
   for (const Peak& peak : find_peaks(references, query, known, frames, graph)) {
     const RelativeUncertainty& reach = known[peak.reference];
-    auto closure = verify(peak.reference, query, peak.pose, 1.0, frames, graph);
+    auto closure = verify({peak.reference, query}, peak.pose, frames, graph);
     if (!closure || closure->support < kMinSupport) continue;
     // Seen from the query, as the uncertainty is.
     const Pose2 found = inverse(closure->constraint.from_T_to);
@@ -270,7 +329,9 @@ void LoopCloser::search_far(const std::vector<std::size_t>& references, std::siz
 
 bool LoopCloser::accept(std::size_t first_new, double min_weight, const std::vector<KeyFrame>& frames,
                         Pool& pool, PoseGraph& graph) {
-  const ClosureSets::Members accepted = ClosureSets(pool, frames, graph).best(first_new, min_weight);
+  if (first_new >= pool.size()) return false;
+  const ClosureSets::Members accepted =
+      ClosureSets(pool, frames, graph.poses(), uncertainties(graph)).best(first_new, min_weight);
   if (accepted.empty()) return false;
   const auto poses = graph.poses();
   const auto constraints = graph.constraints();
@@ -282,6 +343,7 @@ bool LoopCloser::accept(std::size_t first_new, double min_weight, const std::vec
     return sum;
   };
   const double before = satisfied();
+  graph_changed();
   bring_together(graph, pool[accepted.front()].constraint);
   for (const std::size_t i : accepted) graph.add(pool[i].constraint);
   const bool solved = graph.optimize_gradually();
@@ -300,7 +362,7 @@ bool LoopCloser::accept(std::size_t first_new, double min_weight, const std::vec
 
 bool LoopCloser::close(std::size_t query, const std::vector<KeyFrame>& frames, PoseGraph& graph) {
   if (frames[query].is_thinned()) return false;
-  const auto known = relative_uncertainty(graph, query);
+  const auto known = uncertainties(graph).from(query);
   // What a query sees of a reference's uncertainty is as good as the reverse.
   std::vector<std::size_t> near_ones;
   std::vector<std::size_t> far_ones;
@@ -319,6 +381,7 @@ bool LoopCloser::close(std::size_t query, const std::vector<KeyFrame>& frames, P
   std::size_t matched = 0;
   for (const std::size_t i : near_ones) matched += match_near(i, query, known[i], frames, graph) ? 1 : 0;
   since_optimized_ += matched;
+  if (matched > 0) graph_changed();
   if (since_optimized_ >= kOptimizeEvery) {
     graph.optimize(0, 3);
     since_optimized_ = 0;
@@ -387,7 +450,13 @@ double LoopCloser::close_more(const std::vector<KeyFrame>& frames, PoseGraph& gr
   return passes_.refine(frames, graph);
 }
 
+const RelativeUncertainties& LoopCloser::uncertainties(const PoseGraph& graph) {
+  if (!uncertainties_) uncertainties_.emplace(graph);
+  return *uncertainties_;
+}
+
 void LoopCloser::close_along(bool open_ones_only, const std::vector<KeyFrame>& frames, PoseGraph& graph) {
+  graph_changed();
   const auto closed = closed_frames(graph);
   std::vector<std::size_t> queries;
   for (std::size_t query = kStride / 2; query < frames.size(); query += kStride)
@@ -403,6 +472,7 @@ void LoopCloser::close_along(bool open_ones_only, const std::vector<KeyFrame>& f
   pool_.clear();
   joining_.clear();
   graph.optimize(0, kGraphIterations);
+  graph_changed();
 }
 
 std::vector<LoopCloser::Pass> LoopCloser::doubtful_passes(const PoseGraph& graph) {

@@ -97,17 +97,20 @@ std::size_t MapRenderer::draw_ray(const Eigen::Vector2d& from, const Eigen::Vect
       next_column += sideways ? per_column : 0.0;
       next_row += sideways ? 0.0 : per_row;
     } while (--left > 0 && ((x | y) & ~kTileMask) == 0);
+    holder.add_ray(sign);
     column = tile_column + x;
     row = tile_row + y;
   }
-  Count& end =
-      tile(end_column >> kTileBits, end_row >> kTileBits).at(end_column & kTileMask, end_row & kTileMask);
+  Tile& last = tile(end_column >> kTileBits, end_row >> kTileBits);
+  Count& end = last.at(end_column & kTileMask, end_row & kTileMask);
   (hit ? end.hits : end.passes) += one;
+  last.add_ray(sign);
   return static_cast<std::size_t>(steps) + 1;
 }
 
 MapRenderer::Tile& MapRenderer::tile(int tile_column, int tile_row) {
-  if (last_tile_ && tile_column == last_tile_column_ && tile_row == last_tile_row_) return *last_tile_;
+  if (last_tile_ && last_tile_->counts && tile_column == last_tile_column_ && tile_row == last_tile_row_)
+    return *last_tile_;
   auto& entry = tiles_[key_of(tile_column, tile_row)];
   if (!entry) {
     entry = std::make_unique<Tile>();
@@ -119,6 +122,7 @@ MapRenderer::Tile& MapRenderer::tile(int tile_column, int tile_row) {
     bottom_tile_ = first ? tile_row : std::min(bottom_tile_, tile_row);
     top_tile_ = first ? tile_row : std::max(top_tile_, tile_row);
   }
+  if (!entry->counts) entry->counts = std::make_unique<Tile::Counts>();
   last_tile_ = entry.get();
   last_tile_column_ = tile_column;
   last_tile_row_ = tile_row;
@@ -127,7 +131,12 @@ MapRenderer::Tile& MapRenderer::tile(int tile_column, int tile_row) {
 }
 
 MapRenderer::Count& MapRenderer::Tile::at(int x, int y) {
-  return counts[static_cast<std::size_t>(y) * kTileCells + static_cast<std::size_t>(x)];
+  return (*counts)[static_cast<std::size_t>(y) * kTileCells + static_cast<std::size_t>(x)];
+}
+
+void MapRenderer::Tile::add_ray(int sign) {
+  rays += sign;
+  if (rays == 0) counts.reset();
 }
 
 std::int8_t MapRenderer::value(const Count& count) const {
@@ -142,6 +151,11 @@ std::shared_ptr<const OccupancyGrid> MapRenderer::map(const MapBounds& bounds) {
   if (!changed_tiles_.empty() && image_.open(extent(), bounds.copied_cells)) draw_changed_tiles(bounds.tiles);
   complete_ = changed_tiles_.empty();
   return image_.show();
+}
+
+std::size_t MapRenderer::tiles_in_use() const {
+  return static_cast<std::size_t>(std::count_if(
+      tiles_.begin(), tiles_.end(), [](const auto& tile) { return tile.second->counts != nullptr; }));
 }
 
 MapImage::Extent MapRenderer::extent() const {
@@ -172,8 +186,12 @@ void MapRenderer::draw_changed_tiles(std::size_t max_tiles) {
 void MapRenderer::draw_tile(const Tile& tile) {
   for (int row = 0; row < kTileCells; ++row) {
     std::int8_t* cells = image_.cells_at(tile.column * kTileCells, tile.row * kTileCells + row);
+    if (!tile.counts) {
+      std::fill_n(cells, kTileCells, OccupancyGrid::kUnknown);
+      continue;
+    }
     const int first = row * kTileCells;
-    const Count* counts = &tile.counts[static_cast<std::size_t>(first)];
+    const Count* counts = &(*tile.counts)[static_cast<std::size_t>(first)];
     for (int column = 0; column < kTileCells; ++column) cells[column] = value(counts[column]);
   }
 }

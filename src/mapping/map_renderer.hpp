@@ -18,7 +18,7 @@ namespace extperfc::mapping {
 
 /// Draws key frames into an occupancy grid by counting, for every cell, rays that ended there and rays that
 /// went through (Probabilistic Robotics, section 9.2, as a counting model). Counts can be taken back exactly,
-/// so a key frame that an optimization moved is redrawn alone. Memory grows with the explored area.
+/// so a key frame that an optimization moved is redrawn alone. Memory grows with the area that the map shows.
 class MapRenderer {
  public:
   /// Bounds of the work of one call of map().
@@ -43,6 +43,9 @@ class MapRenderer {
   [[nodiscard]] std::shared_ptr<const OccupancyGrid> map() { return map(MapBounds()); }
   [[nodiscard]] bool complete() const { return complete_; }
 
+  /// Tiles that hold counts: the memory.
+  [[nodiscard]] std::size_t tiles_in_use() const;
+
  private:
   static constexpr int kTileBits = 6;
   static constexpr int kTileCells = 1 << kTileBits;
@@ -55,8 +58,11 @@ class MapRenderer {
     int column{0};
     int row{0};
     bool changed{false};  ///< since it was drawn to the image
-    std::array<Count, kTileCells * kTileCells> counts{};
+    int rays{0};          ///< that touch it
+    using Counts = std::array<Count, kTileCells * kTileCells>;
+    std::unique_ptr<Counts> counts;         ///< null while no ray touches it
     [[nodiscard]] Count& at(int x, int y);  ///< within the tile
+    void add_ray(int sign);                 ///< after its cells were counted
   };
 
   /// Adds (+1) or takes back (-1) one key frame; the number of cells touched.

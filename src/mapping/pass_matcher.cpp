@@ -81,18 +81,12 @@ Constraint PassMatcher::match_scan(std::size_t reference, std::size_t query,
 Constraint PassMatcher::remembered_match(std::size_t reference, std::size_t query,
                                          const std::vector<KeyFrame>& frames,
                                          const std::vector<Pose2>& poses) {
-  constexpr double kStillM = 0.003;
-  constexpr double kStillRad = 0.001;
   constexpr std::size_t kMaxPerFrame = 8;
-  const auto stands_still = [&](const Pose2& now, const Pose2& then) {
-    return near(now, then, kStillM, kStillRad);
-  };
   const Pose2 start = between(poses[reference], poses[query]);
   const SubmapShape submap = SubmapCache::shape_of(reference, query, poses);
   const auto known = matches_.find({reference, query});
   if (known != matches_.end() && stands_still(start, known->second.start) &&
-      stands_still(submap.first_seen, known->second.submap.first_seen) &&
-      stands_still(submap.last_seen, known->second.submap.last_seen))
+      is_unchanged(submap, known->second.submap))
     return known->second.constraint;
   if (matches_.size() > kMaxPerFrame * frames.size()) matches_.clear();
   Constraint constraint = match_scan(reference, query, frames, poses);

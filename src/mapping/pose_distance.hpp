@@ -16,4 +16,11 @@ namespace extperfc::mapping {
   return std::abs(wrap_angle(a.yaw - b.yaw));
 }
 
+/// A pose that moved by no more than this is taken as it was: the noise of a match is as large.
+[[nodiscard]] inline bool stands_still(const Pose2& now, const Pose2& then) {
+  constexpr double kStillM = 0.01;
+  constexpr double kStillRad = 0.002;
+  return distance(now, then) <= kStillM && yaw_between(now, then) <= kStillRad;
+}
+
 }  // namespace extperfc::mapping

@@ -1,6 +1,9 @@
 #include "mapping/relative_uncertainty.hpp"
 
+#include <algorithm>
 #include <cmath>
+#include <functional>
+#include <numeric>
 #include <queue>
 #include <utility>
 
@@ -17,58 +20,32 @@ constexpr double kLeverM = 5.0;              // weighs yaw against position in t
 constexpr double kSystematicFraction = 0.3;  // of a step's standard deviation that all steps have in common
 constexpr double kSigmas = 3.0;
 
-/// A constraint as seen from one of its nodes.
-struct Link {
-  std::size_t constraint;
-  std::size_t other;
-};
-
-/// Links of node n: [first[n], first[n + 1]).
-struct Links {
-  explicit Links(const PoseGraph& graph) : first(graph.poses().size() + 1, 0) {
-    const auto& constraints = graph.constraints();
-    std::vector<bool> usable;
-    usable.reserve(constraints.size());
-    for (const Constraint& constraint : constraints) {
-      usable.push_back(!constraint.is_loop_closure ||
-                       graph.squared_error(constraint) < PoseGraph::kDoubtfulSquaredError);
-      if (constraint.is_loop_closure && constraint.information.isZero()) usable.back() = false;
-      if (!usable.back()) continue;
-      ++first[constraint.from + 1];
-      ++first[constraint.to + 1];
-    }
-    for (std::size_t i = 1; i < first.size(); ++i) first[i] += first[i - 1];
-    links.resize(first.back());
-    auto next = first;
-    for (std::size_t i = 0; i < constraints.size(); ++i) {
-      if (!usable[i]) continue;
-      links[next[constraints[i].from]++] = {i, constraints[i].to};
-      links[next[constraints[i].to]++] = {i, constraints[i].from};
-    }
-  }
-  std::vector<std::size_t> first;
-  std::vector<Link> links;
-};
-
 double size_of(const RelativeUncertainty& uncertainty) {
   const Eigen::Matrix3d& c = uncertainty.covariance;
   return c(0, 0) + c(1, 1) + kLeverM * kLeverM * c(2, 2);
 }
 
-/// Adds the uncertainty of one constraint. Poses are seen from the first node of the chain.
-RelativeUncertainty extend(const RelativeUncertainty& known, const Pose2& at, const Pose2& next,
-                           const Eigen::Matrix3d& covariance, double yaw_of_from) {
+double systematic_of(const Eigen::Matrix3d& covariance) {
+  return kSystematicFraction * std::sqrt(std::max(covariance(0, 0), covariance(1, 1)));
+}
+
+/// Adds one step's uncertainty to what is known of the node that it begins at. Everything along the same
+/// axes.
+RelativeUncertainty extend(const RelativeUncertainty& known, double step_x, double step_y,
+                           const Eigen::Matrix3d& covariance, double systematic_m) {
   Eigen::Matrix3d lever = Eigen::Matrix3d::Identity();
-  lever(0, 2) = -(next.y - at.y);
-  lever(1, 2) = next.x - at.x;
-  const Eigen::Matrix3d to_origin = rotation_by(yaw_of_from);
+  lever(0, 2) = -step_y;
+  lever(1, 2) = step_x;
   RelativeUncertainty sum;
   sum.connected = true;
-  sum.covariance =
-      lever * known.covariance * lever.transpose() + to_origin * covariance * to_origin.transpose();
-  sum.systematic_m =
-      known.systematic_m + kSystematicFraction * std::sqrt(std::max(covariance(0, 0), covariance(1, 1)));
+  sum.covariance = lever * known.covariance * lever.transpose() + covariance;
+  sum.systematic_m = known.systematic_m + systematic_m;
   return sum;
+}
+
+bool is_usable(const PoseGraph& graph, const Constraint& constraint) {
+  return !constraint.is_loop_closure || (!constraint.information.isZero() &&
+                                         graph.squared_error(constraint) < PoseGraph::kDoubtfulSquaredError);
 }
 
 }  // namespace
@@ -106,40 +83,69 @@ Eigen::Matrix3d RelativeUncertainty::with_bias() const {
 RelativeUncertainty extend(const RelativeUncertainty& from, const PoseGraph& graph,
                            const Constraint& constraint) {
   const Pose2& origin = graph.poses().front();
-  return extend(from, between(origin, graph.poses()[constraint.from]),
-                between(origin, graph.poses()[constraint.to]), constraint.covariance(),
-                wrap_angle(graph.poses()[constraint.from].yaw - origin.yaw));
+  const Pose2 at = between(origin, graph.poses()[constraint.from]);
+  const Pose2 next = between(origin, graph.poses()[constraint.to]);
+  const Eigen::Matrix3d covariance = constraint.covariance();
+  const Eigen::Matrix3d to_origin = rotation_by(at.yaw);
+  return extend(from, next.x - at.x, next.y - at.y, to_origin * covariance * to_origin.transpose(),
+                systematic_of(covariance));
 }
 
-std::vector<RelativeUncertainty> relative_uncertainty(const PoseGraph& graph, std::size_t from) {
-  const Links links(graph);
-  std::vector<RelativeUncertainty> known(graph.poses().size());
+RelativeUncertainties::RelativeUncertainties(const PoseGraph& graph)
+    : poses_(graph.poses()), first_link_(graph.poses().size() + 1, 0) {
+  std::vector<const Constraint*> usable;
+  usable.reserve(graph.constraints().size());
+  for (const Constraint& constraint : graph.constraints()) {
+    if (!is_usable(graph, constraint)) continue;
+    usable.push_back(&constraint);
+    ++first_link_[constraint.from + 1];
+    ++first_link_[constraint.to + 1];
+  }
+  std::partial_sum(first_link_.begin(), first_link_.end(), first_link_.begin());
+  links_.resize(first_link_.back());
+  steps_.reserve(usable.size());
+  auto next = first_link_;
+  for (const Constraint* constraint : usable) {
+    links_[next[constraint->from]++] = {steps_.size(), constraint->to};
+    links_[next[constraint->to]++] = {steps_.size(), constraint->from};
+    const Eigen::Matrix3d covariance = constraint->covariance();
+    const Eigen::Matrix3d to_graph = rotation_by(poses_[constraint->from].yaw);
+    steps_.push_back({to_graph * covariance * to_graph.transpose(), systematic_of(covariance)});
+  }
+}
+
+std::vector<RelativeUncertainty> RelativeUncertainties::from(std::size_t node) const {
+  std::vector<RelativeUncertainty> known(poses_.size());
   std::vector<bool> settled(known.size(), false);
   using Entry = std::pair<double, std::size_t>;
   std::priority_queue<Entry, std::vector<Entry>, std::greater<>> open;
-  known[from].connected = true;
-  open.emplace(0.0, from);
-  const Pose2& origin = graph.poses()[from];
+  known[node].connected = true;
+  open.emplace(0.0, node);
   while (!open.empty()) {
-    const std::size_t node = open.top().second;
+    const std::size_t here = open.top().second;
     open.pop();
-    if (settled[node]) continue;
-    settled[node] = true;
-    const Pose2 at = between(origin, graph.poses()[node]);
-    for (std::size_t l = links.first[node]; l < links.first[node + 1]; ++l) {
-      const auto& [index, other] = links.links[l];
+    if (settled[here]) continue;
+    settled[here] = true;
+    for (std::size_t l = first_link_[here]; l < first_link_[here + 1]; ++l) {
+      const auto& [index, other] = links_[l];
       if (settled[other]) continue;
-      const Constraint& constraint = graph.constraints()[index];
-      const double yaw = wrap_angle(graph.poses()[constraint.from].yaw - origin.yaw);
-      auto extended =
-          extend(known[node], at, between(origin, graph.poses()[other]), constraint.covariance(), yaw);
+      const Step& step = steps_[index];
+      auto extended = extend(known[here], poses_[other].x - poses_[here].x, poses_[other].y - poses_[here].y,
+                             step.covariance, step.systematic_m);
       const double size = size_of(extended);
       if (known[other].connected && size >= size_of(known[other])) continue;
       known[other] = extended;
       open.emplace(size, other);
     }
   }
+  const Eigen::Matrix3d to_node = rotation_by(-poses_[node].yaw);
+  for (RelativeUncertainty& uncertainty : known)
+    uncertainty.covariance = to_node * uncertainty.covariance * to_node.transpose();
   return known;
+}
+
+std::vector<RelativeUncertainty> relative_uncertainty(const PoseGraph& graph, std::size_t from) {
+  return RelativeUncertainties(graph).from(from);
 }
 
 }  // namespace extperfc::mapping

@@ -33,10 +33,36 @@ struct RelativeUncertainty {
 [[nodiscard]] RelativeUncertainty extend(const RelativeUncertainty& from, const PoseGraph& graph,
                                          const Constraint& constraint);
 
-/// For every node the covariance of its pose relative to `from`, along that chain of constraints whose
-/// covariance grows least (Olson, Robust and Efficient Robotic Mapping, 2008, section 4.3: the Dijkstra
-/// projection). An upper bound: other chains may add knowledge. Loop closures that the others contradict are
-/// no links. O(constraints log nodes).
+/// What is known of a graph's nodes relative to each other, as the graph was when this was made.
+class RelativeUncertainties {
+ public:
+  explicit RelativeUncertainties(const PoseGraph& graph);
+
+  /// For every node the covariance of its pose relative to `node`, along that chain of constraints whose
+  /// covariance grows least (Olson, Robust and Efficient Robotic Mapping, 2008, section 4.3: the Dijkstra
+  /// projection). An upper bound: other chains may add knowledge. Loop closures that the others contradict
+  /// are no links. O(constraints log nodes).
+  [[nodiscard]] std::vector<RelativeUncertainty> from(std::size_t node) const;
+
+ private:
+  /// A constraint's own uncertainty, along the graph's axes.
+  struct Step {
+    Eigen::Matrix3d covariance;
+    double systematic_m{0};
+  };
+  /// A step as seen from one of its nodes.
+  struct Link {
+    std::size_t step{0};
+    std::size_t other{0};
+  };
+
+  std::vector<Pose2> poses_;
+  std::vector<Step> steps_;
+  std::vector<Link> links_;  ///< those of node n: [first_link_[n], first_link_[n + 1])
+  std::vector<std::size_t> first_link_;
+};
+
+/// RelativeUncertainties::from(), for one node only.
 [[nodiscard]] std::vector<RelativeUncertainty> relative_uncertainty(const PoseGraph& graph, std::size_t from);
 
 }  // namespace extperfc::mapping

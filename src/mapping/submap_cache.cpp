@@ -1,18 +1,12 @@
 #include "mapping/submap_cache.hpp"
 
 #include <algorithm>
-#include <cmath>
+
+#include "mapping/pose_distance.hpp"
 
 namespace extperfc::mapping {
 
 namespace {
-
-constexpr double kMovedM = 0.01;
-constexpr double kMovedRad = 0.002;
-
-bool moved(const Pose2& a, const Pose2& b) {
-  return std::hypot(a.x - b.x, a.y - b.y) > kMovedM || std::abs(wrap_angle(a.yaw - b.yaw)) > kMovedRad;
-}
 
 /// Every n-th surface, so that there are kMaxSubmapPoints at most.
 ScanPoints thinned(const SurfaceMap& map) {
@@ -47,6 +41,11 @@ void draw(const SubmapShape& shape, const std::vector<KeyFrame>& frames, const s
 }
 
 }  // namespace
+
+bool is_unchanged(const SubmapShape& now, const SubmapShape& then) {
+  return now.key_frame == then.key_frame && now.first == then.first && now.last == then.last &&
+         stands_still(now.first_seen, then.first_seen) && stands_still(now.last_seen, then.last_seen);
+}
 
 double contradictions(const Submap& submap, const ScanPoints& points, const RangeProfile& profile,
                       const Pose2& submap_T_base) {
@@ -86,8 +85,7 @@ Submap& SubmapCache::at(std::size_t key_frame, std::size_t end, const std::vecto
     if (submap->key_frame != key_frame || submap->first != shape.first || submap->last != shape.last)
       continue;
     submap->used = clock_;
-    if (moved(submap->first_seen, shape.first_seen) || moved(submap->last_seen, shape.last_seen))
-      draw(shape, frames, poses, *submap);
+    if (!is_unchanged(shape, *submap)) draw(shape, frames, poses, *submap);
     return *submap;
   }
   if (submaps_.size() >= kMaxSubmaps)

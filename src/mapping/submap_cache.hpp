@@ -24,6 +24,9 @@ struct SubmapShape {
   Pose2 last_seen;   ///< of `last - 1`
 };
 
+/// Whether a submap's key frames stand as they did, to 1 cm and 2 mrad: what was made of them still holds.
+[[nodiscard]] bool is_unchanged(const SubmapShape& now, const SubmapShape& then);
+
 /// Surfaces around an old key frame, in that key frame's frame, as they were when the map was drawn.
 struct Submap : SubmapShape {
   SurfaceMap map;

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <cstdint>
@@ -67,9 +68,21 @@ class SurfaceMap {
   /// Every surface, in unspecified order.
   template <typename Visitor>
   void visit(const Visitor& visitor) const {
-    for (const Tile& tile : tiles_)
-      for (const Surface& surface : tile)
-        if (surface.weight > 0) visitor(surface);
+    for (std::size_t tile = 0; tile < tiles_.size(); ++tile)
+      visit_tile(static_cast<std::int32_t>(tile), visitor);
+  }
+  /// Every surface that may stand within `radius_m` of a point, and some beyond, in unspecified order.
+  template <typename Visitor>
+  void visit_about(const Eigen::Vector2f& point, float radius_m, const Visitor& visitor) const {
+    const auto tile_index = [](float coordinate_m) { return cell_index(coordinate_m) >> kTileBits; };
+    const float margin_m = radius_m + kCellM;  // cells and means are rounded
+    const int left = std::max(0, tile_index(point.x() - margin_m) - first_column_);
+    const int right = std::min(columns_ - 1, tile_index(point.x() + margin_m) - first_column_);
+    const int bottom = std::max(0, tile_index(point.y() - margin_m) - first_row_);
+    const int top = std::min(rows_ - 1, tile_index(point.y() + margin_m) - first_row_);
+    for (int row = bottom; row <= top; ++row)
+      for (int entry = row * columns_ + left; entry <= row * columns_ + right; ++entry)
+        visit_tile(directory_[static_cast<std::size_t>(entry)], visitor);
   }
 
  private:
@@ -89,6 +102,13 @@ class SurfaceMap {
   static constexpr int kMask = kTileCells - 1;
   static int place_in_tile(int column, int row) { return (row & kMask) * kTileCells + (column & kMask); }
 
+  template <typename Visitor>
+  void visit_tile(std::int32_t tile, const Visitor& visitor) const {
+    if (tile < 0) return;
+    const auto index = static_cast<std::size_t>(tile);
+    for (std::uint64_t bits = seen_[index]; bits != 0; bits &= bits - 1)
+      visitor(tiles_[index][static_cast<std::size_t>(lowest_bit(bits))]);
+  }
   /// Calls `visitor` with the surfaces of the cells [first, last] of a row. Inline, because nearest() takes
   /// most of the mapper's time. The bits of a tile skip empty cells, the majority.
   template <typename Visitor>

@@ -52,13 +52,16 @@ RangeProfile::RangeProfile(const ScanPoints& points) : scanner_(points.scanner) 
     for (const std::size_t other : {(i + kBins - 1) % kBins, (i + 1) % kBins})
       if (nearest[other] > 0.0F) smallest = std::min(smallest, nearest[other]);
     free_to_m_[i] = std::max(0.0F, smallest - kMarginM);
+    farthest_free_m_ = std::max(farthest_free_m_, free_to_m_[i]);
   }
 }
 
 bool RangeProfile::sees_through(const Eigen::Vector2f& point) const {
   const Eigen::Vector2f ray = point - scanner_;
+  const float squared = ray.squaredNorm();
+  if (squared >= farthest_free_m_ * farthest_free_m_) return false;
   const float free_to_m = free_to_m_[bin_of(ray, kBins)];
-  return ray.squaredNorm() < free_to_m * free_to_m;
+  return squared < free_to_m * free_to_m;
 }
 
 double fraction_in_free_space(const RangeProfile& other, const ScanPoints& points,
@@ -77,7 +80,8 @@ double fraction_seen_through(const RangeProfile& scan, const SurfaceMap& map, co
   const auto radius = static_cast<float>(radius_m);
   int seen = 0;
   int contradicted = 0;
-  map.visit([&](const SurfaceMap::Surface& surface) {
+  const Eigen::Vector2f base(static_cast<float>(map_T_base.x), static_cast<float>(map_T_base.y));
+  map.visit_about(base, radius, [&](const SurfaceMap::Surface& surface) {
     if (surface.weight < 2) return;
     const Eigen::Vector2f point = back * surface.mean;
     if (point.squaredNorm() > radius * radius) return;

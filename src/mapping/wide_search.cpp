@@ -126,6 +126,15 @@ bool is_new_peak(const std::vector<FoundPose>& found, const Pose2& pose, const P
 
 }  // namespace
 
+SearchWindow on_grid(const SearchWindow& window) {
+  const auto step_m = static_cast<double>(SearchPyramid::kCellM);
+  const auto to_grid = [](double value, double step) { return step * std::round(value / step); };
+  return {{to_grid(window.centre.x, step_m), to_grid(window.centre.y, step_m),
+           to_grid(window.centre.yaw, kYawStepRad)},
+          step_m * std::ceil(window.half_width_m / step_m + 0.5),
+          kYawStepRad * std::ceil(window.half_yaw_rad / kYawStepRad + 0.5)};
+}
+
 std::vector<FoundPose> search_peaks(const SearchPyramid& pyramid, const ScanPoints& points,
                                     const SearchWindow& window, double min_score, int max_nodes,
                                     const PeakOptions& options) {

@@ -44,6 +44,9 @@ struct SearchWindow {
   double half_yaw_rad{0.2};
 };
 
+/// The window, or a little more, so that searches of different windows in one map try the same poses.
+[[nodiscard]] SearchWindow on_grid(const SearchWindow& window);
+
 struct FoundPose {
   Pose2 pose;
   double score{0};  ///< fraction of the points that fall on a surface, [0, 1]

@@ -47,7 +47,8 @@ class Corridor : public testing::Test {
     closures_.push_back(closure);
   }
   [[nodiscard]] ClosureSets::Members best(double min_weight, std::size_t first_new = 0) const {
-    return ClosureSets(closures_, frames_, graph_).best(first_new, min_weight);
+    const RelativeUncertainties known(graph_);
+    return ClosureSets(closures_, frames_, graph_.poses(), known).best(first_new, min_weight);
   }
 
   PoseGraph graph_;
@@ -60,7 +61,8 @@ TEST_F(Corridor, WhatAgreesIsAcceptedWithoutWhatDoesNot) {
   add(32, 0.5, 0.8);
   add(34, -7.0, 1.0);  // looks like another place
   add(36, 0.5, 0.8);
-  ClosureSets sets(closures_, frames_, graph_);
+  const RelativeUncertainties known(graph_);
+  ClosureSets sets(closures_, frames_, graph_.poses(), known);
   EXPECT_TRUE(sets.agree(0, 1));
   EXPECT_FALSE(sets.agree(0, 2));
   EXPECT_EQ(sets.agree(2, 3), sets.agree(3, 2));

@@ -155,6 +155,22 @@ TEST_F(MapRendererTest, AllTakenAwayLeavesAnEmptyMap) {
   EXPECT_EQ(at(*map, 40.5, 0), OccupancyGrid::kFree);
 }
 
+TEST_F(MapRendererTest, WhatWasTakenAwayNeedsNoMemory) {
+  see({{-3, -1.5, 0}, {0, 0, 1}, {2, 0, 2}});
+  MapRenderer renderer(kResolutionM, kOccupied);
+  ASSERT_TRUE(renderer.update(frames_, poses_, kUnbounded));
+  const std::size_t here = renderer.tiles_in_use();
+  ASSERT_GT(here, 4U);
+  auto elsewhere = poses_;
+  for (Pose2& pose : elsewhere) pose.x += 64;  // whole tiles
+  ASSERT_TRUE(renderer.update(frames_, elsewhere, kUnbounded));
+  EXPECT_EQ(renderer.tiles_in_use(), here);
+  (void)renderer.map();
+  ASSERT_TRUE(renderer.update(frames_, poses_, kUnbounded));
+  EXPECT_EQ(renderer.tiles_in_use(), here);
+  expect_same(*renderer.map(), *draw_from_scratch(poses_));
+}
+
 TEST_F(MapRendererTest, ALongStandIsTakenBackExactly) {
   see({{0, 0, 0}});
   const std::size_t rays = frames_[0].points.surface.size();

@@ -157,6 +157,29 @@ TEST(SurfaceMap, NearestIsTheNearestWithinReach) {
   EXPECT_GT(found, 100);
 }
 
+TEST(SurfaceMap, AboutAPointIsAllThatIsNearIt) {
+  Rng rng(3);
+  SurfaceMap map;
+  for (int i = 0; i < 400; ++i)
+    map.add(points_of(
+                {{{static_cast<float>(rng.uniform(-6, 6)), static_cast<float>(rng.uniform(-6, 6))}, {0, 0}}}),
+            {});
+  std::size_t all = 0;
+  map.visit([&](const SurfaceMap::Surface&) { ++all; });
+  for (int i = 0; i < 200; ++i) {
+    const Eigen::Vector2f at(static_cast<float>(rng.uniform(-9, 9)), static_cast<float>(rng.uniform(-9, 9)));
+    const auto radius = static_cast<float>(rng.uniform(0, 3));
+    std::set<const SurfaceMap::Surface*> visited;
+    map.visit_about(at, radius, [&](const SurfaceMap::Surface& surface) { visited.insert(&surface); });
+    map.visit([&](const SurfaceMap::Surface& surface) {
+      if ((surface.mean - at).norm() <= radius) {
+        EXPECT_EQ(visited.count(&surface), 1U);
+      }
+    });
+    EXPECT_LT(visited.size(), all);
+  }
+}
+
 TEST(NearMask, TheCellOfASurfaceAndThoseAroundIt) {
   SurfaceMap map;
   EXPECT_FALSE(NearMask(map).at({0, 0}));

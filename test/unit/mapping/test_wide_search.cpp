@@ -1,4 +1,6 @@
 #include <algorithm>
+#include <cmath>
+#include <utility>
 
 #include <gtest/gtest.h>
 
@@ -138,6 +140,25 @@ TEST(WideSearch, StaysInsideItsWindow) {
     EXPECT_LE(std::abs(found->pose.x - window.centre.x), window.half_width_m + kStepM);
     EXPECT_LE(std::abs(found->pose.y - window.centre.y), window.half_width_m + kStepM);
     EXPECT_LE(std::abs(wrap_angle(found->pose.yaw - window.centre.yaw)), window.half_yaw_rad + 0.03);
+  }
+}
+
+TEST(WideSearch, WindowsOnTheGridHoldTheirsAndTryTheSamePoses) {
+  Rng rng(6);
+  for (int i = 0; i < 200; ++i) {
+    const SearchWindow window{
+        {rng.uniform(-3, 3), rng.uniform(-3, 3), rng.uniform(-1, 1)}, rng.uniform(0, 2), rng.uniform(0, 0.3)};
+    const SearchWindow wider = on_grid(window);
+    for (const auto& [own, rounded] :
+         {std::pair{window.centre.x, wider.centre.x}, std::pair{window.centre.y, wider.centre.y}}) {
+      EXPECT_LE(rounded - wider.half_width_m, own - window.half_width_m + 1e-9);
+      EXPECT_GE(rounded + wider.half_width_m, own + window.half_width_m - 1e-9);
+      const double first_cell = (rounded - wider.half_width_m) / kStepM;
+      EXPECT_NEAR(first_cell, std::round(first_cell), 1e-6);
+    }
+    EXPECT_LE(wider.centre.yaw - wider.half_yaw_rad, window.centre.yaw - window.half_yaw_rad + 1e-9);
+    EXPECT_GE(wider.centre.yaw + wider.half_yaw_rad, window.centre.yaw + window.half_yaw_rad - 1e-9);
+    EXPECT_LE(wider.half_width_m, window.half_width_m + 2 * kStepM);
   }
 }
 
