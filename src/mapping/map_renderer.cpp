@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <type_traits>
 #include <utility>
 
 namespace extperfc::mapping {
@@ -17,6 +18,33 @@ std::uint64_t key_of(int tile_column, int tile_row) {
   return (static_cast<std::uint64_t>(static_cast<std::uint32_t>(tile_column)) << 32U) |
          static_cast<std::uint32_t>(tile_row);
 }
+
+/// A ray on its path from cell to cell of a tile (Amanatides and Woo 1987).
+struct RayWalk {
+  int x;  ///< within the tile
+  int y;
+  int right;
+  int up;
+  double next_column;  ///< fraction of the ray up to the next one
+  double next_row;
+  double per_column;
+  double per_row;
+  int left;  ///< steps
+
+  /// Up to the tile's rim or the ray's end.
+  template <int kSide, typename Counts>
+  void count_passes(Counts& counts, std::uint32_t one) {
+    do {  // the direction of the next step is unpredictable: no branches
+      auto& passes = counts[static_cast<std::size_t>(y) * kSide + static_cast<std::size_t>(x)].passes;
+      passes = static_cast<std::decay_t<decltype(passes)>>(passes + one);
+      const bool sideways = next_column < next_row;
+      x += sideways ? right : 0;
+      y += sideways ? 0 : up;
+      next_column += sideways ? per_column : 0.0;
+      next_row += sideways ? 0.0 : per_row;
+    } while (--left > 0 && ((x | y) & ~(kSide - 1)) == 0);
+  }
+};
 
 }  // namespace
 
@@ -64,7 +92,7 @@ std::size_t MapRenderer::draw(const ScanPoints& points, const Pose2& map_T_base,
   return cells;
 }
 
-/// Every cell that the line touches from its start up to the cell before its end (Amanatides and Woo 1987).
+/// Every cell that the line touches from its start up to the cell before its end.
 std::size_t MapRenderer::draw_ray(const Eigen::Vector2d& from, const Eigen::Vector2d& to, bool hit,
                                   int sign) {
   if (!(from.cwiseAbs().maxCoeff() < kFarthestM && to.cwiseAbs().maxCoeff() < kFarthestM)) return 0;
@@ -76,41 +104,53 @@ std::size_t MapRenderer::draw_ray(const Eigen::Vector2d& from, const Eigen::Vect
   const int right = ray.x() > 0 ? 1 : -1;
   const int up = ray.y() > 0 ? 1 : -1;
   constexpr double kNever = std::numeric_limits<double>::infinity();
-  const double per_column = ray.x() != 0 ? std::abs(resolution_m_ / ray.x()) : kNever;
-  const double per_row = ray.y() != 0 ? std::abs(resolution_m_ / ray.y()) : kNever;
-  double next_column =
-      ray.x() != 0 ? ((column + (right > 0 ? 1 : 0)) * resolution_m_ - from.x()) / ray.x() : kNever;
-  double next_row = ray.y() != 0 ? ((row + (up > 0 ? 1 : 0)) * resolution_m_ - from.y()) / ray.y() : kNever;
+  const auto first_border = [&](double along, int cell, int step, double start) {
+    return along != 0 ? ((cell + (step > 0 ? 1 : 0)) * resolution_m_ - start) / along : kNever;
+  };
   const int steps = std::abs(end_column - column) + std::abs(end_row - row);
   const auto one = static_cast<std::uint32_t>(sign);  // -1 wraps round
-  for (int left = steps; left > 0;) {
+  RayWalk walk{0,
+               0,
+               right,
+               up,
+               first_border(ray.x(), column, right, from.x()),
+               first_border(ray.y(), row, up, from.y()),
+               ray.x() != 0 ? std::abs(resolution_m_ / ray.x()) : kNever,
+               ray.y() != 0 ? std::abs(resolution_m_ / ray.y()) : kNever,
+               steps};
+  while (walk.left > 0) {
     Tile& holder = tile(column >> kTileBits, row >> kTileBits);
-    int x = column & kTileMask;
-    int y = row & kTileMask;
-    const int tile_column = column - x;
-    const int tile_row = row - y;
-    do {  // the direction of the next step is unpredictable: no branches
-      holder.at(x, y).passes += one;
-      const bool sideways = next_column < next_row;
-      x += sideways ? right : 0;
-      y += sideways ? 0 : up;
-      next_column += sideways ? per_column : 0.0;
-      next_row += sideways ? 0.0 : per_row;
-    } while (--left > 0 && ((x | y) & ~kTileMask) == 0);
+    walk.x = column & kTileMask;
+    walk.y = row & kTileMask;
+    const int tile_column = column - walk.x;
+    const int tile_row = row - walk.y;
     holder.add_ray(sign);
-    column = tile_column + x;
-    row = tile_row + y;
+    if (holder.few)
+      walk.count_passes<kTileCells>(*holder.few, one);
+    else
+      walk.count_passes<kTileCells>(*holder.many, one);
+    holder.release();
+    column = tile_column + walk.x;
+    row = tile_row + walk.y;
   }
   Tile& last = tile(end_column >> kTileBits, end_row >> kTileBits);
-  Count& end = last.at(end_column & kTileMask, end_row & kTileMask);
-  (hit ? end.hits : end.passes) += one;
   last.add_ray(sign);
+  const auto count_end = [&](auto& counts) {
+    auto& end = counts[static_cast<std::size_t>(end_row & kTileMask) * kTileCells +
+                       static_cast<std::size_t>(end_column & kTileMask)];
+    auto& number = hit ? end.hits : end.passes;
+    number = static_cast<std::decay_t<decltype(number)>>(number + one);
+  };
+  if (last.few)
+    count_end(*last.few);
+  else
+    count_end(*last.many);
+  last.release();
   return static_cast<std::size_t>(steps) + 1;
 }
 
 MapRenderer::Tile& MapRenderer::tile(int tile_column, int tile_row) {
-  if (last_tile_ && last_tile_->counts && tile_column == last_tile_column_ && tile_row == last_tile_row_)
-    return *last_tile_;
+  if (last_tile_ && tile_column == last_tile_column_ && tile_row == last_tile_row_) return *last_tile_;
   auto& entry = tiles_[key_of(tile_column, tile_row)];
   if (!entry) {
     entry = std::make_unique<Tile>();
@@ -122,7 +162,6 @@ MapRenderer::Tile& MapRenderer::tile(int tile_column, int tile_row) {
     bottom_tile_ = first ? tile_row : std::min(bottom_tile_, tile_row);
     top_tile_ = first ? tile_row : std::max(top_tile_, tile_row);
   }
-  if (!entry->counts) entry->counts = std::make_unique<Tile::Counts>();
   last_tile_ = entry.get();
   last_tile_column_ = tile_column;
   last_tile_row_ = tile_row;
@@ -130,20 +169,21 @@ MapRenderer::Tile& MapRenderer::tile(int tile_column, int tile_row) {
   return *last_tile_;
 }
 
-MapRenderer::Count& MapRenderer::Tile::at(int x, int y) {
-  return (*counts)[static_cast<std::size_t>(y) * kTileCells + static_cast<std::size_t>(x)];
-}
-
 void MapRenderer::Tile::add_ray(int sign) {
   rays += sign;
-  if (rays == 0) counts.reset();
+  if (!in_use()) few = std::make_unique<Counts<std::uint8_t>>();
+  if (rays <= kFewRays || many) return;
+  many = std::make_unique<Counts<std::uint32_t>>();
+  std::transform(few->begin(), few->end(), many->begin(), [](const Count<std::uint8_t>& count) {
+    return Count<std::uint32_t>{count.hits, count.passes};
+  });
+  few.reset();
 }
 
-std::int8_t MapRenderer::value(const Count& count) const {
-  const double seen = static_cast<double>(count.hits) + count.passes;
-  const std::int8_t known =
-      count.hits > occupied_threshold_ * seen ? OccupancyGrid::kOccupied : OccupancyGrid::kFree;
-  return seen == 0 ? OccupancyGrid::kUnknown : known;
+void MapRenderer::Tile::release() {
+  if (rays != 0) return;
+  few.reset();
+  many.reset();
 }
 
 std::shared_ptr<const OccupancyGrid> MapRenderer::map(const MapBounds& bounds) {
@@ -153,9 +193,13 @@ std::shared_ptr<const OccupancyGrid> MapRenderer::map(const MapBounds& bounds) {
   return image_.show();
 }
 
-std::size_t MapRenderer::tiles_in_use() const {
-  return static_cast<std::size_t>(std::count_if(
-      tiles_.begin(), tiles_.end(), [](const auto& tile) { return tile.second->counts != nullptr; }));
+std::size_t MapRenderer::counts_size() const {
+  std::size_t size = 0;
+  for (const auto& [key, tile] : tiles_) {
+    if (tile->few) size += sizeof(*tile->few);
+    if (tile->many) size += sizeof(*tile->many);
+  }
+  return size;
 }
 
 MapImage::Extent MapRenderer::extent() const {
@@ -186,14 +230,24 @@ void MapRenderer::draw_changed_tiles(std::size_t max_tiles) {
 void MapRenderer::draw_tile(const Tile& tile) {
   for (int row = 0; row < kTileCells; ++row) {
     std::int8_t* cells = image_.cells_at(tile.column * kTileCells, tile.row * kTileCells + row);
-    if (!tile.counts) {
+    if (tile.few)
+      draw_cells(*tile.few, row, cells);
+    else if (tile.many)
+      draw_cells(*tile.many, row, cells);
+    else
       std::fill_n(cells, kTileCells, OccupancyGrid::kUnknown);
-      continue;
-    }
-    const int first = row * kTileCells;
-    const Count* counts = &(*tile.counts)[static_cast<std::size_t>(first)];
-    for (int column = 0; column < kTileCells; ++column) cells[column] = value(counts[column]);
   }
+}
+
+template <typename Number>
+void MapRenderer::draw_cells(const Counts<Number>& counts, int row, std::int8_t* cells) const {
+  const std::size_t first = static_cast<std::size_t>(row) * kTileCells;
+  std::transform(&counts[first], &counts[first] + kTileCells, cells, [&](const Count<Number>& count) {
+    const double seen = static_cast<double>(count.hits) + count.passes;
+    const std::int8_t known =
+        count.hits > occupied_threshold_ * seen ? OccupancyGrid::kOccupied : OccupancyGrid::kFree;
+    return seen == 0 ? OccupancyGrid::kUnknown : known;
+  });
 }
 
 }  // namespace extperfc::mapping

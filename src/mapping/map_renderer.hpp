@@ -43,26 +43,35 @@ class MapRenderer {
   [[nodiscard]] std::shared_ptr<const OccupancyGrid> map() { return map(MapBounds()); }
   [[nodiscard]] bool complete() const { return complete_; }
 
-  /// Tiles that hold counts: the memory.
-  [[nodiscard]] std::size_t tiles_in_use() const;
+  /// Memory of the counts [bytes].
+  [[nodiscard]] std::size_t counts_size() const;
 
  private:
   static constexpr int kTileBits = 6;
   static constexpr int kTileCells = 1 << kTileBits;
   static constexpr int kTileMask = kTileCells - 1;
+  template <typename Number>
   struct Count {
-    std::uint32_t hits{0};
-    std::uint32_t passes{0};
+    Number hits{0};
+    Number passes{0};
   };
+  template <typename Number>
+  using Counts = std::array<Count<Number>, kTileCells * kTileCells>;
+  /// Where few rays pass, a byte counts them: those that stray behind the walls of a building touch many
+  /// tiles.
   struct Tile {
+    static constexpr int kFewRays = 250;
+
     int column{0};
     int row{0};
-    bool changed{false};  ///< since it was drawn to the image
-    int rays{0};          ///< that touch it
-    using Counts = std::array<Count, kTileCells * kTileCells>;
-    std::unique_ptr<Counts> counts;         ///< null while no ray touches it
-    [[nodiscard]] Count& at(int x, int y);  ///< within the tile
-    void add_ray(int sign);                 ///< after its cells were counted
+    bool changed{false};                        ///< since it was drawn to the image
+    int rays{0};                                ///< that touch it: no cell counts more
+    std::unique_ptr<Counts<std::uint8_t>> few;  ///< at most one of the two; none while no ray touches it
+    std::unique_ptr<Counts<std::uint32_t>> many;
+
+    [[nodiscard]] bool in_use() const { return few != nullptr || many != nullptr; }
+    void add_ray(int sign);  ///< before its cells are counted
+    void release();          ///< the counts, if no ray is left
   };
 
   /// Adds (+1) or takes back (-1) one key frame; the number of cells touched.
@@ -72,7 +81,8 @@ class MapRenderer {
   [[nodiscard]] MapImage::Extent extent() const;
   void draw_changed_tiles(std::size_t max_tiles);
   void draw_tile(const Tile& tile);
-  [[nodiscard]] std::int8_t value(const Count& count) const;
+  template <typename Number>
+  void draw_cells(const Counts<Number>& counts, int row, std::int8_t* cells) const;
 
   double resolution_m_;
   double occupied_threshold_;
