@@ -31,7 +31,7 @@ constexpr char kExplanation[] =
 constexpr char kWorldsExplanation[] =
     "errors: mean over pairs of poses that truly stand within 1 m of each other, 15 m of path or more apart, "
     "when the\n"
-    "drive is over. CPU: Mapper::add alone. Each drive is a separate process.\n";
+    "drive is over. CPU per scan: Mapper::add alone. Each drive is a separate process.\n";
 
 int complain(const std::string& message, int code) {
   std::cerr << "bench_map: " << message << "\n";
@@ -40,6 +40,7 @@ int complain(const std::string& message, int code) {
 
 Result<std::vector<Row>> measure(const MapOptions& options) {
   if (options.only == kWorldsPart) return world_rows(options);
+  if (options.only == kLongPart) return long_rows(options);
   const TemporaryFolder folder;
   const auto subjects = find_subjects(options.log, folder.path());
   if (!subjects) return tl::unexpected(subjects.error());
@@ -66,8 +67,8 @@ int run(const MapOptions& options) {
   const Stopwatch watch;
   const auto rows = measure(options);
   if (!rows) return complain(rows.error().message, 1);
-  std::cout << machine_description() << "\n"
-            << (options.only == kWorldsPart ? kWorldsExplanation : kExplanation) << "\n";
+  const bool is_generated = options.only == kWorldsPart || options.only == kLongPart;
+  std::cout << machine_description() << "\n" << (is_generated ? kWorldsExplanation : kExplanation) << "\n";
   print_table(std::cout, *rows);
   std::cout << "\n" << watch.seconds() << " s\n";
   if (options.json.empty() || write_json(options.json, "map", *rows)) return 0;

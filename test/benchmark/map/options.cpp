@@ -10,7 +10,7 @@
 namespace extperfc::benchmark {
 namespace {
 
-const std::set<std::string> kParts{"log", "peer", "rates", "hall", kVariedPart, kWorldsPart};
+const std::set<std::string> kParts{"log", "peer", "rates", "hall", kVariedPart, kWorldsPart, kLongPart};
 constexpr int kMaxSeeds = 100;
 constexpr int kMaxWorlds = 1000;
 
@@ -38,7 +38,7 @@ Result<void> read_choice(const Arguments& arguments, MapOptions& options) {
   options.only = arguments.last("--only").value_or("");
   if (!options.only.empty() && kParts.count(options.only) == 0)
     return fail(ErrorCode::kInvalidArgument,
-                "--only needs log, peer, rates, hall, varied or worlds, not '" + options.only + "'");
+                "--only needs log, peer, rates, hall, varied, worlds or long, not '" + options.only + "'");
   options.log = arguments.last("--log").value_or("");
   const auto& logs = log_names();
   if (arguments.has("--log") && std::find(logs.begin(), logs.end(), options.log) == logs.end())
@@ -64,8 +64,8 @@ Result<MapOptions> parse_map_options(const std::vector<std::string>& tokens) {
   if (!peer_scans) return tl::unexpected(peer_scans.error());
   if (*peer_scans)
     options.peer_scans = **peer_scans == 0 ? kWholeLog : static_cast<std::size_t>(**peer_scans);
-  if (arguments->has("--worlds") && options.only != kWorldsPart)
-    return fail(ErrorCode::kInvalidArgument, "--worlds goes with --only worlds");
+  if (arguments->has("--worlds") && options.only != kWorldsPart && options.only != kLongPart)
+    return fail(ErrorCode::kInvalidArgument, "--worlds goes with --only worlds or --only long");
   if (auto read = read_count(*arguments, "--worlds", kMaxWorlds, options.worlds); !read)
     return tl::unexpected(read.error());
   return options;
@@ -74,7 +74,7 @@ Result<MapOptions> parse_map_options(const std::vector<std::string>& tokens) {
 void print_map_help(std::ostream& out) {
   out << "usage: tools/bench map [--quick] [--seeds N] [--log NAME] [--peer-scans N] [--only PART]\n"
          "                       [--json FILE]\n"
-         "       tools/bench map --only worlds [--worlds N] [--json FILE]\n"
+         "       tools/bench map --only worlds|long [--worlds N] [--json FILE]\n"
          "\n"
          "Accuracy, CPU time and memory of the mapper on the logs of three buildings (../shared/data/slam;\n"
          "where none is there, on a generated building), against MRPT's rbpf-slam and icp-slam and odometry\n"
@@ -92,7 +92,7 @@ void print_map_help(std::ostream& out) {
          "  --only        log, peer, rates or hall (default: all four). Only when asked for, since they "
          "take\n"
          "                minutes: varied, the logs with a poorer scanner, worse wheels, missing scans, and\n"
-         "                backwards; worlds, generated buildings of ten kinds\n"
+         "                backwards; worlds, generated buildings of ten kinds; long, drives of 1.9 km\n"
          "  --worlds      of every kind (default 2)\n"
          "  --json        write the results too\n";
 }

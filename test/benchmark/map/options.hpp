@@ -13,6 +13,7 @@ constexpr std::size_t kWholeLog = 1'000'000'000;
 // These run only when they are asked for.
 constexpr char kVariedPart[] = "varied";
 constexpr char kWorldsPart[] = "worlds";
+constexpr char kLongPart[] = "long";
 
 struct MapOptions {
   int seeds{3};                       ///< of every log, with 30 particles; with other numbers at most three

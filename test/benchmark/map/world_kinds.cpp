@@ -12,6 +12,7 @@ namespace {
 using Point = Eigen::Vector2d;
 
 constexpr double kGridPathM = 600;
+constexpr double kLongGridPathM = 1900;
 constexpr double kNoOdometryFraction = 0.12;  // of the drives, where the kind allows it
 constexpr double kGlassFraction = 0.15;       // of the walls, where there is glass
 constexpr std::uint64_t kSeedStep = 1'000'003;
@@ -90,6 +91,7 @@ class Planner {
   void loop_then_end();
   void eight();
   void grid();
+  void long_grid();
   void out_and_back();
   void desks();
   void big_loop();
@@ -104,8 +106,9 @@ class Planner {
   void go(const std::vector<Point>& corners) {
     world_.route.insert(world_.route.end(), corners.begin(), corners.end());
   }
-  [[nodiscard]] std::vector<double> meshes(int count, double widest_m);
-  void wander(const std::vector<double>& columns, const std::vector<double>& rows);
+  [[nodiscard]] std::vector<double> meshes(int count, double narrowest_m, double widest_m);
+  void drive_grid(const std::vector<double>& columns, const std::vector<double>& rows, double path_m);
+  void wander(const std::vector<double>& columns, const std::vector<double>& rows, double long_m);
   void office(double left, double width, double door);
   void lobby_pillar(double length, double height);
 
@@ -201,16 +204,26 @@ void Planner::eight() {
 }
 
 /// Where the corridors of a grid lie.
-std::vector<double> Planner::meshes(int count, double widest_m) {
+std::vector<double> Planner::meshes(int count, double narrowest_m, double widest_m) {
   std::vector<double> lines{0};
-  for (int i = 0; i < count; ++i) lines.push_back(lines.back() + rng_.uniform(18, widest_m));
+  for (int i = 0; i < count; ++i) lines.push_back(lines.back() + rng_.uniform(narrowest_m, widest_m));
   return lines;
 }
 
 void Planner::grid() {
   const int count = rng_.integer(2, 3);
-  const auto columns = meshes(count, 45);
-  const auto rows = meshes(2, 40);
+  const auto columns = meshes(count, 18, 45);
+  drive_grid(columns, meshes(2, 18, 40), kGridPathM);
+}
+
+void Planner::long_grid() {
+  redraw_look(rng_.chance(0.5) ? CorridorKind::kAlike : CorridorKind::kSparse);
+  const int count = rng_.integer(2, 3);
+  const auto columns = meshes(count, 35, 108);
+  drive_grid(columns, meshes(2, 35, 96), kLongGridPathM);
+}
+
+void Planner::drive_grid(const std::vector<double>& columns, const std::vector<double>& rows, double path_m) {
   look_.room_fraction = rng_.uniform(0, 0.3);
   world_.pedestrians = rng_.integer(0, 4);
   glass_fraction_ = rng_.chance(0.4) ? kGlassFraction : 0.0;
@@ -218,11 +231,11 @@ void Planner::grid() {
     for (std::size_t i = 1; i < columns.size(); ++i) corridor({columns[i - 1], y}, {columns[i], y});
   for (const double x : columns)
     for (std::size_t j = 1; j < rows.size(); ++j) corridor({x, rows[j - 1]}, {x, rows[j]});
-  wander(columns, rows);
+  wander(columns, rows, path_m);
 }
 
 /// From intersection to intersection, never straight back.
-void Planner::wander(const std::vector<double>& columns, const std::vector<double>& rows) {
+void Planner::wander(const std::vector<double>& columns, const std::vector<double>& rows, double long_m) {
   using Intersection = std::pair<int, int>;
   const auto there = [&](const Intersection& c) {
     return c.first >= 0 && c.second >= 0 && c.first < static_cast<int>(columns.size()) &&
@@ -234,7 +247,7 @@ void Planner::wander(const std::vector<double>& columns, const std::vector<doubl
   Intersection last{-1, -1};
   Intersection now{0, 0};
   go({place(now)});
-  for (double path_m = 0; path_m < kGridPathM;) {
+  for (double path_m = 0; path_m < long_m;) {
     const auto& [i, j] = now;
     std::vector<Intersection> choice;
     for (const Intersection& next : {Intersection{i - 1, j}, {i + 1, j}, {i, j - 1}, {i, j + 1}})
@@ -334,6 +347,7 @@ constexpr std::array<Kind, 10> kKinds{{{"ring_twice", &Planner::ring_twice, fals
                                        {"desks", &Planner::desks, true},
                                        {"big_loop", &Planner::big_loop, true},
                                        {"lobby", &Planner::lobby, true}}};
+constexpr Kind kLongKind{kLongGrid, &Planner::long_grid, false};
 
 }  // namespace
 
@@ -347,6 +361,9 @@ const std::vector<std::string>& world_kinds() {
 }
 
 Result<WorldCase> make_world(const std::string& kind, std::uint64_t seed) {
+  if (kind == kLongKind.name)
+    return Planner(seed * kSeedStep + kKinds.size() * kKindStep + 5)
+        .make(kLongKind.plan, kLongKind.may_lack_odometry);
   for (std::size_t i = 0; i < kKinds.size(); ++i)
     if (kKinds[i].name == kind)
       return Planner(seed * kSeedStep + i * kKindStep + 5).make(kKinds[i].plan, kKinds[i].may_lack_odometry);

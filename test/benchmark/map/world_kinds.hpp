@@ -23,6 +23,10 @@ namespace extperfc::benchmark {
 ///   lobby          a corridor into a hall of 30 m x 20 m to 60 m x 40 m with a few pillars
 [[nodiscard]] const std::vector<std::string>& world_kinds();
 
+/// One more: a random path of 1,900 m through a grid of corridors, 35 to 108 m apart, that look alike.
+/// Minutes of CPU a drive.
+inline constexpr char kLongGrid[] = "long_grid";
+
 /// A building of this kind. Random, by the seed: dimensions, how corridors look, the scanner (180 to 541
 /// rays, up to 8, 30 or 80 m), odometry (up to 5 % and 0.03 rad/m off; with most kinds sometimes none), path
 /// per scan, and with some kinds people and glass. The same on every run of one build. Errors: no such kind.
