@@ -294,9 +294,9 @@ TEST(SubmapShape, ChangesWithItsKeyFramesAndNotWithItsPose) {
     for (const auto& [shift, is_still] :
          {std::pair{Pose2{0.005, 0, 0}, true}, std::pair{Pose2{0.02, 0, 0}, false},
           std::pair{Pose2{0, 0, 0.001}, true}, std::pair{Pose2{0, 0, 0.004}, false}}) {
-      auto bent = moved;
-      bent[end] = compose(bent[end], shift);
-      EXPECT_EQ(is_unchanged(shape_of(kMiddle, bent), then), is_still)
+      auto shifted = moved;
+      shifted[end] = compose(shifted[end], shift);
+      EXPECT_EQ(is_unchanged(shape_of(kMiddle, shifted), then), is_still)
           << end << " " << shift.x << " " << shift.yaw;
     }
   }
