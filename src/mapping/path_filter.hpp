@@ -129,6 +129,7 @@ class PathFilter {
   void resample();
   [[nodiscard]] bool determined(const Particle& particle) const;
   [[nodiscard]] bool is_consistent(std::size_t best) const;
+  [[nodiscard]] bool was_refused(const Pose2& correction) const;
   Step accept(std::size_t best);
   void accept_rest();
   bool optimize_accepted(double moved_m);
@@ -136,10 +137,17 @@ class PathFilter {
   [[nodiscard]] double expected_drift_m() const;
   [[nodiscard]] double farthest_offset_m(std::size_t submap) const;
   bool rematch(Constraint& constraint);
+  [[nodiscard]] double estimated_fit(const std::vector<std::size_t>& closures, double present_fit);
   void know_newest();
   void know_again();
   void know_closed();
   bool review(std::size_t constraints_before);
+
+  /// A correction that contradicted earlier loop closures, which fitted better.
+  struct Refusal {
+    Pose2 correction;  ///< of the newest key frame
+    double at_m{0};    ///< distance travelled then
+  };
 
   PathFilterParams params_;
   Rng rng_;
@@ -152,6 +160,7 @@ class PathFilter {
   std::optional<RangeProfile> profile_;     ///< of the newest key frame
   std::vector<Particle> particles_;
   double effective_{0};
+  std::optional<Refusal> refused_;      ///< the last one
   double accepted_at_m_{0};             ///< distance travelled at the last accepted loop closure
   std::size_t trusted_constraints_{0};  ///< the last correction began after these
   std::size_t since_optimized_{0};      ///< accepted loop closures since the whole graph was optimized

@@ -66,9 +66,22 @@ bool PathFilter::is_consistent(std::size_t best) const {
   return leader.candidates.size() >= kMinFarCandidates && travelled_m >= kMinFarDistanceM;
 }
 
+/// Whether much the same correction was refused within the last metres. To review it again would take as
+/// long, and say the same.
+bool PathFilter::was_refused(const Pose2& correction) const {
+  constexpr double kReviewedAgainAfterM = 3.0;
+  return refused_ && frames_.back().travelled_m - refused_->at_m < kReviewedAgainAfterM &&
+         near(correction, refused_->correction, kSameClusterM, kSameClusterRad);
+}
+
 PathFilter::Step PathFilter::accept(std::size_t best) {
   const Particle leader = particles_[best];
-  const double moved = distance(leader.pose, graph_.poses().back());
+  const Pose2 correction = between(graph_.poses().back(), leader.pose);
+  const double moved = std::hypot(correction.x, correction.y);
+  if (moved > kContradictionM && was_refused(correction)) {
+    collapse();
+    return {};
+  }
   const auto poses_before = graph_.poses();
   const std::size_t constraints_before = graph_.constraints().size();
   const auto kept_constraints = moved > kContradictionM ? graph_.constraints() : std::vector<Constraint>{};
@@ -82,6 +95,7 @@ PathFilter::Step PathFilter::accept(std::size_t best) {
     if (!kept_constraints.empty()) graph_.constraints() = kept_constraints;
     graph_.constraints().resize(constraints_before);
     graph_.set_poses(poses_before);
+    if (moved > kContradictionM) refused_ = {correction, frames_.back().travelled_m};
     collapse();
     return {};
   }
@@ -140,11 +154,27 @@ bool PathFilter::rematch(Constraint& constraint) {
   return true;
 }
 
+/// What these loop closures, which now fit `present_fit` in total, would fit if each were matched again: from
+/// every n-th of them.
+double PathFilter::estimated_fit(const std::vector<std::size_t>& closures, double present_fit) {
+  constexpr std::size_t kSamples = 40;
+  const std::size_t step = 1 + closures.size() / kSamples;
+  double before = 0;
+  double again = 0;
+  for (std::size_t k = 0; k < closures.size(); k += step) {
+    Constraint constraint = graph_.constraints()[closures[k]];
+    before += constraint.fit;
+    if (rematch(constraint)) again += constraint.fit;
+  }
+  return before > 0 ? present_fit * again / before : 0;
+}
+
 /// A correction far beyond the drift since the last accepted loop closure means that one of the two was
 /// wrong. Takes out the loop closures since the last trusted correction, optimizes without them, and matches
 /// them again from there. False when the old constraints fit better in total than the new ones.
 bool PathFilter::review(std::size_t constraints_before) {
   constexpr std::size_t kMaxSuspects = 300;
+  constexpr double kClearlyWorse = 0.8;  // an estimate is enough then
   std::vector<std::size_t> suspects;
   for (std::size_t i = trusted_constraints_; i < constraints_before; ++i)
     if (graph_.constraints()[i].is_loop_closure && graph_.constraints()[i].fit > 0) suspects.push_back(i);
@@ -161,6 +191,7 @@ bool PathFilter::review(std::size_t constraints_before) {
   double new_fit = 0;
   for (std::size_t i = constraints_before; i < graph_.constraints().size(); ++i)
     new_fit += graph_.constraints()[i].fit;
+  if (new_fit + estimated_fit(suspects, old_fit) < kClearlyWorse * old_fit) return false;
   for (std::size_t k = 0; k < suspects.size(); ++k) {
     Constraint& constraint = graph_.constraints()[suspects[k]];
     constraint.information = information[k];
@@ -229,6 +260,7 @@ bool PathFilter::adopt(Search search) {
 void PathFilter::know_closed() {
   trusted_constraints_ = graph_.constraints().size();
   since_optimized_ = 0;
+  refused_.reset();
   know_again();
   collapse();
 }
