@@ -4,17 +4,12 @@
 #include <cmath>
 #include <limits>
 #include <map>
-#include <memory>
 #include <numeric>
 #include <utility>
 
-#include <Eigen/LU>
-
 #include "mapping/map_parts.hpp"
-#include "mapping/matcher.hpp"
 #include "mapping/path_filter_common.hpp"
 #include "mapping/rotation_by.hpp"
-#include "mapping/visibility.hpp"
 
 namespace extperfc::mapping {
 
@@ -30,23 +25,13 @@ constexpr double kUnknownApartM = 3.0;
 // Search.
 constexpr double kMaxWindowM = 40.0;
 constexpr double kMaxWindowRad = 0.8;
-constexpr double kMinScore = 0.5;
-constexpr int kMaxNodes = 60'000;
 constexpr double kSlackM = 0.3;
-constexpr std::size_t kPeaks = 3;
-constexpr double kPeakApartM = 1.0;
-constexpr double kPeakApartRad = 0.3;
 // Verification.
-constexpr double kReachM = 0.4;
-constexpr double kAlongM = 1.0;  // searched along a corridor
-constexpr double kMinFit = 0.4;
 constexpr double kMinSupport = 0.2;
 constexpr double kIndifferentSupport = 0.3;  // of a wrong match in a building of corridors
 constexpr double kGoodSupport = 0.6;         // counts in full
 constexpr double kMaxQuality = 1.5;
 constexpr double kClearMargin = 0.12;  // of support, to the next best place
-constexpr double kFloorM = 0.02;       // standard deviation of errors inside submaps
-constexpr double kFloorRad = 0.005;
 constexpr double kDeterminedM = 0.12;
 // Acceptance.
 constexpr double kMinWeight = 1.5;
@@ -54,8 +39,6 @@ constexpr double kMinWeightAtEnd = 0.6;
 constexpr double kMinJoiningWeight = 4.5;  // of a part that may stand anywhere
 constexpr std::size_t kMaxPool = 160;
 constexpr std::size_t kOptimizeEvery = 8;
-constexpr std::size_t kMaxRemembered = 50'000;  // pairs of submaps
-constexpr std::size_t kMaxStarts = 16;          // of verifications of a pair
 
 void keep_newest(std::vector<SubmapClosure>& pool) {
   if (pool.size() > kMaxPool) pool.erase(pool.begin(), pool.end() - static_cast<std::ptrdiff_t>(kMaxPool));
@@ -74,14 +57,6 @@ std::optional<SearchWindow> window_of(const Pose2& expected, const RelativeUncer
   return on_grid({{(left + right) / 2, (bottom + top) / 2, expected.yaw},
                   std::max(right - left, top - bottom) / 2,
                   std::min(kMaxWindowRad, known.reach_rad() + 0.05)});
-}
-
-bool is_same_window(const SearchWindow& now, const SearchWindow& then) {
-  constexpr double kAlikeM = 0.01;
-  constexpr double kAlikeRad = 0.003;
-  return near(now.centre, then.centre, kAlikeM, kAlikeRad) &&
-         std::abs(now.half_width_m - then.half_width_m) < kAlikeM &&
-         std::abs(now.half_yaw_rad - then.half_yaw_rad) < kAlikeRad;
 }
 
 /// Takes back the loop closures of the key frames for which `is_chosen`.
@@ -149,95 +124,10 @@ std::vector<std::size_t> LoopCloser::references(std::size_t query, const std::ve
   return references;
 }
 
-bool LoopCloser::SubmapPair::stands_as(const SubmapPair& then) const {
-  return is_unchanged(old, then.old) && is_unchanged(seen, then.seen);
-}
-
-LoopCloser::SubmapPair LoopCloser::pair_of(const Ends& ends, const PoseGraph& graph) {
-  const auto& poses = graph.poses();
-  return {SubmapCache::shape_of(ends.first, poses.size(), poses),
-          SubmapCache::shape_of(ends.second, poses.size(), poses)};
-}
-
-std::vector<FoundPose> LoopCloser::search(const Ends& ends, const SearchWindow& window,
-                                          const std::vector<KeyFrame>& frames, const PoseGraph& graph) {
-  const SubmapPair submaps = pair_of(ends, graph);
-  const auto known = searches_.find(ends);
-  if (known != searches_.end() && submaps.stands_as(known->second.submaps) &&
-      is_same_window(window, known->second.window))
-    return known->second.found;
-  if (searches_.size() > kMaxRemembered) searches_.clear();
-  auto found = search_anew(ends, window, frames, graph);
-  searches_[ends] = {submaps, window, found};
-  return found;
-}
-
-std::vector<FoundPose> LoopCloser::search_anew(const Ends& ends, const SearchWindow& window,
-                                               const std::vector<KeyFrame>& frames, const PoseGraph& graph) {
-  Submap& old = submaps_.at(ends.first, frames.size(), frames, graph.poses());
-  if (!old.pyramid) old.pyramid = std::make_unique<SearchPyramid>(old.map);
-  const Submap& seen = submaps_.at(ends.second, frames.size(), frames, graph.poses());
-  return search_peaks(*old.pyramid, seen.points, window, kMinScore, kMaxNodes,
-                      {kPeaks, kPeakApartM, kPeakApartRad, 0.2});
-}
-
-std::optional<SubmapClosure> LoopCloser::verify(const Ends& ends, const Pose2& start,
-                                                const std::vector<KeyFrame>& frames, const PoseGraph& graph) {
-  const SubmapPair submaps = pair_of(ends, graph);
-  if (verifications_.size() > kMaxRemembered) verifications_.clear();
-  auto& known = verifications_[ends];
-  const auto is_out_of_date = [&](const Verification& verification) {
-    return !submaps.stands_as(verification.submaps);
-  };
-  known.erase(std::remove_if(known.begin(), known.end(), is_out_of_date), known.end());
-  const auto same = std::find_if(known.begin(), known.end(), [&](const Verification& verification) {
-    return stands_still(start, verification.start);
-  });
-  if (same != known.end()) return same->closure;
-  if (known.size() >= kMaxStarts) known.erase(known.begin());
-  auto closure = verify_anew(ends, start, frames, graph);
-  known.push_back({submaps, start, closure});
-  return closure;
-}
-
-std::optional<SubmapClosure> LoopCloser::verify_anew(const Ends& ends, const Pose2& start,
-                                                     const std::vector<KeyFrame>& frames,
-                                                     const PoseGraph& graph) {
-  const auto [reference, query] = ends;
-  const Submap& old = submaps_.at(reference, frames.size(), frames, graph.poses());
-  const Submap& seen = submaps_.at(query, frames.size(), frames, graph.poses());
-  const PosePrior prior{start, 0.4, 0.15};
-  ScanMatch found = match(old.map, seen.points, start, prior, kReachM);
-  const auto support = [&](const Pose2& pose) {
-    const Agreement forward = agreement(old.map, seen.points, pose);
-    const Agreement backward = agreement(seen.map, old.points, inverse(pose));
-    return (forward.on_surface - (forward.near_surface - forward.on_surface)) / std::max(1.0, forward.all) -
-           (backward.near_surface - backward.on_surface) / std::max(1.0, backward.near_surface) -
-           kContradictionCost * contradictions(old, seen, pose);
-  };
-  if (found.fit < kMinFit) return std::nullopt;
-  const auto place = [&](const Pose2& pose) {
-    return agreement(old.map, seen.points, pose).ratio() +
-           agreement(seen.map, old.points, inverse(pose)).ratio() -
-           kContradictionCost * contradictions(old, seen, pose);
-  };
-  found = match_along(old.map, seen.points, found, prior, kAlongM, kReachM, place);
-  SubmapClosure closure;
-  closure.support = support(found.pose);
-  closure.constraint = {reference,  query,
-                        found.pose, Eigen::Matrix3d::Zero(),
-                        true,       found.fit - kContradictionCost * contradictions(old, seen, found.pose)};
-  if (closure.constraint.fit < kMinFit) return std::nullopt;
-  Eigen::Matrix3d covariance = (found.information + 1e-2 * Eigen::Matrix3d::Identity()).inverse();
-  covariance.diagonal() += Eigen::Vector3d(kFloorM * kFloorM, kFloorM * kFloorM, kFloorRad * kFloorRad);
-  closure.constraint.information = covariance.inverse();
-  return closure;
-}
-
 bool LoopCloser::match_near(std::size_t reference, std::size_t query, const RelativeUncertainty& known,
                             const std::vector<KeyFrame>& frames, PoseGraph& graph) {
   const Pose2 expected = between(graph.poses()[reference], graph.poses()[query]);
-  const auto closure = verify({reference, query}, expected, frames, graph);
+  const auto closure = matcher_.verify({reference, query}, expected, frames, graph);
   if (!closure) return false;
   const Pose2 off = between(expected, closure->constraint.from_T_to);
   if (std::hypot(off.x, off.y) > known.reach_m() + 0.15 || std::abs(off.yaw) > known.reach_rad() + 0.05)
@@ -285,7 +175,7 @@ std::vector<LoopCloser::Peak> LoopCloser::find_peaks(const std::vector<std::size
     const Pose2 expected = between(graph.poses()[reference], graph.poses()[query]);
     const auto window = window_of(expected, known[reference]);
     if (!window) continue;
-    for (const FoundPose& found : search({reference, query}, *window, frames, graph))
+    for (const FoundPose& found : matcher_.search({reference, query}, *window, frames, graph))
       add(from_nearest({reference, found.pose, found.score}, query, known, frames, graph));
   }
   if (references.empty() || !known[references.front()].is_unknown()) return peaks;
@@ -302,7 +192,7 @@ void LoopCloser::search_far(const std::vector<std::size_t>& references, std::siz
   std::vector<Pose2> places;  // of the candidates, in the graph's frame
   for (const Peak& peak : find_peaks(references, query, known, frames, graph)) {
     const RelativeUncertainty& reach = known[peak.reference];
-    auto closure = verify({peak.reference, query}, peak.pose, frames, graph);
+    auto closure = matcher_.verify({peak.reference, query}, peak.pose, frames, graph);
     if (!closure || closure->support < kMinSupport) continue;
     // Seen from the query, as the uncertainty is.
     const Pose2 found = inverse(closure->constraint.from_T_to);
@@ -318,7 +208,8 @@ void LoopCloser::search_far(const std::vector<std::size_t>& references, std::siz
   for (std::size_t i = first; i < pool.size(); ++i) {
     double alternative = kMinSupport - kClearMargin;
     for (std::size_t k = first; k < pool.size(); ++k)
-      if (!near(places[i - first], places[k - first], kPeakApartM, kPeakApartRad))
+      if (!near(places[i - first], places[k - first], SubmapMatcher::kPeakApartM,
+                SubmapMatcher::kPeakApartRad))
         alternative = std::max(alternative, pool[k].support);
     double clear = std::clamp((pool[i].support - alternative) / kClearMargin, 0.02, 1.0);
     if (widest_sigma_m(pool[i].constraint.covariance()) > kDeterminedM) clear = std::min(clear, 0.1);

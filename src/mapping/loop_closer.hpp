@@ -3,7 +3,6 @@
 #include <cstddef>
 #include <map>
 #include <optional>
-#include <utility>
 #include <vector>
 
 #include "extperfc/world/pose.hpp"
@@ -13,19 +12,17 @@
 #include "mapping/pass_matcher.hpp"
 #include "mapping/pose_graph.hpp"
 #include "mapping/relative_uncertainty.hpp"
-#include "mapping/submap_cache.hpp"
-#include "mapping/wide_search.hpp"
+#include "mapping/submap_matcher.hpp"
 
 namespace extperfc::mapping {
 
 /// Finds where a path comes back to known surroundings: searches every old submap that the graph's
 /// uncertainty allows, verifies what it finds, and accepts loop closures in sets that agree with each other
-/// and with the path between them (pairwise consistency: Mangelson et al., ICRA 2018). What was searched and
-/// verified is remembered while the key frames about it stand as they did. So the scans of the key frames
-/// must stay as they are.
+/// and with the path between them (pairwise consistency: Mangelson et al., ICRA 2018). Searches are
+/// remembered, so the scans of the key frames must stay as they are.
 class LoopCloser {
  public:
-  explicit LoopCloser(SubmapCache& submaps) : submaps_(submaps), passes_(submaps) {}
+  explicit LoopCloser(SubmapCache& submaps) : matcher_(submaps), passes_(submaps) {}
 
   static constexpr std::size_t kStride = 8;  ///< key frames from one submap to the next
 
@@ -67,35 +64,6 @@ class LoopCloser {
   [[nodiscard]] std::vector<std::size_t> references(std::size_t query, const std::vector<KeyFrame>& frames,
                                                     const PoseGraph& graph,
                                                     const std::vector<RelativeUncertainty>& known) const;
-  /// The submaps of two key frames.
-  struct SubmapPair {
-    SubmapShape old;
-    SubmapShape seen;
-    [[nodiscard]] bool stands_as(const SubmapPair& then) const;
-  };
-  using Ends = std::pair<std::size_t, std::size_t>;  ///< reference and query
-  struct Search {
-    SubmapPair submaps;
-    SearchWindow window;
-    std::vector<FoundPose> found;
-  };
-  struct Verification {
-    SubmapPair submaps;
-    Pose2 start;
-    std::optional<SubmapClosure> closure;
-  };
-  [[nodiscard]] static SubmapPair pair_of(const Ends& ends, const PoseGraph& graph);
-  [[nodiscard]] std::vector<FoundPose> search(const Ends& ends, const SearchWindow& window,
-                                              const std::vector<KeyFrame>& frames, const PoseGraph& graph);
-  [[nodiscard]] std::vector<FoundPose> search_anew(const Ends& ends, const SearchWindow& window,
-                                                   const std::vector<KeyFrame>& frames,
-                                                   const PoseGraph& graph);
-  [[nodiscard]] std::optional<SubmapClosure> verify(const Ends& ends, const Pose2& start,
-                                                    const std::vector<KeyFrame>& frames,
-                                                    const PoseGraph& graph);
-  [[nodiscard]] std::optional<SubmapClosure> verify_anew(const Ends& ends, const Pose2& start,
-                                                         const std::vector<KeyFrame>& frames,
-                                                         const PoseGraph& graph);
   bool match_near(std::size_t reference, std::size_t query, const RelativeUncertainty& known,
                   const std::vector<KeyFrame>& frames, PoseGraph& graph);
   using Pool = std::vector<SubmapClosure>;
@@ -123,13 +91,11 @@ class LoopCloser {
   void graph_changed() { uncertainties_.reset(); }
   void close_along(bool open_ones_only, const std::vector<KeyFrame>& frames, PoseGraph& graph);
 
-  SubmapCache& submaps_;
+  SubmapMatcher matcher_;
   PassMatcher passes_;
   Pool pool_;     ///< found, not accepted yet
   Pool joining_;  ///< the same, between parts whose poses relative to each other are unknown
-  std::map<std::size_t, Pool> anywhere_;  ///< what was found of queries that may stand anywhere
-  std::map<Ends, Search> searches_;
-  std::map<Ends, std::vector<Verification>> verifications_;
+  std::map<std::size_t, Pool> anywhere_;                ///< what was found of queries that may stand anywhere
   std::optional<RelativeUncertainties> uncertainties_;  ///< while the graph stays as it is
   std::size_t since_optimized_{0};
 };

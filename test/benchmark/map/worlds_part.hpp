@@ -19,8 +19,8 @@ namespace extperfc::benchmark {
 /// The other side, in the new process; an exit code. The tokens are a kind and a seed, "carried" for a robot
 /// that is carried over a tenth of its path, and a file for a table of the drive. Figures:
 ///   scans, path_m, loops, scan_mean_ms, scan_p99_ms (Mapper::add alone, CPU), cpu_s (of the whole drive, the
-///   searches included), peak_mb, pairs (of poses that see each
-///   other again), bad_pairs (off by more than 0.5 m), and with pairs: pair_error_m (mean);
+///   searches included), peak_mb, pairs (of poses that see each other again), bad_pairs (off by more than
+///   0.5 m), and with pairs: pair_error_m (mean);
 ///   end_error_m (of the last pose as seen from the first), end_sigma_m (what the mapper says of it).
 int run_world_part(const std::vector<std::string>& tokens);
 
