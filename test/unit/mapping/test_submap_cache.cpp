@@ -1,4 +1,6 @@
 #include <algorithm>
+#include <utility>
+#include <vector>
 
 #include <gtest/gtest.h>
 
@@ -97,6 +99,32 @@ TEST_F(SubmapCacheTest, ForgetsWhatWasNotUsedLately) {
   }
   for (std::size_t i = 0; i < SubmapCache::kMaxSubmaps; ++i) (void)at(60 + i);
   EXPECT_FALSE(is_marked(10));
+}
+
+/// What was made of a submap is made again when its key frames moved in its frame.
+TEST(SubmapShape, ChangesWithItsKeyFramesAndNotWithItsPose) {
+  constexpr std::size_t kMiddle = 20;
+  std::vector<Pose2> poses;
+  for (std::size_t i = 0; i < 40; ++i) poses.push_back({0.3 * static_cast<double>(i), 0, 0});
+  const auto shape_of = [](std::size_t key_frame, const std::vector<Pose2>& at) {
+    return SubmapCache::shape_of(key_frame, at.size(), at);
+  };
+  const SubmapShape then = shape_of(kMiddle, poses);
+  EXPECT_FALSE(is_unchanged(shape_of(kMiddle + 1, poses), then));
+  EXPECT_FALSE(is_unchanged(SubmapCache::shape_of(kMiddle, kMiddle + 4, poses), then));
+  auto moved = poses;
+  for (Pose2& pose : moved) pose = compose({5, -3, 1}, pose);
+  EXPECT_TRUE(is_unchanged(shape_of(kMiddle, moved), then));
+  for (const std::size_t end : {then.first, then.last - 1}) {
+    for (const auto& [shift, is_still] :
+         {std::pair{Pose2{0.005, 0, 0}, true}, std::pair{Pose2{0.02, 0, 0}, false},
+          std::pair{Pose2{0, 0, 0.001}, true}, std::pair{Pose2{0, 0, 0.004}, false}}) {
+      auto shifted = moved;
+      shifted[end] = compose(shifted[end], shift);
+      EXPECT_EQ(is_unchanged(shape_of(kMiddle, shifted), then), is_still)
+          << end << " " << shift.x << " " << shift.yaw;
+    }
+  }
 }
 
 }  // namespace
